@@ -1,0 +1,37 @@
+# SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+# SPDX-License-Identifier: Apache-2.0
+
+# sgs_add_module(NAME [DEPS sgs modules...] [LIBS third-party...] [PRIVATE_LIBS third-party...])
+#
+# One module = one static library `sgs_NAME` made of every *.cc below the module's folder, and one
+# test executable `sgs_NAME_test` made of every *_test.cc. DEPS is the module's row of the layer
+# table in docs/architecture.md; scripts/check_layers.py holds the #includes to it.
+function(sgs_add_module name)
+  cmake_parse_arguments(ARG "" "" "DEPS;LIBS;PRIVATE_LIBS" ${ARGN})
+  set(dir "${CMAKE_CURRENT_SOURCE_DIR}/${name}")
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${dir}/*.cc")
+  set(tests ${sources})
+  list(FILTER tests INCLUDE REGEX "_test\\.cc$")
+  list(FILTER sources EXCLUDE REGEX "_test\\.cc$")
+  list(TRANSFORM ARG_DEPS PREPEND "sgs_")
+
+  if(sources)
+    add_library(sgs_${name} STATIC ${sources})
+    target_include_directories(sgs_${name} PUBLIC "${PROJECT_SOURCE_DIR}/src")
+    target_link_libraries(sgs_${name} PUBLIC ${ARG_DEPS} ${ARG_LIBS} sgs_options
+                          PRIVATE sgs_warnings ${ARG_PRIVATE_LIBS})
+  else()
+    add_library(sgs_${name} INTERFACE)
+    target_include_directories(sgs_${name} INTERFACE "${PROJECT_SOURCE_DIR}/src")
+    target_link_libraries(sgs_${name} INTERFACE ${ARG_DEPS} ${ARG_LIBS} sgs_options)
+  endif()
+  add_library(sgs::${name} ALIAS sgs_${name})
+
+  if(SGS_BUILD_TESTS AND tests)
+    add_executable(sgs_${name}_test ${tests})
+    target_link_libraries(sgs_${name}_test PRIVATE sgs_${name} sgs_warnings ${ARG_PRIVATE_LIBS}
+                                                   GTest::gmock GTest::gtest_main)
+    gtest_discover_tests(sgs_${name}_test TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
+                         PROPERTIES TIMEOUT 300)
+  endif()
+endfunction()

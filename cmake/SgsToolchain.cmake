@@ -1,0 +1,55 @@
+# SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Language level, warnings, sanitizers and third-party packages: what every target shares.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+find_program(SGS_CCACHE ccache)
+if(SGS_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${SGS_CCACHE}")
+endif()
+
+# Third-party headers come in as SYSTEM, so that our warnings are errors and theirs are silent.
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(tl-expected REQUIRED)
+find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d)
+find_package(nlohmann_json REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(nanoflann REQUIRED)
+find_library(SGS_HWY_LIBRARY hwy REQUIRED)
+find_library(SGS_TOMLPLUSPLUS_LIBRARY tomlplusplus REQUIRED)
+
+add_library(sgs_opencv INTERFACE)
+target_include_directories(sgs_opencv SYSTEM INTERFACE ${OpenCV_INCLUDE_DIRS})
+target_link_libraries(sgs_opencv INTERFACE opencv_core opencv_imgproc opencv_imgcodecs
+                                           opencv_features2d opencv_calib3d)
+
+add_library(sgs_warnings INTERFACE)
+target_compile_options(sgs_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
+                                              -Wold-style-cast -Wcast-qual -Woverloaded-virtual
+                                              -Werror)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  # GCC 12 reports impossible overlaps inside std::string (GCC bug 105651).
+  target_compile_options(sgs_warnings INTERFACE -Wno-restrict)
+endif()
+
+add_library(sgs_options INTERFACE)
+# One build serves every x86-64: no -march=native. Contraction off keeps results equal across
+# compilers that would fuse differently; the dispatched kernels ask for FMA explicitly.
+target_compile_options(sgs_options INTERFACE -ffp-contract=off -fno-math-errno)
+if(SGS_SANITIZE)
+  target_compile_options(sgs_options INTERFACE -fsanitize=${SGS_SANITIZE} -fno-omit-frame-pointer
+                                               -fno-sanitize-recover=all)
+  target_link_options(sgs_options INTERFACE -fsanitize=${SGS_SANITIZE})
+endif()

@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "sgs/camera/pinhole.h"
+#include "sgs/core/image.h"
+#include "sgs/geometry/se3.h"
+
+namespace sgs {
+
+/// One undistorted, registered RGB-D frame. Colour and depth have the camera's size.
+struct RgbdFrame {
+  std::int64_t index = 0;  ///< position in the sequence, bad frames counted
+  double timestamp_s = 0;
+  PinholeCamera camera;
+  ColorImage color;
+  DepthImage depth;                         ///< metres, 0 = no measurement
+  std::optional<SE3> truth_T_world_camera;  ///< ground truth where known; never read by SLAM
+};
+
+}  // namespace sgs

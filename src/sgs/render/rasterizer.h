@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sgs/camera/pinhole.h"
+#include "sgs/core/image.h"
+#include "sgs/core/thread_pool.h"
+#include "sgs/geometry/se3.h"
+#include "sgs/map/gaussian.h"
+
+namespace sgs::render {
+
+/// Pixel type of the float colour image.
+struct Rgbf {
+  float r = 0, g = 0, b = 0;
+};
+
+/// Composited image of the map on a black background.
+/// With weights w_i = alpha_i * prod_{j<i} (1 - alpha_j), front to back:
+struct Rendering {
+  Image<Rgbf> color;          ///< sum w_i c_i (unclamped)
+  Image<float> depth_sum;     ///< D = sum w_i z_i, metres; D / alpha is the mean depth
+  Image<float> alpha;         ///< A = sum w_i = 1 - final transmittance
+};
+
+/// What a training view is compared with. Prepared once per keyframe and resolution.
+struct TrainingImage {
+  PinholeCamera camera;  ///< its size is the images' size
+  Image<Rgbf> color;     ///< measured colour, 0..1
+  DepthImage depth;      ///< measured depth, 0 = none
+};
+
+/// The loss of MAPPING.md, summed over pixels (not averaged):
+///   color_weight / 3 * sum_c |gain_c r_c - y_c|   over all pixels (or those with depth, see below)
+/// + depth_weight * |D - A z| / max(z, 0.3 m)       over pixels with measured depth z (kAlpha), or
+///   depth_weight * |D - z|                         (kAbsolute: the paper's form)
+/// + dssim_weight * (1 - SSIM) averaged over channels, over all pixels (0 = off).
+struct LossConfig {
+  enum class Depth { kAlphaRelative, kAbsolute };
+  float color_weight = 0.8f;
+  float depth_weight = 0.2f;
+  float dssim_weight = 0.0f;
+  Depth depth_form = Depth::kAlphaRelative;
+  bool color_only_where_depth = false;  ///< paper: pixels without depth count nothing
+  /// Gaussians more than this far in front of the measured depth get no gradient (paper's
+  /// "floaters"); 0 = off.
+  float floater_margin_m = 0.0f;
+  std::array<float, 3> gain = {1, 1, 1};  ///< exposure gain of this view per channel
+};
+
+/// Gradient rows of the Gaussians that took part in a rendering. Row fields mirror
+/// map::Gaussian: d loss / d mean, log_scale, rotation (raw quaternion), opacity_logit, rgb.
+struct Gradients {
+  std::vector<std::uint32_t> visible;     ///< indices into the rendered span, increasing
+  std::vector<map::Gaussian> gradient;    ///< one row per entry of `visible`
+  Vector6d camera_twist = Vector6d::Zero();  ///< d loss / d xi of T_world_camera * exp(xi)
+  double loss = 0;                         ///< value of the loss (colour + depth + dssim)
+};
+
+/// A differentiable Gaussian rasterizer: EWA projection with 0.3 px^2 low-pass, alpha clamped to
+/// 0.99, contributions below 1/255 dropped, compositing stops at transmittance 1e-4.
+/// Not thread-safe: one per user. Same input gives the same bits for any number of threads.
+class Rasterizer {
+ public:
+  virtual ~Rasterizer() = default;
+  virtual std::string name() const = 0;
+
+  /// Renders `gaussians` seen from T_world_camera into `out` (resized as needed).
+  virtual void render(std::span<const map::Gaussian> gaussians, const PinholeCamera& camera,
+                      const SE3& T_world_camera, Rendering& out) = 0;
+
+  /// One training evaluation: forward, loss against `target`, backward. Reuses `out`'s memory.
+  /// With `rendering` non-null the forward images are also stored there.
+  virtual void evaluate(std::span<const map::Gaussian> gaussians, const TrainingImage& target,
+                        const SE3& T_world_camera, const LossConfig& loss, Gradients& out,
+                        Rendering* rendering = nullptr) = 0;
+};
+
+/// Scalar double-precision oracle: slow, obviously correct, single-threaded.
+std::unique_ptr<Rasterizer> make_reference_rasterizer();
+/// SIMD rasterizer dispatched at run time; `pool` may be null (one thread) and must outlive it.
+std::unique_ptr<Rasterizer> make_cpu_rasterizer(ThreadPool* pool);
+
+}  // namespace sgs::render
