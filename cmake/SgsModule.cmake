@@ -31,6 +31,7 @@ function(sgs_add_module name)
     add_executable(sgs_${name}_test ${tests})
     target_link_libraries(sgs_${name}_test PRIVATE sgs_${name} sgs_warnings ${ARG_PRIVATE_LIBS}
                                                    GTest::gmock GTest::gtest_main)
+    target_compile_definitions(sgs_${name}_test PRIVATE SGS_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
     gtest_discover_tests(sgs_${name}_test TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
                          PROPERTIES TIMEOUT 300)
   endif()
