@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+#include "sgs/core/error.h"
+#include "sgs/core/image.h"
+
+namespace sgs::io {
+
+/// Reads an 8-bit PNG or JPEG. Grey images are spread over the three channels, alpha is dropped,
+/// EXIF orientation is ignored. Errors name the file: kNotFound / kIo when it cannot be read,
+/// kInvalidFormat when it is empty, truncated or damaged, kUnsupported for other formats and for
+/// 16 bits per channel (most often a depth image where colour belongs).
+Result<ColorImage> load_color(const std::filesystem::path& path);
+
+/// Reads a 16-bit single-channel PNG of raw depth and divides by `depth_scale` (raw units per
+/// metre, > 0). Raw 0 and 65535 become 0, "no measurement". Errors as for load_color; 8-bit or
+/// multi-channel images are kUnsupported.
+Result<DepthImage> load_depth(const std::filesystem::path& path, double depth_scale);
+
+/// Writes PNG or JPEG by the extension (.png, .jpg, .jpeg); `jpeg_quality` 1..100.
+Status save_color(const std::filesystem::path& path, const ColorImage& image,
+                  int jpeg_quality = 95);
+
+/// Writes a 16-bit PNG of round(metres * depth_scale). What is not positive and finite, or does not
+/// fit below 65535, becomes 0.
+Status save_depth(const std::filesystem::path& path, const DepthImage& image, double depth_scale);
+
+}  // namespace sgs::io
