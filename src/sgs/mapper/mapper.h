@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "sgs/camera/rgbd_frame.h"
+#include "sgs/core/stopwatch.h"
+#include "sgs/core/thread_pool.h"
+#include "sgs/map/gaussian.h"
+#include "sgs/mapper/mapper_config.h"
+
+namespace sgs::mapper {
+
+/// What one call of iterate() did.
+struct IterationReport {
+  int iterations = 0;
+  double loss = 0;  ///< mean loss per pixel of the last iteration's view
+};
+
+/// Optimises the Gaussian map from keyframes with given poses. Synchronous and deterministic for a
+/// given sequence of calls and seed, for any number of threads in the pool. Not thread-safe; what
+/// snapshot() returns is immutable and may be read from any thread.
+class Mapper {
+ public:
+  /// `pool` may be null (one thread) and must outlive the mapper.
+  Mapper(const MapperConfig& config, const PinholeCamera& camera, std::uint64_t seed,
+         ThreadPool* pool);
+  ~Mapper();
+
+  /// Adds a keyframe at `T_world_camera` and inserts Gaussians where the map does not explain it.
+  /// Returns the keyframe's index.
+  int add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE3& T_world_camera);
+  /// Runs `count` optimisation steps over the keyframes; nothing happens without keyframes.
+  IterationReport iterate(int count);
+
+  /// The current averaged map; cheap when nothing changed since the last call.
+  map::SnapshotPtr snapshot();
+  /// Number of Gaussians now.
+  std::size_t size() const;
+  /// Total optimisation steps so far.
+  std::int64_t iterations() const;
+  /// Durations of insertion, iteration, pruning and snapshots.
+  const StageTimes& times() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace sgs::mapper

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "sgs/geometry/se3.h"
+
+namespace sgs::tracker {
+
+/// How far a pose can be trusted. Expected bad luck is a value, not an error.
+enum class TrackingStatus {
+  kOk,          ///< all six directions observed
+  kDegenerate,  ///< tracked, but some direction is not observed by geometry
+  kLost,        ///< no trustworthy pose: the last one is held, nothing may be inserted
+};
+std::string to_string(TrackingStatus status);
+
+/// Everything that frames.csv says about one frame's tracking (METHOD section 8). NaN = not
+/// computed by this tracker.
+struct Diagnostics {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  std::array<double, 6> eigenvalues = {kNone, kNone, kNone, kNone, kNone, kNone};  ///< of H, rising
+  std::array<double, 6> snr = {kNone, kNone, kNone, kNone, kNone, kNone};  ///< per axis, as weights
+  std::array<double, 6> weights = {0, 0, 0, 0, 0, 0};  ///< w_k: 0 seen .. 1 unseen by geometry
+  unsigned degenerate_mask = 0;      ///< bit k set where w_k > 0.5
+  double condition_number = kNone;   ///< lambda_max / lambda_min of the registration Hessian
+  double planarity = kNone;          ///< eta of the Gaussians' normals, 0..1
+  std::string prior_source = "none";  ///< none | cvm | orb | photometric
+  bool prior_active = false;
+  int source_points = 0;      ///< sampled points of the frame
+  int inliers = 0;            ///< matched ones at the final pose
+  int visual_inliers = 0;     ///< photometric pixels or features used
+  double overlap = kNone;     ///< share of source points explained by the map
+  double cost = kNone;        ///< joint cost at the final pose
+  int iterations = 0;         ///< Gauss-Newton steps over all levels
+  double ms_points = 0, ms_index = 0, ms_geometry = 0, ms_visual = 0, ms_update = 0;
+};
+
+/// Outcome of tracking one frame.
+struct TrackResult {
+  SE3 T_world_camera;
+  TrackingStatus status = TrackingStatus::kOk;
+  bool keyframe = false;  ///< the tracker extended its own target map with this frame
+  Diagnostics diagnostics;
+};
+
+}  // namespace sgs::tracker

@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "sgs/camera/rgbd_frame.h"
+#include "sgs/core/error.h"
+#include "sgs/map/gaussian.h"
+#include "sgs/tracker/track_result.h"
+
+namespace sgs::tracker {
+
+struct TrackerConfig;  // tracker/tracker_config.h
+
+/// Estimates the pose of each frame in the world of the first one. Synchronous, single-threaded,
+/// deterministic; the first frame gets the initial pose. Never throws on bad data: a frame
+/// that cannot be tracked comes back as kLost with the last pose held.
+class Tracker {
+ public:
+  virtual ~Tracker() = default;
+  /// `snapshot` is the newest map state the schedule allows this frame to see; null before the
+  /// first one exists. Frames must come in time order.
+  virtual TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) = 0;
+  /// True when poses are relative to the (moving) Gaussians of the snapshots; false when the
+  /// tracker keeps target points of its own that refinement of keyframes does not move.
+  virtual bool follows_map() const = 0;
+};
+
+/// Makes the tracker that `config` names (gicp, spectral, ...). Fails on names this build lacks.
+Result<std::unique_ptr<Tracker>> make_tracker(const TrackerConfig& config,
+                                              const PinholeCamera& camera,
+                                              const SE3& T_world_first);
+
+}  // namespace sgs::tracker
