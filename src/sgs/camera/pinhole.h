@@ -27,8 +27,8 @@ struct PinholeCamera {
   /// full image lies at (c + 0.5) / 2^level - 0.5.
   PinholeCamera halved(int level) const {
     const double s = 1.0 / (1 << level);
-    return {width >> level,      height >> level,        fx * s, fy * s,
-            (cx + 0.5) * s - 0.5, (cy + 0.5) * s - 0.5};
+    return {width >> level, height >> level,      fx * s,
+            fy * s,         (cx + 0.5) * s - 0.5, (cy + 0.5) * s - 0.5};
   }
   bool valid() const {
     return width > 0 && height > 0 && fx > 0 && fy > 0 && std::isfinite(fx) && std::isfinite(fy) &&

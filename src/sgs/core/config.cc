@@ -157,11 +157,11 @@ Status ParameterList::set(std::string_view key, std::string_view value_text) con
       parameters_.begin(), parameters_.end(), [&](const Parameter& a, const Parameter& b) {
         return edit_distance(a.key, key) < edit_distance(b.key, key);
       });
-  return fail(ErrorCode::kInvalidArgument, fmt::format("unknown config key '{}'", key),
-              nearest == parameters_.end()
-                  ? ""
-                  : fmt::format("did you mean '{}'? `sgs info --config` lists all keys",
-                                nearest->key));
+  return fail(
+      ErrorCode::kInvalidArgument, fmt::format("unknown config key '{}'", key),
+      nearest == parameters_.end()
+          ? ""
+          : fmt::format("did you mean '{}'? `sgs info --config` lists all keys", nearest->key));
 }
 
 Status ParameterList::set_assignment(std::string_view assignment) const {

@@ -40,7 +40,8 @@ struct Parameter {
 ///
 ///     struct MapperConfig {
 ///       int window = 8;
-///       void declare(ParameterList& p) { p.add("window", window, "Keyframes per round", "", {1, 64}); }
+///       void declare(ParameterList& p) { p.add("window", window, "Keyframes per round", "", {1,
+///       64}); }
 ///     };
 ///     ParameterList list;
 ///     { auto scope = list.group("mapper"); config.mapper.declare(list); }

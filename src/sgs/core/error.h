@@ -52,11 +52,11 @@ class ContractViolation : public std::logic_error {
 }  // namespace sgs
 
 /// Throws ContractViolation with file and line when `condition` is false; NaN comparisons fail too.
-#define SGS_CHECK(condition, message)                                                   \
-  do {                                                                                  \
-    if (!(condition))                                                                   \
-      throw ::sgs::ContractViolation(                                                   \
-          fmt::format("{}:{}: {} [{}]", __FILE__, __LINE__, (message), #condition));    \
+#define SGS_CHECK(condition, message)                                                \
+  do {                                                                               \
+    if (!(condition))                                                                \
+      throw ::sgs::ContractViolation(                                                \
+          fmt::format("{}:{}: {} [{}]", __FILE__, __LINE__, (message), #condition)); \
   } while (false)
 
 /// Evaluates a Result expression; on failure returns its error, else binds the value to `lhs`.
@@ -64,12 +64,12 @@ class ContractViolation : public std::logic_error {
 #define SGS_CONCAT(a, b) SGS_CONCAT_INNER(a, b)
 #define SGS_ASSIGN_OR_RETURN(lhs, expression) \
   SGS_ASSIGN_OR_RETURN_IMPL(SGS_CONCAT(sgs_result_, __LINE__), lhs, expression)
-#define SGS_ASSIGN_OR_RETURN_IMPL(tmp, lhs, expression)      \
-  auto tmp = (expression);                                   \
+#define SGS_ASSIGN_OR_RETURN_IMPL(tmp, lhs, expression)       \
+  auto tmp = (expression);                                    \
   if (!tmp) return tl::unexpected<::sgs::Error>(tmp.error()); \
   lhs = std::move(*tmp)
-#define SGS_RETURN_IF_ERROR(expression)                                  \
-  do {                                                                   \
-    if (auto sgs_status = (expression); !sgs_status)                     \
+#define SGS_RETURN_IF_ERROR(expression)                                   \
+  do {                                                                    \
+    if (auto sgs_status = (expression); !sgs_status)                      \
       return tl::unexpected<::sgs::Error>(std::move(sgs_status.error())); \
   } while (false)

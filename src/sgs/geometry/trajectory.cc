@@ -26,9 +26,9 @@ void Trajectory::push_back(const StampedPose& pose) {
 
 std::optional<SE3> Trajectory::at(double timestamp_s, double max_gap_s) const {
   constexpr double kSameTime_s = 1e-6;
-  const auto after = std::lower_bound(
-      poses_.begin(), poses_.end(), timestamp_s,
-      [](const StampedPose& p, double time) { return p.timestamp_s < time; });
+  const auto after =
+      std::lower_bound(poses_.begin(), poses_.end(), timestamp_s,
+                       [](const StampedPose& p, double time) { return p.timestamp_s < time; });
   if (after != poses_.end() && after->timestamp_s - timestamp_s <= kSameTime_s) {
     return after->T_world_camera;
   }
@@ -59,7 +59,8 @@ std::optional<Similarity> align_points(const std::vector<Eigen::Vector3d>& sourc
     covariance += (target[i] - mean_target) * (source[i] - mean_source).transpose() / n;
     variance += (source[i] - mean_source).squaredNorm() / n;
   }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
+                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Vector3d sign = Eigen::Vector3d::Ones();
   if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) sign.z() = -1;
   Similarity result;
@@ -67,8 +68,7 @@ std::optional<Similarity> align_points(const std::vector<Eigen::Vector3d>& sourc
   if (with_scale && variance > 0) {
     result.scale = svd.singularValues().dot(sign) / variance;
   }
-  result.T_target_source.t =
-      mean_target - result.scale * (result.T_target_source.R * mean_source);
+  result.T_target_source.t = mean_target - result.scale * (result.T_target_source.R * mean_source);
   return result;
 }
 

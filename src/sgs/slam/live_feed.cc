@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/slam/live_feed.h"
+
+#include <chrono>
+
+namespace sgs::slam {
+
+std::optional<FeedItem> read_item(dataset::FrameSource& source) {
+  auto frame = std::make_shared<RgbdFrame>();
+  Error error;
+  const dataset::FrameRead status = source.next(*frame, error);
+  if (status == dataset::FrameRead::kEnd) return std::nullopt;
+  FeedItem item{nullptr, frame->index, frame->timestamp_s, ""};
+  if (status == dataset::FrameRead::kOk) {
+    item.frame = std::move(frame);
+  } else {
+    item.bad_reason = error.text();
+  }
+  return item;
+}
+
+LiveFeed::LiveFeed(dataset::FrameSource& source, std::size_t capacity)
+    : queue_(capacity, FullPolicy::kDropOldest), thread_([this, &source] { play(source); }) {}
+
+LiveFeed::~LiveFeed() {
+  stop();
+  thread_.join();
+}
+
+void LiveFeed::stop() {
+  stop_ = true;
+  queue_.close();
+}
+
+void LiveFeed::play(dataset::FrameSource& source) {
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start;
+  std::optional<double> first_time_s;
+  while (!stop_) {
+    auto item = read_item(source);  // decoded before its time, so that decoding delays nothing
+    if (!item) break;
+    if (!first_time_s) {
+      first_time_s = item->timestamp_s;
+      start = Clock::now();
+    }
+    const auto due = start + std::chrono::duration_cast<Clock::duration>(
+                                 std::chrono::duration<double>(item->timestamp_s - *first_time_s));
+    // Short naps instead of one long sleep: stop() must not wait for a gap in the recording.
+    while (!stop_ && Clock::now() < due) {
+      std::this_thread::sleep_until(std::min(due, Clock::now() + std::chrono::milliseconds(50)));
+    }
+    if (stop_ || !queue_.push(std::move(*item))) break;
+  }
+  queue_.close();
+}
+
+}  // namespace sgs::slam

@@ -1,0 +1,164 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/slam/map_worker.h"
+
+#include <algorithm>
+
+#include "sgs/core/log.h"
+#include "sgs/core/stopwatch.h"
+
+namespace sgs::slam {
+
+MapWorker::MapWorker(const SessionConfig& config, const PinholeCamera& camera,
+                     bool tracker_follows_map, Mode mode, int threads)
+    : config_(config),
+      tracker_follows_map_(tracker_follows_map),
+      mode_(mode),
+      // One core belongs to the tracker as long as the mapper has a thread of its own.
+      pool_(mode == Mode::kInline ? threads : std::max(1, threads - 1)),
+      mapper_(config.mapper, camera, config.seed, &pool_) {
+  if (mode_ != Mode::kInline) thread_ = std::thread([this] { loop(); });
+}
+
+MapWorker::~MapWorker() {
+  {
+    const std::scoped_lock lock(mutex_);
+    stop_ = true;
+    queue_.clear();
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+void MapWorker::process(const MapJob& job) {
+  if (job.keyframe) {
+    KeyframePose keyframe{job.keyframe->index, job.keyframe->timestamp_s, job.T_world_tracked,
+                          job.T_world_tracked, job.T_world_tracked};
+    // A tracker with a world of its own does not notice that keyframes move; the newest keyframe's
+    // correction carries its poses into the refined map.
+    if (!tracker_follows_map_ && !keyframes_.empty()) {
+      const KeyframePose& last = keyframes_.back();
+      keyframe.T_world_inserted =
+          last.T_world_refined * last.T_world_tracked.inverse() * job.T_world_tracked;
+      keyframe.T_world_refined = keyframe.T_world_inserted;
+    }
+    mapper_.add_keyframe(job.keyframe, keyframe.T_world_inserted);
+    keyframes_.push_back(keyframe);
+  }
+  if (mode_ != Mode::kLive) {
+    budget_ += config_.mapper.iterations_per_frame;
+    const int count = static_cast<int>(budget_);
+    budget_ -= count;
+    mapper_.iterate(count);
+  }
+  if (job.keyframe || ++jobs_since_snapshot_ >= config_.snapshot_interval) publish();
+}
+
+void MapWorker::publish() {
+  jobs_since_snapshot_ = 0;
+  newest_ = {mapper_.snapshot(), mapper_.iterations()};
+  const auto& refined = newest_.snapshot->T_world_keyframe;
+  for (std::size_t i = 0; i < std::min(refined.size(), keyframes_.size()); ++i) {
+    keyframes_[i].T_world_refined = refined[i];
+  }
+}
+
+void MapWorker::submit(MapJob job) {
+  if (mode_ == Mode::kInline) {
+    process(job);
+    const std::scoped_lock lock(mutex_);
+    live_view_ = newest_;
+    views_.push_back(newest_);
+    ++jobs_done_;
+    return;
+  }
+  {
+    const std::scoped_lock lock(mutex_);
+    if (failure_) std::rethrow_exception(failure_);
+    if (mode_ == Mode::kLive && !job.keyframe) return;
+    queue_.push_back(std::move(job));
+  }
+  changed_.notify_all();
+}
+
+MapView MapWorker::view_for(std::int64_t n) {
+  std::unique_lock lock(mutex_);
+  if (mode_ == Mode::kLive) return live_view_;
+  const std::int64_t wanted = n - config_.snapshot_lag;
+  if (wanted < 0) return {};
+  changed_.wait(lock, [&] { return failure_ || jobs_done_ > wanted; });
+  if (failure_) std::rethrow_exception(failure_);
+  while (first_view_ < wanted) {
+    views_.pop_front();
+    ++first_view_;
+  }
+  return views_.front();
+}
+
+void MapWorker::loop() {
+  constexpr int kLiveIterationsPerSnapshot = 20;
+  int live_iterations = 0;
+  std::unique_lock lock(mutex_);
+  while (true) {
+    // A live mapper with at least one keyframe always has something to do.
+    const bool idle_work = mode_ == Mode::kLive && !keyframes_.empty();
+    if (!idle_work) changed_.wait(lock, [&] { return stop_ || !queue_.empty(); });
+    if (queue_.empty() && stop_) return;
+    std::optional<MapJob> job;
+    if (!queue_.empty()) {
+      job = std::move(queue_.front());
+      queue_.pop_front();
+    }
+    busy_since_s_ = wall_time_s();
+    lock.unlock();
+    try {
+      if (job) {
+        process(*job);
+      } else {
+        mapper_.iterate(1);
+        if (++live_iterations % kLiveIterationsPerSnapshot == 0) publish();
+      }
+    } catch (...) {
+      lock.lock();
+      failure_ = std::current_exception();
+      ++jobs_done_;
+      changed_.notify_all();
+      return;
+    }
+    lock.lock();
+    busy_s_ += wall_time_s() - busy_since_s_;
+    busy_since_s_ = -1;
+    live_view_ = newest_;
+    if (job && mode_ == Mode::kThread) {
+      views_.push_back(newest_);
+      ++jobs_done_;
+      changed_.notify_all();
+    }
+  }
+}
+
+void MapWorker::finish() {
+  if (mode_ != Mode::kInline) {
+    {
+      const std::scoped_lock lock(mutex_);
+      stop_ = true;
+    }
+    changed_.notify_all();
+    if (thread_.joinable()) thread_.join();
+    if (failure_) std::rethrow_exception(failure_);
+  }
+  publish();
+  final_snapshot_ = newest_.snapshot;
+}
+
+map::SnapshotPtr MapWorker::newest_snapshot() const {
+  const std::scoped_lock lock(mutex_);
+  return live_view_.snapshot;
+}
+
+double MapWorker::busy_s() const {
+  const std::scoped_lock lock(mutex_);
+  return busy_s_ + (busy_since_s_ >= 0 ? wall_time_s() - busy_since_s_ : 0.0);
+}
+
+}  // namespace sgs::slam

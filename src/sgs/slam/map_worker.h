@@ -1,0 +1,100 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "sgs/core/thread_pool.h"
+#include "sgs/mapper/mapper.h"
+#include "sgs/slam/pose_correction.h"
+#include "sgs/slam/session_config.h"
+
+namespace sgs::slam {
+
+/// What the tracker hands to the mapper for every frame, in frame order.
+struct MapJob {
+  std::shared_ptr<const RgbdFrame> keyframe;  ///< null when the frame is no mapping keyframe
+  SE3 T_world_tracked;                        ///< pose of that keyframe
+};
+
+/// Map state that one frame may see.
+struct MapView {
+  map::SnapshotPtr snapshot;    ///< null before the first keyframe
+  std::int64_t iterations = 0;  ///< mapping iterations behind it
+};
+
+/// Runs a Mapper beside the tracker. Offline every job gets the configured number of iterations and
+/// frame t sees exactly the state after job t - snapshot_lag; live the mapper iterates whenever it
+/// has no new keyframe and the tracker sees the newest snapshot.
+class MapWorker {
+ public:
+  enum class Mode {
+    kInline,  ///< jobs run inside submit(): one thread, same results as kThread
+    kThread,  ///< own thread, fixed budget per job
+    kLive,    ///< own thread, iterates as long as there is time
+  };
+
+  MapWorker(const SessionConfig& config, const PinholeCamera& camera, bool tracker_follows_map,
+            Mode mode, int threads);
+  ~MapWorker();
+
+  /// Queues the job of frame number `n` (0, 1, 2, ... without gaps). Rethrows a failure of the
+  /// mapping thread.
+  void submit(MapJob job);
+  /// The state that frame number `n` is to be tracked against; waits for job n - snapshot_lag
+  /// offline, never waits live.
+  MapView view_for(std::int64_t n);
+  /// Finishes all queued jobs and stops; the map is final afterwards.
+  void finish();
+
+  /// Seconds this worker has been busy so far (thread-safe).
+  double busy_s() const;
+  /// Newest published snapshot (thread-safe); null before the first keyframe.
+  map::SnapshotPtr newest_snapshot() const;
+  /// Valid after finish().
+  map::SnapshotPtr final_snapshot() const { return final_snapshot_; }
+  const std::vector<KeyframePose>& keyframes() const { return keyframes_; }
+  std::int64_t iterations() const { return mapper_.iterations(); }
+  const StageTimes& times() const { return mapper_.times(); }
+
+ private:
+  void process(const MapJob& job);
+  void publish();
+  void loop();
+
+  SessionConfig config_;
+  bool tracker_follows_map_;
+  Mode mode_;
+  ThreadPool pool_;
+  mapper::Mapper mapper_;
+  std::vector<KeyframePose> keyframes_;
+  double budget_ = 0;
+  std::int64_t jobs_since_snapshot_ = 0;
+  MapView newest_;
+  map::SnapshotPtr final_snapshot_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  // Guarded by mutex_:
+  std::deque<MapJob> queue_;
+  std::deque<MapView> views_;  // views_[i] is the state after job first_view_ + i
+  std::int64_t first_view_ = 0;
+  std::int64_t jobs_done_ = 0;
+  MapView live_view_;
+  bool stop_ = false;
+  std::exception_ptr failure_;
+  double busy_s_ = 0;
+  double busy_since_s_ = -1;  // < 0: idle
+
+  std::thread thread_;
+};
+
+}  // namespace sgs::slam

@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "sgs/camera/rgbd_frame.h"
+#include "sgs/core/error.h"
+#include "sgs/core/stopwatch.h"
+#include "sgs/geometry/trajectory.h"
+#include "sgs/map/gaussian.h"
+#include "sgs/slam/frame_record.h"
+#include "sgs/slam/map_worker.h"
+#include "sgs/slam/pose_correction.h"
+#include "sgs/slam/session_config.h"
+#include "sgs/tracker/tracker.h"
+
+namespace sgs::slam {
+
+/// How a session uses time and threads; never changes an offline result.
+struct SessionOptions {
+  int threads = 2;    ///< 1: everything in feed(); 2 and more: the mapper has its own threads
+  bool live = false;  ///< map as long as there is time instead of a fixed budget per frame
+  SE3 T_world_first;  ///< pose given to the first frame
+};
+
+/// SLAM from frames to trajectory and map: tracker and mapper side by side, meeting only in
+/// immutable snapshots. feed() and finish() belong to one thread; snapshot() may be called from
+/// any.
+///
+///     auto session = Session::create(config, camera, {});
+///     while (source.next(*frame, error) == FrameRead::kOk) (*session)->feed(frame);
+///     (*session)->finish();
+class Session {
+ public:
+  static Result<std::unique_ptr<Session>> create(const SessionConfig& config,
+                                                 const PinholeCamera& camera,
+                                                 const SessionOptions& options);
+  ~Session();
+
+  /// Tracks one frame and hands it to the mapper; offline it waits when the mapper is more than
+  /// snapshot_lag frames behind. The record stays valid until the session dies.
+  const FrameRecord& feed(const std::shared_ptr<const RgbdFrame>& frame);
+  /// Notes a frame that could not be read.
+  void feed_bad(std::int64_t index, double timestamp_s, const std::string& reason);
+  /// Waits for the mapper to complete what was fed. Call once, then read the results below.
+  void finish();
+
+  /// Newest published map; null before the first keyframe.
+  map::SnapshotPtr snapshot();
+  const std::deque<FrameRecord>& records() const { return records_; }
+  /// Poses of all tracked frames carried into the refined map (after finish()); frames that were
+  /// lost carry the pose held for them.
+  Trajectory trajectory() const;
+  /// Poses of the mapping keyframes as refined (after finish()).
+  Trajectory keyframe_trajectory() const;
+  const std::vector<KeyframePose>& keyframes() const { return worker_->keyframes(); }
+  std::int64_t iterations() const { return worker_->iterations(); }
+  /// Seconds the mapper has been busy so far (any thread).
+  double mapper_busy_s() const { return worker_->busy_s(); }
+  /// Durations of tracking and mapping stages (after finish()).
+  StageTimes times() const;
+
+ private:
+  Session(const SessionConfig& config, const PinholeCamera& camera, const SessionOptions& options,
+          std::unique_ptr<tracker::Tracker> tracker);
+  bool wants_mapping_keyframe(const FrameRecord& record) const;
+
+  SessionConfig config_;
+  PinholeCamera camera_;
+  bool live_;
+  std::unique_ptr<tracker::Tracker> tracker_;
+  std::unique_ptr<MapWorker> worker_;
+  std::deque<FrameRecord> records_;  // deque: feed() hands out references
+  std::int64_t frames_fed_ = 0;
+  std::int64_t last_mapping_keyframe_ = -1;  // in frames fed
+  bool keyframe_pending_ = true;  // a tracking keyframe waits for a frame the mapper may use
+  StageTimes track_times_;
+};
+
+}  // namespace sgs::slam
