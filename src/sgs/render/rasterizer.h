@@ -38,11 +38,28 @@ struct TrainingImage {
   DepthImage depth;      ///< measured depth, 0 = none
 };
 
+/// A training image in a rasterizer's own layout together with everything about it that stays the
+/// same from one evaluation to the next. Immutable, shareable between threads; to be handed only
+/// to rasterizers of the kind (Rasterizer::name) that prepared it.
+class PreparedTarget {
+ public:
+  explicit PreparedTarget(const PinholeCamera& camera) : camera_(camera) {}
+  virtual ~PreparedTarget() = default;
+  PreparedTarget(const PreparedTarget&) = delete;
+  PreparedTarget& operator=(const PreparedTarget&) = delete;
+  const PinholeCamera& camera() const { return camera_; }
+
+ private:
+  PinholeCamera camera_;
+};
+
 /// The loss of MAPPING.md, summed over pixels (not averaged):
 ///   color_weight / 3 * sum_c |gain_c r_c - y_c|   over all pixels (or those with depth, see below)
 /// + depth_weight * |D - A z| / max(z, 0.3 m)       over pixels with measured depth z (kAlpha), or
 ///   depth_weight * |D - z|                         (kAbsolute: the paper's form)
-/// + dssim_weight * (1 - SSIM) averaged over channels, over all pixels (0 = off).
+/// + dssim_weight * (1 - SSIM) averaged over channels, over all pixels (0 = off), SSIM between
+///   gain_c r_c and y_c in an 11x11 Gaussian window (sigma 1.5) on zero-padded images.
+/// At a residual of exactly zero the L1 terms take the slope from below.
 struct LossConfig {
   enum class Depth { kAlphaRelative, kAbsolute };
   float color_weight = 0.8f;
@@ -63,10 +80,15 @@ struct Gradients {
   std::vector<map::Gaussian> gradient;    ///< one row per entry of `visible`
   Vector6d camera_twist = Vector6d::Zero();  ///< d loss / d xi of T_world_camera * exp(xi)
   double loss = 0;                         ///< value of the loss (colour + depth + dssim)
+  /// Sums over the well-exposed explained pixels (alpha > 0.9, measured depth, 0.02 < y_c < 0.97)
+  /// of measured y_c and rendered r_c (without gain): what an exposure gain is estimated from.
+  std::array<double, 3> exposure_measured = {0, 0, 0};
+  std::array<double, 3> exposure_rendered = {0, 0, 0};
 };
 
 /// A differentiable Gaussian rasterizer: EWA projection with 0.3 px^2 low-pass, alpha clamped to
-/// 0.99, contributions below 1/255 dropped, compositing stops at transmittance 1e-4.
+/// 0.99, contributions below 1/255 dropped, compositing stops at transmittance 1e-4. Gaussians
+/// nearer than 0.1 m, far outside the view or with non-finite or absurd parameters are left out.
 /// Not thread-safe: one per user. Same input gives the same bits for any number of threads.
 class Rasterizer {
  public:
@@ -77,11 +99,21 @@ class Rasterizer {
   virtual void render(std::span<const map::Gaussian> gaussians, const PinholeCamera& camera,
                       const SE3& T_world_camera, Rendering& out) = 0;
 
+  /// Converts a training image for evaluate(); once per keyframe and resolution.
+  virtual std::shared_ptr<const PreparedTarget> prepare(const TrainingImage& image) const = 0;
+
   /// One training evaluation: forward, loss against `target`, backward. Reuses `out`'s memory.
   /// With `rendering` non-null the forward images are also stored there.
-  virtual void evaluate(std::span<const map::Gaussian> gaussians, const TrainingImage& target,
+  virtual void evaluate(std::span<const map::Gaussian> gaussians, const PreparedTarget& target,
                         const SE3& T_world_camera, const LossConfig& loss, Gradients& out,
                         Rendering* rendering = nullptr) = 0;
+
+  /// The same with the preparation done here each time.
+  void evaluate(std::span<const map::Gaussian> gaussians, const TrainingImage& target,
+                const SE3& T_world_camera, const LossConfig& loss, Gradients& out,
+                Rendering* rendering = nullptr) {
+    evaluate(gaussians, *prepare(target), T_world_camera, loss, out, rendering);
+  }
 };
 
 /// Scalar double-precision oracle: slow, obviously correct, single-threaded.
