@@ -6,6 +6,6 @@
 set -euo pipefail
 cd "$(dirname "$0")"
 scripts/install_packages.sh
-cmake --preset release
+cmake --preset release -DSGS_BUILD_TESTS=ON
 cmake --build --preset release
 ctest --preset release --parallel "$(nproc)" "$@"

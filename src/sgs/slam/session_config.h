@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include "sgs/camera/heldout.h"
 #include "sgs/core/config.h"
 #include "sgs/mapper/mapper_config.h"
 #include "sgs/tracker/tracker_config.h"
@@ -16,9 +17,10 @@ struct SessionConfig {
   std::string preset = "default";  ///< where the values came from; set by make_session_config()
   std::uint64_t seed = 0;          ///< of every random choice
   int keyframe_interval = 10;      ///< a mapping keyframe at least every so many frames
-  int heldout_interval = 8;        ///< every n-th frame is never used by the mapper; 0 = none
-  int snapshot_lag = 2;            ///< k: frame t is tracked against the map after frame t - k
-  int snapshot_interval = 10;      ///< a new snapshot at least every so many frames
+  int heldout_interval =
+      kHeldoutInterval;        ///< every n-th frame is never used by the mapper; 0 = none
+  int snapshot_lag = 2;        ///< k: frame t is tracked against the map after frame t - k
+  int snapshot_interval = 10;  ///< a new snapshot at least every so many frames
   tracker::TrackerConfig tracker;
   mapper::MapperConfig mapper;
 
@@ -27,10 +29,5 @@ struct SessionConfig {
 
 /// The named preset: "default" (ours) or "paper" (METHOD.md's reading of the paper).
 Result<SessionConfig> make_session_config(const std::string& preset);
-
-/// True for frames that only evaluation may use (EVALUATION section 1, rule `heldout`).
-inline bool is_heldout(std::int64_t frame_index, int heldout_interval) {
-  return heldout_interval > 0 && frame_index % heldout_interval == heldout_interval / 2;
-}
 
 }  // namespace sgs::slam

@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+#include "sgs/core/error.h"
+
+namespace sgs::app {
+
+/// Exit codes of the program (docs/quickstart.md).
+enum ExitCode : int {
+  kExitDone = 0,
+  kExitFailed = 1,  ///< something went wrong while running
+  kExitUsage = 2,   ///< the command line or a config value makes no sense
+  kExitLost = 3,    ///< finished, but tracking was lost at the end or for most of the run
+  kExitInterrupted = 130,
+};
+
+/// Exit code for an error that ends the program.
+int exit_code(const Error& error);
+/// Prints the error to stderr and returns its exit code.
+int report(const Error& error);
+
+/// What the chosen subcommand does; called after parsing, its value is the exit code.
+using Action = std::function<int()>;
+
+// Each adds one subcommand; `action` is set when the user chose it.
+void add_run(CLI::App& app, Action& action);
+void add_eval(CLI::App& app, Action& action);
+void add_render(CLI::App& app, Action& action);
+void add_synth(CLI::App& app, Action& action);
+void add_export(CLI::App& app, Action& action);
+void add_info(CLI::App& app, Action& action);
+
+}  // namespace sgs::app

@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "input.h"
+#include "sgs/slam/session_config.h"
+#include "sgs/synthetic/source.h"
+
+namespace sgs::app {
+namespace {
+
+struct InfoOptions {
+  InputSpec input;
+  bool config = false, markdown = false, scenes = false, json = false;
+  std::string preset = "default";
+};
+
+int print_config(const InfoOptions& options) {
+  auto config = slam::make_session_config(options.preset);
+  if (!config) return report(config.error());
+  ParameterList list;
+  config->declare(list);
+  fmt::print("{}", options.markdown ? list.to_markdown() : list.to_toml());
+  return kExitDone;
+}
+
+int print_scenes() {
+  for (const auto& scene : synthetic::scene_names()) {
+    fmt::print("synth:{:<34} {:>5} frames  {}\n", scene.name, scene.default_frames,
+               scene.description);
+  }
+  return kExitDone;
+}
+
+int print_sequence(const InfoOptions& options) {
+  const auto input = open_input(options.input, 1);
+  if (!input) return report(input.error());
+  const auto& info = input->info;
+  const auto& c = info.calibration;
+  if (options.json) {
+    const nlohmann::json json = {
+        {"layout", info.layout},
+        {"name", info.name},
+        {"frames", info.frames},
+        {"frames_in_folder", info.frames_in_folder},
+        {"first_time_s", info.first_time_s},
+        {"last_time_s", info.last_time_s},
+        {"width", c.camera.width},
+        {"height", c.camera.height},
+        {"fx", c.camera.fx},
+        {"fy", c.camera.fy},
+        {"cx", c.camera.cx},
+        {"cy", c.camera.cy},
+        {"distortion",
+         {c.distortion.k1, c.distortion.k2, c.distortion.p1, c.distortion.p2, c.distortion.k3}},
+        {"depth_scale", c.depth_scale},
+        {"calibration_source", info.calibration_source},
+        {"truth_rows", info.truth_rows},
+        {"color_without_depth", info.color_without_depth},
+        {"depth_without_color", info.depth_without_color},
+        {"missing_images", info.missing_images},
+        {"warnings", info.warnings}};
+    fmt::print("{}\n", json.dump(2));
+    return kExitDone;
+  }
+  fmt::print("name         {}\nlayout       {}\n", info.name, info.layout);
+  fmt::print("frames       {} of {}, {:.3f} s\n", info.frames, info.frames_in_folder,
+             info.last_time_s - info.first_time_s);
+  fmt::print("camera       {}x{}  fx {} fy {} cx {} cy {}  (from {})\n", c.camera.width,
+             c.camera.height, c.camera.fx, c.camera.fy, c.camera.cx, c.camera.cy,
+             info.calibration_source);
+  if (!c.distortion.is_zero()) {
+    fmt::print("distortion   k1 {} k2 {} p1 {} p2 {} k3 {} (removed while reading)\n",
+               c.distortion.k1, c.distortion.k2, c.distortion.p1, c.distortion.p2, c.distortion.k3);
+  }
+  fmt::print("depth scale  {} units per metre\n", c.depth_scale);
+  fmt::print("ground truth {}\n",
+             info.truth_rows ? fmt::format("{} poses", info.truth_rows) : "none");
+  for (const std::string& warning : info.warnings) fmt::print("warning      {}\n", warning);
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, Action& action) {
+  auto options = std::make_shared<InfoOptions>();
+  auto* sub = app.add_subcommand("info", "Describe a sequence, the parameters or the scenes");
+  sub->add_option("INPUT", options->input.input, "Sequence folder or synth:NAME[:LEVEL]");
+  sub->add_option("--camera", options->input.camera, "fx,fy,cx,cy[,k1,k2,p1,p2,k3]");
+  sub->add_option("--depth-scale", options->input.depth_scale, "Raw depth units per metre");
+  sub->add_option("--preset", options->preset, "default or paper (with --config)");
+  sub->add_flag("--config", options->config, "Print all parameters as TOML");
+  sub->add_flag("--markdown", options->markdown, "With --config: the table of docs/parameters.md");
+  sub->add_flag("--scenes", options->scenes, "List the synthetic scenes");
+  sub->add_flag("--json", options->json, "Print JSON");
+  sub->callback([options, &action] {
+    action = [options]() -> int {
+      if (options->config) return print_config(*options);
+      if (options->scenes) return print_scenes();
+      if (options->input.input.empty()) {
+        return report({ErrorCode::kInvalidArgument, "nothing to describe",
+                       "give a sequence folder, --config or --scenes"});
+      }
+      return print_sequence(*options);
+    };
+  });
+}
+
+}  // namespace sgs::app

@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "input.h"
+
+#include <charconv>
+#include <filesystem>
+
+#include "sgs/dataset/prefetch.h"
+#include "sgs/io/trajectory_io.h"
+#include "sgs/synthetic/source.h"
+
+namespace sgs::app {
+namespace {
+
+/// Delivers only the frames [first, last) of another source.
+class RangeSource : public dataset::FrameSource {
+ public:
+  RangeSource(std::unique_ptr<FrameSource> source, FrameRange range)
+      : source_(std::move(source)), range_(range) {}
+  std::string name() const override { return source_->name(); }
+  PinholeCamera camera() const override { return source_->camera(); }
+  std::optional<std::int64_t> size() const override {
+    const auto all = source_->size();
+    if (!all) return all;
+    return std::max<std::int64_t>(0, std::min(*all, range_.last) - range_.first);
+  }
+  const Trajectory& ground_truth() const override { return source_->ground_truth(); }
+  dataset::FrameRead next(RgbdFrame& frame, Error& error) override {
+    for (; position_ < range_.last; ++position_) {
+      const auto status = source_->next(frame, error);
+      if (status == dataset::FrameRead::kEnd) return status;
+      if (position_ < range_.first) continue;
+      frame.index -= range_.first;
+      ++position_;
+      return status;
+    }
+    return dataset::FrameRead::kEnd;
+  }
+
+ private:
+  std::unique_ptr<FrameSource> source_;
+  FrameRange range_;
+  std::int64_t position_ = 0;
+};
+
+Result<Input> open_synthetic(const InputSpec& spec, const FrameRange& range, int threads) {
+  SGS_ASSIGN_OR_RETURN(auto options, synthetic::parse_synth_spec(spec.input));
+  options.seed = spec.synth_seed;
+  options.threads = threads;
+  if (!spec.trajectory.empty()) {
+    SGS_ASSIGN_OR_RETURN(auto loaded, io::load_trajectory(spec.trajectory));
+    options.trajectory = std::move(loaded.trajectory);
+  }
+  if (!spec.camera.empty()) {
+    return fail(ErrorCode::kInvalidArgument, "--camera does not apply to a synthetic sequence",
+                "leave it out");
+  }
+  if (range.last < std::numeric_limits<int>::max()) options.frames = static_cast<int>(range.last);
+  SGS_ASSIGN_OR_RETURN(auto source, synthetic::make_synthetic_source(options));
+  Input input;
+  input.info.layout = "synthetic";
+  input.info.name = source->name();
+  input.info.calibration = {source->camera(), {}, 5000};
+  input.info.calibration_source = "generator";
+  input.info.frames_in_folder = source->size().value_or(0);
+  input.info.truth_rows = source->ground_truth().size();
+  if (range.first > 0 || range.last < std::numeric_limits<std::int64_t>::max()) {
+    source = std::make_unique<RangeSource>(std::move(source), range);
+  }
+  input.info.frames = source->size().value_or(0);
+  if (input.info.frames == 0) {
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("--frames {} selects none of the {} frames", spec.frames,
+                            input.info.frames_in_folder),
+                "choose a range within the sequence");
+  }
+  if (!source->ground_truth().empty()) {
+    input.info.first_time_s = source->ground_truth().poses().front().timestamp_s;
+    input.info.last_time_s = source->ground_truth().poses().back().timestamp_s;
+  }
+  constexpr std::size_t kFramesAhead = 4;
+  input.source = std::make_unique<dataset::PrefetchingSource>(std::move(source), kFramesAhead);
+  return input;
+}
+
+Result<Input> open_recorded(const InputSpec& spec, const FrameRange& range) {
+  dataset::OpenOptions options;
+  if (!spec.camera.empty()) {
+    SGS_ASSIGN_OR_RETURN(options.camera, io::parse_camera_option(spec.camera));
+  }
+  if (spec.depth_scale > 0) options.depth_scale = spec.depth_scale;
+  options.first = range.first;
+  options.last = range.last;
+  SGS_ASSIGN_OR_RETURN(auto sequence, dataset::open_sequence(spec.input, options));
+  return Input{std::move(sequence.frames), std::move(sequence.info)};
+}
+
+}  // namespace
+
+void InputSpec::declare(ParameterList& list) {
+  const auto group = list.group("input");
+  list.add("source", input, "Folder of the sequence, or synth:NAME[:LEVEL].", {});
+  list.add("frames", frames, "Frames a:b (half open) of the sequence; empty = all.", {});
+  list.add("camera", camera, "fx,fy,cx,cy[,k1,k2,p1,p2,k3] instead of the folder's calibration.",
+           {});
+  list.add("depth_scale", depth_scale,
+           "Raw depth units per metre instead of the folder's; 0 = as the folder says.", "1/m",
+           {0, 1e9});
+  list.add("trajectory", trajectory, "TUM trajectory that a synthetic camera flies along.", {});
+  list.add("synth_seed", synth_seed, "Seed of a synthetic scene, its motion and its noise.");
+}
+
+Result<FrameRange> parse_frame_range(const std::string& text) {
+  FrameRange range;
+  const auto colon = text.find(':');
+  const auto number = [&](std::string_view part, std::int64_t& value) {
+    if (part.empty()) return true;
+    const auto result = std::from_chars(part.data(), part.data() + part.size(), value);
+    return result.ec == std::errc{} && result.ptr == part.data() + part.size() && value >= 0;
+  };
+  if (text.empty()) return range;
+  if (colon == std::string::npos || !number(std::string_view(text).substr(0, colon), range.first) ||
+      !number(std::string_view(text).substr(colon + 1), range.last) || range.first >= range.last) {
+    return fail(ErrorCode::kInvalidArgument, fmt::format("--frames '{}' is not a range", text),
+                "write a:b with a < b, for example 0:100, 50: or :200");
+  }
+  return range;
+}
+
+Result<Input> open_input(const InputSpec& spec, int threads) {
+  SGS_ASSIGN_OR_RETURN(const auto range, parse_frame_range(spec.frames));
+  if (synthetic::is_synth_spec(spec.input)) return open_synthetic(spec, range, threads);
+  if (!spec.trajectory.empty()) {
+    return fail(ErrorCode::kInvalidArgument, "--trajectory applies to synthetic sequences only",
+                "leave it out");
+  }
+  return open_recorded(spec, range);
+}
+
+}  // namespace sgs::app

@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sgs/core/config.h"
+#include "sgs/core/error.h"
+#include "sgs/dataset/frame_source.h"
+#include "sgs/dataset/open.h"
+
+namespace sgs::app {
+
+/// Where frames come from, as the command line says it and as a run folder remembers it. All text,
+/// so that it can live in config.toml beside the parameters.
+struct InputSpec {
+  std::string input;       ///< a folder, or synth:NAME[:LEVEL]
+  std::string frames;      ///< "a:b", half open, either side may be missing; empty = all
+  std::string camera;      ///< fx,fy,cx,cy[,k1,k2,p1,p2,k3] or empty
+  double depth_scale = 0;  ///< raw units per metre; 0 = as the folder says
+  std::string trajectory;  ///< synth only: TUM file with the camera's motion
+  std::uint64_t synth_seed = 1;
+
+  void declare(ParameterList& list);
+};
+
+/// An open input and what is known about it.
+struct Input {
+  std::unique_ptr<dataset::FrameSource> source;
+  dataset::SequenceInfo info;
+};
+
+/// Opens a recorded folder or a synthetic sequence; `threads` render synthetic frames.
+Result<Input> open_input(const InputSpec& spec, int threads);
+
+/// Parses "a:b" into [first, last); "" is everything.
+struct FrameRange {
+  std::int64_t first = 0;
+  std::int64_t last = std::numeric_limits<std::int64_t>::max();
+};
+Result<FrameRange> parse_frame_range(const std::string& text);
+
+}  // namespace sgs::app

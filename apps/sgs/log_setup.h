@@ -1,0 +1,13 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+namespace sgs::app {
+
+/// Sends the library's log to `file` (when given; appended) and its warnings to stderr (unless
+/// `quiet`).
+void setup_logging(const std::filesystem::path& file, bool quiet);
+
+}  // namespace sgs::app

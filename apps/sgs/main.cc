@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "commands.h"
+#include "interrupt.h"
+#include "version.h"
+
+namespace sgs::app {
+
+int exit_code(const Error& error) {
+  switch (error.code) {
+    case ErrorCode::kInvalidArgument:
+      return kExitUsage;
+    case ErrorCode::kInterrupted:
+      return kExitInterrupted;
+    default:
+      return kExitFailed;
+  }
+}
+
+int report(const Error& error) {
+  fmt::print(stderr, "sgs: {}\n", error.text());
+  return exit_code(error);
+}
+
+}  // namespace sgs::app
+
+int main(int argc, char** argv) {
+  using namespace sgs::app;
+  CLI::App app{
+      "Spectral GS-SLAM: RGB-D SLAM that builds a photorealistic 3D Gaussian map on an ordinary "
+      "CPU"};
+  app.name("sgs");
+  app.set_version_flag("--version", std::string(sgs::app::kVersion));
+  app.require_subcommand(1);
+  app.fallthrough(false);
+  Action action;
+  add_run(app, action);
+  add_eval(app, action);
+  add_render(app, action);
+  add_synth(app, action);
+  add_export(app, action);
+  add_info(app, action);
+  install_interrupt_handler();
+  try {
+    app.parse(argc, argv);
+    return action();
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? kExitDone : kExitUsage;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "sgs: out of memory (use fewer or smaller frames)\n");
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "sgs: internal error: {} (please report it with the command line)\n",
+               error.what());
+  }
+  return kExitFailed;
+}

@@ -1,0 +1,135 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "commands.h"
+#include "interrupt.h"
+#include "progress.h"
+#include "run_request.h"
+#include "sgs/io/atomic_file.h"
+#include "sgs/io/image_io.h"
+#include "sgs/io/ply.h"
+#include "sgs/io/trajectory_io.h"
+#include "sgs/render/rasterizer.h"
+
+namespace sgs::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RenderCommand {
+  std::string run, map, trajectory, output, camera;
+  std::string size;
+  int every = 30, threads = 2;
+  bool depth = false, quiet = false;
+};
+
+/// Camera given as fx,fy,cx,cy with --size WxH.
+Result<PinholeCamera> camera_from_options(const RenderCommand& command) {
+  SGS_ASSIGN_OR_RETURN(const auto option, io::parse_camera_option(command.camera));
+  PinholeCamera camera{0, 0, option.fx, option.fy, option.cx, option.cy};
+  if (std::sscanf(command.size.c_str(), "%dx%d", &camera.width, &camera.height) != 2 ||
+      !camera.valid()) {
+    return fail(ErrorCode::kInvalidArgument, fmt::format("--size '{}' is not WxH", command.size),
+                "for example --size 640x480");
+  }
+  return camera;
+}
+
+/// The camera of the run's own input.
+Result<PinholeCamera> camera_of_run(const std::string& folder) {
+  SGS_ASSIGN_OR_RETURN(const auto run, load_saved_run(folder));
+  SGS_ASSIGN_OR_RETURN(const auto input, open_input(run.input, 1));
+  return input.source->camera();
+}
+
+ColorImage to_8_bit(const Image<render::Rgbf>& color) {
+  ColorImage out(color.width(), color.height());
+  const auto byte = [](float v) {
+    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0f, 1.0f)));
+  };
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const render::Rgbf& c = color.data()[i];
+    out.data()[i] = {byte(c.r), byte(c.g), byte(c.b)};
+  }
+  return out;
+}
+
+DepthImage mean_depth(const render::Rendering& rendering) {
+  constexpr float kSolid = 0.5f;
+  DepthImage out(rendering.alpha.width(), rendering.alpha.height());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const float alpha = rendering.alpha.data()[i];
+    if (alpha > kSolid) out.data()[i] = rendering.depth_sum.data()[i] / alpha;
+  }
+  return out;
+}
+
+Status render_all(const RenderCommand& command) {
+  const fs::path run = command.run;
+  PinholeCamera camera;
+  if (command.camera.empty()) {
+    SGS_ASSIGN_OR_RETURN(camera, camera_of_run(command.run));
+  } else {
+    SGS_ASSIGN_OR_RETURN(camera, camera_from_options(command));
+  }
+  const fs::path map_file = command.map.empty() ? run / "map.ply" : fs::path(command.map);
+  const fs::path pose_file =
+      command.trajectory.empty() ? run / "trajectory.txt" : fs::path(command.trajectory);
+  SGS_ASSIGN_OR_RETURN(const auto gaussians, io::load_splats(map_file));
+  SGS_ASSIGN_OR_RETURN(const auto loaded, io::load_trajectory(pose_file));
+  const fs::path output = command.output.empty() ? run / "renders" : fs::path(command.output);
+  SGS_RETURN_IF_ERROR(io::make_folder(output));
+
+  ThreadPool pool(command.threads);
+  const auto rasterizer = render::make_cpu_rasterizer(&pool);
+  render::Rendering rendering;
+  const auto& poses = loaded.trajectory.poses();
+  const auto every = static_cast<std::size_t>(command.every);
+  Progress progress("pictures", static_cast<std::int64_t>((poses.size() + every - 1) / every),
+                    command.quiet);
+  for (std::size_t i = 0; i < poses.size() && !interrupted(); i += every) {
+    rasterizer->render(gaussians, camera, poses[i].T_world_camera, rendering);
+    SGS_RETURN_IF_ERROR(
+        io::save_color(output / fmt::format("render_{:06}.png", i), to_8_bit(rendering.color)));
+    if (command.depth) {
+      constexpr double kDepthScale = 5000;
+      SGS_RETURN_IF_ERROR(io::save_depth(output / fmt::format("depth_{:06}.png", i),
+                                         mean_depth(rendering), kDepthScale));
+    }
+    progress.step("");
+  }
+  progress.finish();
+  fmt::print("{}\n", output.string());
+  return {};
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, Action& action) {
+  auto command = std::make_shared<RenderCommand>();
+  auto* sub = app.add_subcommand("render", "Render pictures of a map along a trajectory");
+  sub->add_option("RUN", command->run, "Run folder")->required();
+  sub->add_option("-o,--output", command->output, "Folder for the pictures (default RUN/renders)");
+  sub->add_option("--map", command->map, "Splat PLY instead of RUN/map.ply");
+  sub->add_option("--trajectory", command->trajectory, "TUM poses instead of RUN/trajectory.txt");
+  auto* camera = sub->add_option("--camera", command->camera, "fx,fy,cx,cy instead of the run's");
+  sub->add_option("--size", command->size, "WxH of the pictures (with --camera)")->needs(camera);
+  sub->add_option("--every", command->every, "Every n-th pose")->check(CLI::PositiveNumber);
+  sub->add_option("--threads", command->threads, "Threads")->check(CLI::Range(1, 256));
+  sub->add_flag("--depth", command->depth, "Also write depth (16-bit PNG, 5000 units per metre)");
+  sub->add_flag("--quiet", command->quiet, "No progress");
+  sub->callback([command, &action] {
+    action = [command]() -> int {
+      const Status status = render_all(*command);
+      if (!status) return report(status.error());
+      return interrupted() ? kExitInterrupted : kExitDone;
+    };
+  });
+}
+
+}  // namespace sgs::app

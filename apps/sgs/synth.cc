@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "commands.h"
+#include "input.h"
+#include "interrupt.h"
+#include "progress.h"
+#include "sgs/dataset/tum_writer.h"
+#include "sgs/synthetic/source.h"
+
+namespace sgs::app {
+namespace {
+
+struct SynthCommand {
+  InputSpec input;
+  std::string scene, folder;
+  int frames = 0, threads = 2;
+  bool clean = false, jpeg = false, quiet = false;
+};
+
+int run_synth(const SynthCommand& command) {
+  InputSpec spec = command.input;
+  spec.input = synthetic::is_synth_spec(command.scene) ? command.scene : "synth:" + command.scene;
+  if (command.clean) {
+    if (std::count(spec.input.begin(), spec.input.end(), ':') > 1) {
+      return report({ErrorCode::kInvalidArgument,
+                     fmt::format("--clean contradicts the level in '{}'", command.scene),
+                     "use one of them"});
+    }
+    spec.input += ":clean";
+  }
+  if (command.frames > 0) spec.frames = fmt::format("0:{}", command.frames);
+  auto input = open_input(spec, command.threads);
+  if (!input) return report(input.error());
+  dataset::TumSequenceWriter::Options options;
+  options.name = input->info.name;
+  options.jpeg_color = command.jpeg;
+  auto writer =
+      dataset::TumSequenceWriter::create(command.folder, input->source->camera(), options);
+  if (!writer) return report(writer.error());
+  Progress progress("frames", input->source->size(), command.quiet);
+  RgbdFrame frame;
+  Error error;
+  while (!interrupted()) {
+    const auto status = input->source->next(frame, error);
+    if (status == dataset::FrameRead::kEnd) break;
+    if (status == dataset::FrameRead::kBadFrame) continue;
+    if (const auto written = writer->add(frame); !written) return report(written.error());
+    progress.step("");
+  }
+  progress.finish();
+  fmt::print("{}\n", command.folder);
+  return interrupted() ? kExitInterrupted : kExitDone;
+}
+
+}  // namespace
+
+void add_synth(CLI::App& app, Action& action) {
+  auto command = std::make_shared<SynthCommand>();
+  auto* sub = app.add_subcommand("synth", "Render a synthetic sequence to disk (TUM layout)");
+  sub->add_option("NAME", command->scene,
+                  "Scene, see `sgs info --scenes`; NAME:LEVEL chooses the sensor")
+      ->required();
+  sub->add_option("OUT", command->folder, "Folder to create")->required();
+  sub->add_option("--trajectory", command->input.trajectory, "TUM file: fly along this motion");
+  sub->add_option("--frames", command->frames, "At most so many frames")
+      ->check(CLI::PositiveNumber);
+  sub->add_option("--seed", command->input.synth_seed, "Scene, motion and noise");
+  sub->add_option("--threads", command->threads, "Rendering threads")->check(CLI::Range(1, 256));
+  sub->add_flag("--clean", command->clean, "No sensor noise (level clean)");
+  sub->add_flag("--jpeg", command->jpeg, "Colour as JPEG instead of PNG");
+  sub->add_flag("--quiet", command->quiet, "No progress");
+  sub->callback([command, &action] { action = [command] { return run_synth(*command); }; });
+}
+
+}  // namespace sgs::app

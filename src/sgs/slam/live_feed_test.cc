@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/slam/live_feed.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+
+namespace sgs::slam {
+namespace {
+
+/// `count` tiny frames, `period_s` apart, the third of them bad.
+class FakeSource : public dataset::FrameSource {
+ public:
+  FakeSource(int count, double period_s) : count_(count), period_s_(period_s) {}
+  std::string name() const override { return "fake"; }
+  PinholeCamera camera() const override { return {2, 2, 1, 1, 0.5, 0.5}; }
+  std::optional<std::int64_t> size() const override { return count_; }
+  const Trajectory& ground_truth() const override { return truth_; }
+  dataset::FrameRead next(RgbdFrame& frame, Error& error) override {
+    if (next_ == count_) return dataset::FrameRead::kEnd;
+    frame = {next_, period_s_ * next_, camera(), ColorImage(2, 2), DepthImage(2, 2), {}};
+    if (next_++ == 2) {
+      error = {ErrorCode::kInvalidFormat, "frame 2 is broken", ""};
+      return dataset::FrameRead::kBadFrame;
+    }
+    return dataset::FrameRead::kOk;
+  }
+
+ private:
+  int count_;
+  double period_s_;
+  int next_ = 0;
+  Trajectory truth_;
+};
+
+TEST(LiveFeed, DeliversEverythingInOrderToAPromptReader) {
+  FakeSource source(5, 0.002);
+  LiveFeed feed(source, 8);
+  for (int i = 0; i < 5; ++i) {
+    const auto item = feed.next();
+    ASSERT_TRUE(item);
+    EXPECT_EQ(item->index, i);
+    EXPECT_EQ(item->frame == nullptr, i == 2);
+    EXPECT_EQ(item->bad_reason.empty(), i != 2);
+  }
+  EXPECT_FALSE(feed.next());
+  EXPECT_EQ(feed.dropped(), 0u);
+}
+
+TEST(LiveFeed, DropsTheOldestAndCountsThem) {
+  FakeSource source(20, 0.0005);
+  LiveFeed feed(source, 2);
+  // Without a reader only the newest two survive.
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  while (feed.dropped() < 18) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_EQ(feed.next()->index, 18);
+  EXPECT_EQ(feed.next()->index, 19);
+  EXPECT_FALSE(feed.next());
+}
+
+TEST(LiveFeed, StopsInTheMiddleOfALongGap) {
+  FakeSource source(3, 3600);
+  LiveFeed feed(source, 2);
+  EXPECT_EQ(feed.next()->index, 0);
+  feed.stop();
+  EXPECT_FALSE(feed.next());
+}
+
+TEST(ReadItem, PassesBadFramesOn) {
+  FakeSource source(3, 1);
+  EXPECT_TRUE(read_item(source)->frame);
+  EXPECT_TRUE(read_item(source)->frame);
+  EXPECT_EQ(read_item(source)->bad_reason, "frame 2 is broken");
+  EXPECT_FALSE(read_item(source));
+}
+
+}  // namespace
+}  // namespace sgs::slam

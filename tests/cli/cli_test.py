@@ -1,0 +1,310 @@
+# SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+# SPDX-License-Identifier: Apache-2.0
+"""Drives the sgs executable as a user would: contract of the run folder, exit codes, bad input.
+
+Usage: cli_test.py SGS_EXECUTABLE [unittest arguments]
+"""
+import json
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+SGS = pathlib.Path(sys.argv.pop(1)).resolve()
+FRAMES = 16
+RUN_FILES = ("config.toml trajectory.txt keyframes.txt groundtruth.txt map.ply metrics.json "
+             "frames.csv timings.json report.html log.txt").split()
+METRIC_KEYS = (
+    "frames frames_tracked frames_lost tracked_percent ate_rmse_m ate_mean_m ate_median_m ate_max_m "
+    "rpe_trans_1s_m rpe_rot_1s_deg psnr_db ssim lpips psnr_db_full ssim_full lpips_full "
+    "psnr_db_heldout ssim_heldout lpips_heldout depth_l1_m gaussians map_bytes keyframes "
+    "mapping_iterations fps_system fps_wall track_ms_p50 track_ms_p95 map_iteration_ms_p50 "
+    "peak_rss_bytes degenerate_percent prior_percent frames_dropped seed threads preset tracker "
+    "version").split()
+
+
+class Case(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.shared_folder = pathlib.Path(tempfile.mkdtemp(prefix="sgs-cli-"))
+        cls.master = cls.shared_folder / "master"
+        subprocess.run([SGS, "synth", "room_desk", cls.master, "--frames", str(FRAMES), "--quiet"],
+                       check=True, capture_output=True)
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.shared_folder, ignore_errors=True)
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="case-", dir=self.shared_folder))
+
+    def sgs(self, *arguments, code=0, **options):
+        done = subprocess.run([str(SGS), *map(str, arguments)], capture_output=True, text=True,
+                              cwd=self.folder, timeout=240, **options)
+        self.assertEqual(done.returncode, code, f"{arguments}\n{done.stdout}\n{done.stderr}")
+        return done
+
+    def sequence(self, name="sequence"):
+        copy = self.folder / name
+        shutil.copytree(self.master, copy)
+        return copy
+
+    def run_folder(self, *arguments, code=0):
+        out = self.folder / "out"
+        done = self.sgs("run", *arguments, "-o", out, "--quiet", code=code)
+        return out, done
+
+    def lists(self, sequence, name):
+        return [line for line in (sequence / name).read_text().splitlines()
+                if line and not line.startswith("#")]
+
+
+class Contract(Case):
+    def test_run_folder_is_complete(self):
+        out, done = self.run_folder(self.master)
+        for name in RUN_FILES:
+            self.assertTrue((out / name).exists(), name)
+        self.assertTrue((out / "renders").is_dir())
+        self.assertIn(str(out), done.stdout)
+        self.assertEqual((self.folder / "runs" / "latest").resolve(), out.resolve())
+        metrics = json.loads((out / "metrics.json").read_text())
+        self.assertLessEqual(set(METRIC_KEYS), set(metrics))
+        self.assertEqual(metrics["frames"], FRAMES)
+        self.assertEqual(metrics["frames_tracked"], FRAMES)
+        self.assertLess(metrics["ate_rmse_m"], 0.02)
+        self.assertIsNone(metrics["lpips"])
+        self.assertEqual(len(self.lists(out, "trajectory.txt")), FRAMES)
+        self.assertRegex(self.lists(out, "trajectory.txt")[0], r"^\S+\.\d{9}( -?\d+\.\d{9}){7}$")
+        self.assertEqual(len((out / "frames.csv").read_text().splitlines()), FRAMES + 1)
+        self.assertNotRegex((out / "report.html").read_text(), r"https?://(?!www\.w3\.org)")
+
+    def test_json_goes_to_stdout_alone(self):
+        done = self.sgs("run", self.master, "-o", self.folder / "out", "--quiet", "--json")
+        self.assertEqual(json.loads(done.stdout)["frames"], FRAMES)
+
+    def test_eval_recomputes_the_scores(self):
+        out, _ = self.run_folder(self.master)
+        before = json.loads((out / "metrics.json").read_text())
+        (out / "metrics.json").unlink()
+        self.sgs("eval", out, "--quiet")
+        after = json.loads((out / "metrics.json").read_text())
+        for key in ("ate_rmse_m", "psnr_db", "psnr_db_full", "ssim", "depth_l1_m"):
+            self.assertAlmostEqual(before[key], after[key], places=6, msg=key)
+
+    def test_config_can_be_run_again(self):
+        out, _ = self.run_folder(self.master, "--set", "slam.keyframe_interval=7")
+        self.sgs("run", "--config", out / "config.toml", "-o", self.folder / "again", "--quiet", "--no-eval")
+        self.assertEqual((out / "trajectory.txt").read_bytes(),
+                         (self.folder / "again" / "trajectory.txt").read_bytes())
+
+    def test_same_bits_for_any_number_of_threads(self):
+        for name, threads in (("a", 1), ("b", 2), ("c", 2)):
+            self.sgs("run", self.master, "-o", self.folder / name, "--threads", threads, "--seed", 5,
+                     "--quiet", "--no-eval")
+        for name in ("b", "c"):
+            for file in ("trajectory.txt", "map.ply"):
+                self.assertEqual((self.folder / "a" / file).read_bytes(),
+                                 (self.folder / name / file).read_bytes(), f"{name}/{file}")
+
+    def test_realtime_run_completes(self):
+        out, _ = self.run_folder(self.master, "--realtime", "--no-eval")
+        self.assertIsNotNone(json.loads((out / "metrics.json").read_text())["frames_dropped"])
+
+    def test_export_and_render(self):
+        out, _ = self.run_folder(self.master, "--no-eval")
+        for form in ("ply", "points", "tum", "kitti"):
+            self.sgs("export", out, form, self.folder / f"x.{form}")
+            self.assertGreater((self.folder / f"x.{form}").stat().st_size, 100)
+        self.sgs("render", out, "--every", 8, "-o", self.folder / "pictures", "--depth", "--quiet")
+        self.assertEqual(len(list((self.folder / "pictures").glob("render_*.png"))), 2)
+        self.assertEqual(len(list((self.folder / "pictures").glob("depth_*.png"))), 2)
+
+    def test_every_subcommand_has_help(self):
+        self.sgs("--help")
+        for name in ("run", "eval", "render", "synth", "export", "info"):
+            self.assertIn("--help", self.sgs(name, "--help").stdout)
+        self.assertRegex(self.sgs("--version").stdout, r"\d+\.\d+\.\d+")
+
+    def test_info(self):
+        self.assertIn("room_desk", self.sgs("info", "--scenes").stdout)
+        self.assertIn("keyframe_interval", self.sgs("info", "--config").stdout)
+        self.assertEqual(json.loads(self.sgs("info", self.master, "--json").stdout)["frames"], FRAMES)
+
+    def test_record_can_be_run_again(self):
+        self.sgs("run", "synth:room_desk", "--frames", "0:6", "--record", self.folder / "kept", "-o",
+                 self.folder / "out", "--quiet", "--no-eval")
+        self.sgs("run", self.folder / "kept", "-o", self.folder / "again", "--quiet", "--no-eval")
+        self.assertEqual((self.folder / "out" / "trajectory.txt").read_text().split()[1:8],
+                         (self.folder / "again" / "trajectory.txt").read_text().split()[1:8])
+
+
+class BadInput(Case):
+    def fails(self, *arguments, code, saying):
+        done = self.sgs("run", *arguments, "-o", self.folder / "out", "--quiet", "--no-eval", code=code)
+        for words in saying:
+            self.assertIn(words.lower(), done.stderr.lower())
+        return done
+
+    def survives(self, sequence, *arguments, code=0):
+        self.sgs("run", sequence, "-o", self.folder / "out", "--quiet", *arguments, code=code)
+        return json.loads((self.folder / "out" / "metrics.json").read_text())
+
+    def test_missing_folder(self):
+        self.fails("no/such/folder", code=1, saying=["no/such/folder"])
+
+    def test_unknown_layout(self):
+        (self.folder / "empty").mkdir()
+        self.fails(self.folder / "empty", code=1, saying=["rgb.txt", "results"])
+
+    def test_no_calibration(self):
+        sequence = self.sequence()
+        (sequence / "camera.txt").unlink()
+        (sequence / "sgs.toml").unlink(missing_ok=True)
+        self.fails(sequence, code=1, saying=["calibration", "--camera", "sgs.toml"])
+        self.sgs("run", sequence, "--camera", "535.4,539.2,320.1,247.6", "--depth-scale", "5000", "-o",
+                 self.folder / "given", "--quiet", "--no-eval")
+
+    def test_missing_image(self):
+        sequence = self.sequence()
+        (sequence / self.lists(sequence, "rgb.txt")[3].split()[1]).unlink()
+        metrics = self.survives(sequence)
+        self.assertEqual(metrics["frames"], FRAMES)
+        self.assertEqual(metrics["frames_tracked"], FRAMES - 1)
+
+    def test_truncated_and_empty_images(self):
+        sequence = self.sequence()
+        color = sequence / self.lists(sequence, "rgb.txt")[4].split()[1]
+        color.write_bytes(color.read_bytes()[:2000])
+        (sequence / self.lists(sequence, "depth.txt")[7].split()[1]).write_bytes(b"")
+        metrics = self.survives(sequence)
+        self.assertEqual(metrics["frames_tracked"], FRAMES - 2)
+        log = (self.folder / "out" / "log.txt").read_text()
+        self.assertIn(color.name, log)
+        csv = (self.folder / "out" / "frames.csv").read_text()
+        self.assertEqual(csv.count(",bad"), 2)
+
+    def test_all_zero_depth(self):
+        import numpy
+        from skimage import io as skio
+        sequence = self.sequence()
+        for line in self.lists(sequence, "depth.txt"):
+            skio.imsave(sequence / line.split()[1], numpy.zeros((480, 640), numpy.uint16),
+                        check_contrast=False)
+        metrics = self.survives(sequence, code=3)
+        self.assertEqual(metrics["frames_tracked"], 0)
+        self.assertIsNone(metrics["psnr_db"])
+
+    def test_zero_depth_in_the_middle_recovers(self):
+        import numpy
+        from skimage import io as skio
+        sequence = self.sequence()
+        for line in self.lists(sequence, "depth.txt")[6:9]:
+            skio.imsave(sequence / line.split()[1], numpy.zeros((480, 640), numpy.uint16),
+                        check_contrast=False)
+        metrics = self.survives(sequence)
+        self.assertEqual(metrics["frames_lost"], 3)
+
+    def test_eight_bit_depth(self):
+        import numpy
+        from skimage import io as skio
+        sequence = self.sequence()
+        for line in self.lists(sequence, "depth.txt"):
+            skio.imsave(sequence / line.split()[1], numpy.full((480, 640), 9, numpy.uint8),
+                        check_contrast=False)
+        self.fails(sequence, code=1, saying=["8"])
+
+    def test_sizes_differ(self):
+        import numpy
+        from skimage import io as skio
+        sequence = self.sequence()
+        for line in self.lists(sequence, "depth.txt"):
+            skio.imsave(sequence / line.split()[1], numpy.full((240, 320), 5000, numpy.uint16),
+                        check_contrast=False)
+        self.fails(sequence, code=1, saying=["640", "320"])
+
+    def test_nan_and_non_unit_truth(self):
+        sequence = self.sequence()
+        rows = self.lists(sequence, "groundtruth.txt")
+        rows[2] = " ".join(rows[2].split()[:1] + ["nan"] * 3 + rows[2].split()[4:])
+        rows[5] = " ".join(rows[5].split()[:4] + ["3", "0", "0", "4"])
+        (sequence / "groundtruth.txt").write_text("\n".join(rows) + "\n")
+        metrics = self.survives(sequence)
+        self.assertLess(metrics["ate_rmse_m"], 0.02)
+
+    def test_no_truth(self):
+        sequence = self.sequence()
+        (sequence / "groundtruth.txt").unlink()
+        metrics = self.survives(sequence)
+        self.assertIsNone(metrics["ate_rmse_m"])
+        self.assertIsNotNone(metrics["psnr_db"])
+
+    def test_unsorted_and_duplicate_times(self):
+        sequence = self.sequence()
+        rows = self.lists(sequence, "rgb.txt")
+        rows = rows[8:] + rows[:8] + [rows[3]]
+        (sequence / "rgb.txt").write_text("\n".join(rows) + "\n")
+        metrics = self.survives(sequence)
+        self.assertEqual(metrics["frames_tracked"], FRAMES)
+
+    def test_no_overlap_in_time(self):
+        sequence = self.sequence()
+        rows = [f"{float(r.split()[0]) + 500:.6f} {r.split()[1]}" for r in self.lists(sequence, "depth.txt")]
+        (sequence / "depth.txt").write_text("\n".join(rows) + "\n")
+        self.fails(sequence, code=1, saying=["time"])
+
+    def test_one_frame_only(self):
+        metrics = self.survives(self.master, "--frames", "0:1")
+        self.assertEqual(metrics["frames"], 1)
+
+    def test_unknown_key_and_bad_values(self):
+        self.fails(self.master, "--set", "slam.keyframe_intervall=3", code=2,
+                   saying=["keyframe_interval"])
+        self.fails(self.master, "--set", "slam.keyframe_interval=0", code=2, saying=["1 .. 1000"])
+        self.fails(self.master, "--set", "nonsense", code=2, saying=["key=value"])
+        self.fails(self.master, "--frames", "9:3", code=2, saying=["a:b"])
+        self.fails("synth:no_such_scene", code=2, saying=["room_desk"])
+        self.sgs("run", code=2)
+        self.sgs("run", self.master, "--no-such-flag", code=2)
+        (self.folder / "c.toml").write_text("[slam]\nkeyframe_interval = 3\nkeyframe_inteval = 4\n")
+        self.fails(self.master, "--config", self.folder / "c.toml", code=2,
+                   saying=["c.toml", "3", "keyframe_interval"])
+
+    def test_unwritable_output(self):
+        (self.folder / "file").write_text("x")
+        done = self.sgs("run", self.master, "-o", self.folder / "file" / "sub", "--quiet", code=1)
+        self.assertIn("file", done.stderr)
+
+    def test_disk_full_on_the_way(self):
+        # A file size limit fails large writes as a full disk does; map.ply is the largest file.
+        environment = dict(os.environ, TMPDIR=str(self.folder))
+        done = subprocess.run(
+            ["bash", "-c", f"trap '' XFSZ; ulimit -f 64; exec '{SGS}' run '{self.master}' -o out --quiet --no-eval"],
+            capture_output=True, text=True, cwd=self.folder, env=environment, timeout=240)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("map.ply", done.stderr)
+        self.assertEqual(len(self.lists(self.folder / "out", "trajectory.txt")), FRAMES)
+
+    def test_interrupt_keeps_what_was_done(self):
+        out = self.folder / "out"
+        process = subprocess.Popen([SGS, "run", "synth:room_desk", "-o", out], cwd=self.folder,
+                                   stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.assertTrue(process.stderr.readline())  # the first progress line: frames are coming
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=120)
+        self.assertEqual(process.returncode, 130)
+        for name in RUN_FILES:
+            self.assertTrue((out / name).exists(), name)
+        done = len(self.lists(out, "trajectory.txt"))
+        self.assertGreater(done, 0)
+        self.assertLess(done, 600)
+        self.assertEqual(json.loads((out / "metrics.json").read_text())["frames"], done)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
