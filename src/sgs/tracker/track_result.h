@@ -26,17 +26,17 @@ struct Diagnostics {
   std::array<double, 6> eigenvalues = {kNone, kNone, kNone, kNone, kNone, kNone};  ///< of H, rising
   std::array<double, 6> snr = {kNone, kNone, kNone, kNone, kNone, kNone};  ///< per axis, as weights
   std::array<double, 6> weights = {0, 0, 0, 0, 0, 0};  ///< w_k: 0 seen .. 1 unseen by geometry
-  unsigned degenerate_mask = 0;      ///< bit k set where w_k > 0.5
-  double condition_number = kNone;   ///< lambda_max / lambda_min of the registration Hessian
-  double planarity = kNone;          ///< eta of the Gaussians' normals, 0..1
+  unsigned degenerate_mask = 0;                        ///< bit k set where w_k > 0.5
+  double condition_number = kNone;    ///< lambda_max / lambda_min of the registration Hessian
+  double planarity = kNone;           ///< eta of the Gaussians' normals, 0..1
   std::string prior_source = "none";  ///< none | cvm | orb | photometric
   bool prior_active = false;
-  int source_points = 0;      ///< sampled points of the frame
-  int inliers = 0;            ///< matched ones at the final pose
-  int visual_inliers = 0;     ///< photometric pixels or features used
-  double overlap = kNone;     ///< share of source points explained by the map
-  double cost = kNone;        ///< joint cost at the final pose
-  int iterations = 0;         ///< Gauss-Newton steps over all levels
+  int source_points = 0;   ///< sampled points of the frame
+  int inliers = 0;         ///< matched ones at the final pose
+  int visual_inliers = 0;  ///< photometric pixels or features used
+  double overlap = kNone;  ///< share of source points explained by the map
+  double cost = kNone;     ///< joint cost at the final pose
+  int iterations = 0;      ///< Gauss-Newton steps over all levels
   double ms_points = 0, ms_index = 0, ms_geometry = 0, ms_visual = 0, ms_update = 0;
 };
 

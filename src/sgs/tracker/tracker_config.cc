@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/tracker/tracker_config.h"
+
+namespace sgs::tracker {
+
+void MotionConfig::declare(ParameterList& p) {
+  p.add("start", start, "Pose at which the registration of a frame starts.",
+        {"constant_velocity", "previous"});
+  p.add("velocity_decay", velocity_decay, "Share of the last motion that the start repeats.", "",
+        {0, 1});
+  p.add("max_translation_m", max_translation_m, "A frame that moves farther is refused.", "m",
+        {1e-3, 10});
+  p.add("max_rotation_rad", max_rotation_rad, "A frame that turns farther is refused.", "rad",
+        {1e-3, 3.2});
+}
+
+void KeyframeConfig::declare(ParameterList& p) {
+  p.add("min_overlap", min_overlap,
+        "A frame becomes a tracking keyframe when the map explains a smaller share of its points.",
+        "", {0, 1});
+  p.add("overlap_distance_m", overlap_distance_m,
+        "A point is explained by a target nearer than this.", "m", {1e-3, 1});
+}
+
+void LossConfig::declare(ParameterList& p) {
+  p.add("min_points", min_points, "Sampled points without which a frame is lost.", "", {6, 1e6});
+  p.add("min_inliers", min_inliers, "Matched points without which a frame is lost.", "", {6, 1e6});
+  p.add("min_inlier_share", min_inlier_share,
+        "Matched share of the points without which a frame is lost.", "", {0, 1});
+}
+
+void TargetConfig::declare(ParameterList& p) {
+  p.add("source", source,
+        "Targets of the registration: the optimised Gaussians, the points they were born with, or "
+        "points the tracker keeps itself.",
+        {"optimised", "anchor", "grid"});
+  p.add("min_opacity", min_opacity, "Least opacity of Gaussians that serve as targets.", "",
+        {0, 1});
+  p.add("spacing", spacing, "No own point is added nearer than this to another one.",
+        "sampling steps", {0, 10});
+}
+
+void TrackerConfig::declare(ParameterList& p) {
+  p.add("type", type, "Tracker.", {"gicp", "spectral", "orb", "cvm"});
+  const auto in_group = [&p](const char* name, auto& config) {
+    const auto group = p.group(name);
+    config.declare(p);
+  };
+  in_group("points", points);
+  in_group("search", search);
+  in_group("factor", factor);
+  in_group("solver", solver);
+  in_group("motion", motion);
+  in_group("keyframe", keyframe);
+  in_group("loss", loss);
+  in_group("target", target);
+}
+
+TrackerConfig paper_tracker_config() {
+  TrackerConfig c;
+  c.points.method = "neighbours";
+  c.points.step_px = 5;
+  c.points.min_depth_m = 0.01;
+  c.points.max_depth_m = 3.0;
+  c.search.method = "nearest";
+  c.search.min_normal_cosine = -1;
+  c.factor.type = "gicp";
+  c.factor.huber = 1.345;
+  c.factor.reject = 1e9;
+  c.solver = {.method = "levenberg_marquardt",
+              .max_iterations = 64,
+              .damping = 1e-3,
+              .max_step_rad = 0.1,
+              .max_step_m = 0.03,
+              .stop_rad = 2e-3,
+              .stop_m = 5e-4};
+  c.motion.start = "previous";
+  c.target.source = "optimised";
+  return c;
+}
+
+}  // namespace sgs::tracker
