@@ -1,0 +1,146 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/slam/session.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "sgs/eval/trajectory_metrics.h"
+#include "sgs/slam/live_feed.h"
+#include "sgs/synthetic/source.h"
+
+namespace sgs {
+namespace {
+
+/// A short, small sequence: enough for several keyframes, quick under sanitizers.
+std::vector<std::shared_ptr<const RgbdFrame>> small_sequence(int count) {
+  synthetic::SynthOptions options;
+  options.scene = "room_desk";
+  options.frames = count;
+  options.camera = {320, 240, 267.7, 269.6, 159.8, 123.55};
+  auto source = synthetic::make_synthetic_source(options);
+  EXPECT_TRUE(source) << source.error().text();
+  std::vector<std::shared_ptr<const RgbdFrame>> frames;
+  while (auto item = slam::read_item(**source)) frames.push_back(item->frame);
+  return frames;
+}
+
+slam::SessionConfig config_for_test() {
+  auto config = slam::make_session_config("default");
+  EXPECT_TRUE(config);
+  config->mapper.iterations_per_frame = 1.5;
+  config->keyframe_interval = 4;
+  return *config;
+}
+
+struct Outcome {
+  std::vector<map::Gaussian> gaussians;
+  std::vector<StampedPose> poses;
+};
+
+Outcome run(const std::vector<std::shared_ptr<const RgbdFrame>>& frames,
+            const slam::SessionConfig& config, int threads, bool live = false) {
+  slam::SessionOptions options;
+  options.threads = threads;
+  options.live = live;
+  auto session = slam::Session::create(config, frames.front()->camera, options);
+  EXPECT_TRUE(session) << session.error().text();
+  for (const auto& frame : frames) (*session)->feed(frame);
+  (*session)->finish();
+  return {(*session)->snapshot()->gaussians, (*session)->trajectory().poses()};
+}
+
+void expect_same_bits(const Outcome& a, const Outcome& b) {
+  ASSERT_EQ(a.gaussians.size(), b.gaussians.size());
+  EXPECT_EQ(std::memcmp(a.gaussians.data(), b.gaussians.data(),
+                        a.gaussians.size() * sizeof(map::Gaussian)),
+            0);
+  ASSERT_EQ(a.poses.size(), b.poses.size());
+  for (std::size_t i = 0; i < a.poses.size(); ++i) {
+    EXPECT_EQ(a.poses[i].T_world_camera.t, b.poses[i].T_world_camera.t) << i;
+    EXPECT_EQ(a.poses[i].T_world_camera.R, b.poses[i].T_world_camera.R) << i;
+  }
+}
+
+TEST(Session, SameBitsForAnyNumberOfThreads) {
+  const auto frames = small_sequence(14);
+  const auto config = config_for_test();
+  const Outcome one = run(frames, config, 1);
+  EXPECT_GT(one.gaussians.size(), 100u);
+  expect_same_bits(one, run(frames, config, 1));
+  expect_same_bits(one, run(frames, config, 2));
+  expect_same_bits(one, run(frames, config, 4));
+}
+
+TEST(Session, TracksASyntheticRoom) {
+  const auto frames = small_sequence(20);
+  const Outcome outcome = run(frames, config_for_test(), 2);
+  Trajectory truth;
+  for (const auto& frame : frames) {
+    truth.push_back({frame->timestamp_s, *frame->truth_T_world_camera});
+  }
+  const auto scores =
+      eval::evaluate_trajectory(eval::to_estimates(Trajectory(outcome.poses)), truth);
+  ASSERT_TRUE(scores.ate);
+  EXPECT_LT(scores.ate->rmse, 0.01);
+}
+
+TEST(Session, LiveModeMapsWithoutWaiting) {
+  const auto frames = small_sequence(8);
+  const Outcome outcome = run(frames, config_for_test(), 2, true);
+  EXPECT_GT(outcome.gaussians.size(), 100u);
+  EXPECT_EQ(outcome.poses.size(), frames.size());
+}
+
+TEST(Session, NeverMapsHeldOutFrames) {
+  const auto frames = small_sequence(14);
+  auto session = slam::Session::create(config_for_test(), frames.front()->camera, {});
+  ASSERT_TRUE(session);
+  for (const auto& frame : frames) (*session)->feed(frame);
+  (*session)->finish();
+  int heldout = 0;
+  for (const auto& record : (*session)->records()) {
+    EXPECT_EQ(record.heldout, record.index % 8 == 4);
+    EXPECT_FALSE(record.heldout && record.mapping_keyframe);
+    heldout += record.heldout;
+  }
+  EXPECT_EQ(heldout, 2);
+}
+
+TEST(Session, SurvivesFramesWithoutDepth) {
+  auto frames = small_sequence(10);
+  for (int i = 4; i < 6; ++i) {
+    auto blind = std::make_shared<RgbdFrame>(*frames[i]);
+    blind->depth.fill(0);
+    frames[i] = blind;
+  }
+  auto session = slam::Session::create(config_for_test(), frames.front()->camera, {});
+  ASSERT_TRUE(session);
+  for (const auto& frame : frames) (*session)->feed(frame);
+  (*session)->finish();
+  const auto& records = (*session)->records();
+  EXPECT_EQ(records[4].status, tracker::TrackingStatus::kLost);
+  EXPECT_EQ(records[5].status, tracker::TrackingStatus::kLost);
+  EXPECT_NE(records.back().status, tracker::TrackingStatus::kLost);
+}
+
+TEST(Session, RefusesFramesOfAnotherSize) {
+  auto session = slam::Session::create(config_for_test(), {320, 240, 260, 260, 160, 120}, {});
+  ASSERT_TRUE(session);
+  auto frame = std::make_shared<RgbdFrame>();
+  frame->color = ColorImage(64, 48);
+  frame->depth = DepthImage(64, 48);
+  EXPECT_THROW((*session)->feed(frame), ContractViolation);
+}
+
+TEST(Session, SaysWhatIsWrongWithItsSettings) {
+  EXPECT_FALSE(slam::make_session_config("no such preset"));
+  EXPECT_FALSE(slam::Session::create(config_for_test(), PinholeCamera{}, {}));
+  slam::SessionOptions options;
+  options.threads = 0;
+  EXPECT_FALSE(slam::Session::create(config_for_test(), {320, 240, 260, 260, 160, 120}, options));
+}
+
+}  // namespace
+}  // namespace sgs
