@@ -1,0 +1,134 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/io/calibration_io.h"
+
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "sgs/io/atomic_file.h"
+#include "sgs/io/text.h"
+
+namespace sgs::io {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kCameraTxtForm =
+    "one line 'fx fy cx cy width height depth_scale [k1 k2 p1 p2 k3]'";
+
+/// All fields as finite numbers, or nothing.
+std::optional<std::vector<double>> finite_numbers(const std::vector<std::string_view>& fields) {
+  std::vector<double> numbers;
+  for (const auto field : fields) {
+    const auto value = parse_double(field);
+    if (!value || !std::isfinite(*value)) return std::nullopt;
+    numbers.push_back(*value);
+  }
+  return numbers;
+}
+
+std::string distortion_text(const Distortion& d, std::string_view separator) {
+  return fmt::format("{1}{0}{2}{0}{3}{0}{4}{0}{5}", separator, d.k1, d.k2, d.p1, d.p2, d.k3);
+}
+
+bool whole(double value) { return value == std::floor(value) && std::abs(value) < 1e9; }
+
+}  // namespace
+
+Result<CameraOption> parse_camera_option(std::string_view text) {
+  const auto n = finite_numbers(split_fields(text, ","));
+  if (!n || (n->size() != 4 && n->size() != 9)) {
+    return fail(ErrorCode::kInvalidArgument, fmt::format("--camera '{}' cannot be read", text),
+                "give --camera fx,fy,cx,cy or --camera fx,fy,cx,cy,k1,k2,p1,p2,k3");
+  }
+  CameraOption option{(*n)[0], (*n)[1], (*n)[2], (*n)[3], {}};
+  if (n->size() == 9) option.distortion = {(*n)[4], (*n)[5], (*n)[6], (*n)[7], (*n)[8]};
+  if (!(option.fx > 0 && option.fy > 0)) {
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("--camera '{}': focal lengths must be positive", text));
+  }
+  return option;
+}
+
+Status check_calibration(const Calibration& c, std::string_view source) {
+  const auto bad = [&](std::string what) {
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("camera calibration from {}: {}", source, what),
+                "correct it there, or give --camera fx,fy,cx,cy[,k1,k2,p1,p2,k3] and "
+                "--depth-scale S");
+  };
+  const PinholeCamera& k = c.camera;
+  if (k.width <= 0 || k.height <= 0) {
+    return bad(fmt::format("image size {}x{} is not positive", k.width, k.height));
+  }
+  if (!(k.fx > 0 && k.fy > 0 && std::isfinite(k.fx) && std::isfinite(k.fy))) {
+    return bad(fmt::format("focal lengths fx={} fy={} must be positive", k.fx, k.fy));
+  }
+  if (!std::isfinite(k.cx) || !std::isfinite(k.cy)) {
+    return bad(fmt::format("principal point cx={} cy={} is not finite", k.cx, k.cy));
+  }
+  const Distortion& d = c.distortion;
+  for (const double value : {d.k1, d.k2, d.p1, d.p2, d.k3}) {
+    if (!std::isfinite(value)) return bad("distortion is not finite");
+  }
+  if (!(c.depth_scale > 0 && std::isfinite(c.depth_scale))) {
+    return bad(fmt::format("depth scale {} must be positive (raw units per metre)", c.depth_scale));
+  }
+  return {};
+}
+
+Result<Calibration> load_camera_txt(const fs::path& path) {
+  SGS_ASSIGN_OR_RETURN(const std::string content, read_file(path));
+  const auto lines = content_lines(content);
+  if (lines.size() != 1) {
+    return fail(
+        ErrorCode::kInvalidFormat,
+        fmt::format("{}{}: {} lines where one is needed", path.string(),
+                    lines.size() > 1 ? fmt::format(":{}", lines[1].number) : "", lines.size()),
+        fmt::format("write {}", kCameraTxtForm));
+  }
+  const auto n = finite_numbers(split_fields(lines[0].text, ","));
+  if (!n || (n->size() != 7 && n->size() != 12) || !whole((*n)[4]) || !whole((*n)[5])) {
+    return fail(ErrorCode::kInvalidFormat,
+                fmt::format("{}:{}: '{}' is not a calibration", path.string(), lines[0].number,
+                            lines[0].text.substr(0, 120)),
+                fmt::format("write {}", kCameraTxtForm));
+  }
+  Calibration c;
+  c.camera = {
+      static_cast<int>((*n)[4]), static_cast<int>((*n)[5]), (*n)[0], (*n)[1], (*n)[2], (*n)[3]};
+  c.depth_scale = (*n)[6];
+  if (n->size() == 12) c.distortion = {(*n)[7], (*n)[8], (*n)[9], (*n)[10], (*n)[11]};
+  SGS_RETURN_IF_ERROR(check_calibration(c, fmt::format("{}:{}", path.string(), lines[0].number)));
+  return c;
+}
+
+Status save_camera_txt(const fs::path& path, const Calibration& c) {
+  const PinholeCamera& k = c.camera;
+  std::string text = fmt::format("# fx fy cx cy width height depth_scale [k1 k2 p1 p2 k3]\n");
+  text +=
+      fmt::format("{} {} {} {} {} {} {}", k.fx, k.fy, k.cx, k.cy, k.width, k.height, c.depth_scale);
+  if (!c.distortion.is_zero()) text += " " + distortion_text(c.distortion, " ");
+  return write_file(path, text + "\n");
+}
+
+Result<Calibration> load_cam_params_json(const fs::path& path) {
+  SGS_ASSIGN_OR_RETURN(const std::string content, read_file(path));
+  Calibration c;
+  try {
+    const auto json = nlohmann::json::parse(content);
+    const auto& camera = json.at("camera");
+    c.camera = {camera.at("w").get<int>(),     camera.at("h").get<int>(),
+                camera.at("fx").get<double>(), camera.at("fy").get<double>(),
+                camera.at("cx").get<double>(), camera.at("cy").get<double>()};
+    c.depth_scale = camera.at("scale").get<double>();
+  } catch (const nlohmann::json::exception& e) {
+    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: {}", path.string(), e.what()),
+                R"(needed: {"camera": {"w", "h", "fx", "fy", "cx", "cy", "scale"}})");
+  }
+  SGS_RETURN_IF_ERROR(check_calibration(c, path.string()));
+  return c;
+}
+
+}  // namespace sgs::io

@@ -1,0 +1,168 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/io/image_io.h"
+
+#include <cmath>
+#include <cstdint>
+#include <opencv2/core/utils/logger.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+#include <vector>
+
+#include "sgs/io/atomic_file.h"
+#include "sgs/io/image_stream.h"
+
+namespace sgs::io {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::uint16_t kRawSaturated = 65535;
+
+/// The library never prints; OpenCV's decoders would.
+void silence_opencv() {
+  static const bool done = [] {
+    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+    return true;
+  }();
+  static_cast<void>(done);
+}
+
+struct Encoded {
+  std::string bytes;
+  StreamCheck check;
+};
+
+Result<Encoded> read_encoded(const fs::path& path) {
+  Encoded encoded;
+  SGS_ASSIGN_OR_RETURN(encoded.bytes, read_file(path));
+  encoded.check = check_image_stream(encoded.bytes);
+  if (!encoded.check.problem.empty()) {
+    return fail(ErrorCode::kInvalidFormat,
+                fmt::format("{}: {}", path.string(), encoded.check.problem),
+                "copy or record the image again");
+  }
+  if (encoded.check.kind == StreamCheck::Kind::kUnknown) {
+    return fail(ErrorCode::kUnsupported, fmt::format("{}: neither PNG nor JPEG", path.string()),
+                "convert the images to PNG or JPEG");
+  }
+  return encoded;
+}
+
+Result<cv::Mat> decode(const fs::path& path, std::string& bytes, int flags) {
+  silence_opencv();
+  cv::Mat image;
+  try {
+    // imdecode only reads the buffer; std::string gives the mutable pointer cv::Mat asks for.
+    const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, bytes.data());
+    image = cv::imdecode(buffer, flags);
+  } catch (const cv::Exception& e) {
+    return fail(ErrorCode::kInvalidFormat,
+                fmt::format("{}: cannot be decoded: {}", path.string(), e.err));
+  }
+  if (image.empty()) {
+    return fail(ErrorCode::kInvalidFormat,
+                fmt::format("{}: damaged, cannot be decoded", path.string()),
+                "copy or record the image again");
+  }
+  return image;
+}
+
+Status encode_and_write(const fs::path& path, const char* extension, const cv::Mat& image,
+                        const std::vector<int>& parameters) {
+  silence_opencv();
+  std::vector<unsigned char> bytes;
+  try {
+    if (!cv::imencode(extension, image, bytes, parameters)) bytes.clear();
+  } catch (const cv::Exception&) {
+    bytes.clear();
+  }
+  if (bytes.empty()) {
+    return fail(ErrorCode::kIo, fmt::format("{}: the image cannot be encoded", path.string()));
+  }
+  return write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+}  // namespace
+
+Result<ColorImage> load_color(const fs::path& path) {
+  SGS_ASSIGN_OR_RETURN(Encoded encoded, read_encoded(path));
+  if (encoded.check.bits_per_channel > 8) {
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("{}: {} bits per channel where an 8-bit colour image is needed",
+                            path.string(), encoded.check.bits_per_channel),
+                "are colour and depth swapped?");
+  }
+  SGS_ASSIGN_OR_RETURN(const cv::Mat bgr, decode(path, encoded.bytes,
+                                                 cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION));
+  ColorImage image(bgr.cols, bgr.rows);
+  cv::Mat rgb(bgr.size(), CV_8UC3, image.data());
+  cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
+  return image;
+}
+
+Result<DepthImage> load_depth(const fs::path& path, double depth_scale) {
+  SGS_CHECK(depth_scale > 0 && std::isfinite(depth_scale), "depth scale must be positive");
+  SGS_ASSIGN_OR_RETURN(Encoded encoded, read_encoded(path));
+  if (encoded.check.kind == StreamCheck::Kind::kJpeg || encoded.check.bits_per_channel != 16) {
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("{}: {}-bit {} where 16-bit PNG depth is needed", path.string(),
+                            encoded.check.bits_per_channel,
+                            encoded.check.kind == StreamCheck::Kind::kJpeg ? "JPEG" : "PNG"),
+                "export raw depth as single-channel 16-bit PNG, not as a preview picture");
+  }
+  SGS_ASSIGN_OR_RETURN(const cv::Mat raw, decode(path, encoded.bytes, cv::IMREAD_UNCHANGED));
+  if (raw.type() != CV_16UC1) {
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("{}: {} channels where single-channel depth is needed", path.string(),
+                            raw.channels()),
+                "export raw depth as single-channel 16-bit PNG");
+  }
+  DepthImage image(raw.cols, raw.rows);
+  for (int y = 0; y < raw.rows; ++y) {
+    const auto* in = raw.ptr<std::uint16_t>(y);
+    float* out = image.row(y);
+    for (int x = 0; x < raw.cols; ++x) {
+      out[x] = in[x] == kRawSaturated ? 0.0f : static_cast<float>(in[x] / depth_scale);
+    }
+  }
+  return image;
+}
+
+Status save_color(const fs::path& path, const ColorImage& image, int jpeg_quality) {
+  SGS_CHECK(jpeg_quality >= 1 && jpeg_quality <= 100, "JPEG quality must be 1..100");
+  SGS_CHECK(!image.empty(), "an empty image cannot be written");
+  const std::string extension = path.extension().string();
+  const bool jpeg = extension == ".jpg" || extension == ".jpeg";
+  if (!jpeg && extension != ".png") {
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("{}: unknown image extension '{}'", path.string(), extension),
+                "use .png, .jpg or .jpeg");
+  }
+  cv::Mat bgr(image.height(), image.width(), CV_8UC3);
+  for (int y = 0; y < image.height(); ++y) {
+    auto* out = bgr.ptr<cv::Vec3b>(y);
+    const Rgb8* in = image.row(y);
+    for (int x = 0; x < image.width(); ++x) out[x] = {in[x].b, in[x].g, in[x].r};
+  }
+  return jpeg ? encode_and_write(path, ".jpg", bgr, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality})
+              : encode_and_write(path, ".png", bgr, {cv::IMWRITE_PNG_COMPRESSION, 3});
+}
+
+Status save_depth(const fs::path& path, const DepthImage& image, double depth_scale) {
+  SGS_CHECK(depth_scale > 0 && std::isfinite(depth_scale), "depth scale must be positive");
+  SGS_CHECK(!image.empty(), "an empty image cannot be written");
+  cv::Mat raw(image.height(), image.width(), CV_16UC1);
+  for (int y = 0; y < image.height(); ++y) {
+    auto* out = raw.ptr<std::uint16_t>(y);
+    const float* in = image.row(y);
+    for (int x = 0; x < image.width(); ++x) {
+      const double value = std::round(static_cast<double>(in[x]) * depth_scale);
+      const bool fits = value > 0 && value < kRawSaturated;  // false for NaN too
+      out[x] = fits ? static_cast<std::uint16_t>(value) : std::uint16_t{0};
+    }
+  }
+  return encode_and_write(path, ".png", raw, {cv::IMWRITE_PNG_COMPRESSION, 3});
+}
+
+}  // namespace sgs::io
