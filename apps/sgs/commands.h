@@ -33,5 +33,6 @@ void add_render(CLI::App& app, Action& action);
 void add_synth(CLI::App& app, Action& action);
 void add_export(CLI::App& app, Action& action);
 void add_info(CLI::App& app, Action& action);
+void add_bench(CLI::App& app, Action& action);
 
 }  // namespace sgs::app
