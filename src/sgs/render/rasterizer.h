@@ -26,9 +26,9 @@ struct Rgbf {
 /// Composited image of the map on a black background.
 /// With weights w_i = alpha_i * prod_{j<i} (1 - alpha_j), front to back:
 struct Rendering {
-  Image<Rgbf> color;          ///< sum w_i c_i (unclamped)
-  Image<float> depth_sum;     ///< D = sum w_i z_i, metres; D / alpha is the mean depth
-  Image<float> alpha;         ///< A = sum w_i = 1 - final transmittance
+  Image<Rgbf> color;       ///< sum w_i c_i (unclamped)
+  Image<float> depth_sum;  ///< D = sum w_i z_i, metres; D / alpha is the mean depth
+  Image<float> alpha;      ///< A = sum w_i = 1 - final transmittance
 };
 
 /// What a training view is compared with. Prepared once per keyframe and resolution.
@@ -76,10 +76,10 @@ struct LossConfig {
 /// Gradient rows of the Gaussians that took part in a rendering. Row fields mirror
 /// map::Gaussian: d loss / d mean, log_scale, rotation (raw quaternion), opacity_logit, rgb.
 struct Gradients {
-  std::vector<std::uint32_t> visible;     ///< indices into the rendered span, increasing
-  std::vector<map::Gaussian> gradient;    ///< one row per entry of `visible`
+  std::vector<std::uint32_t> visible;        ///< indices into the rendered span, increasing
+  std::vector<map::Gaussian> gradient;       ///< one row per entry of `visible`
   Vector6d camera_twist = Vector6d::Zero();  ///< d loss / d xi of T_world_camera * exp(xi)
-  double loss = 0;                         ///< value of the loss (colour + depth + dssim)
+  double loss = 0;                           ///< value of the loss (colour + depth + dssim)
   /// Sums over the well-exposed explained pixels (alpha > 0.9, measured depth, 0.02 < y_c < 0.97)
   /// of measured y_c and rendered r_c (without gain): what an exposure gain is estimated from.
   std::array<double, 3> exposure_measured = {0, 0, 0};

@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/render/rasterizer.h"
+#include "sgs/render/reference/reference_scene.h"
+#include "sgs/render/target_check.h"
+
+namespace sgs::render {
+namespace {
+
+class ReferenceTarget final : public PreparedTarget {
+ public:
+  explicit ReferenceTarget(const TrainingImage& source)
+      : PreparedTarget(source.camera), image(source) {}
+  const TrainingImage image;
+};
+
+class ReferenceRasterizer final : public Rasterizer {
+ public:
+  using Rasterizer::evaluate;
+
+  std::string name() const override { return "reference"; }
+
+  void render(std::span<const map::Gaussian> gaussians, const PinholeCamera& camera,
+              const SE3& T_world_camera, Rendering& out) override {
+    SGS_CHECK(camera.valid(), "the camera must be valid");
+    const auto rows = convert(gaussians);
+    store(reference::composite(reference::project_all(rows, camera, T_world_camera), camera),
+          camera, out);
+  }
+
+  std::shared_ptr<const PreparedTarget> prepare(const TrainingImage& image) const override {
+    check_training_image(image);
+    return std::make_shared<ReferenceTarget>(image);
+  }
+
+  void evaluate(std::span<const map::Gaussian> gaussians, const PreparedTarget& target,
+                const SE3& T_world_camera, const LossConfig& loss, Gradients& out,
+                Rendering* rendering) override {
+    const auto* own = dynamic_cast<const ReferenceTarget*>(&target);
+    SGS_CHECK(own != nullptr, "the target was prepared by another kind of rasterizer");
+    const auto rows = convert(gaussians);
+    const auto e = reference::evaluate(rows, own->image, T_world_camera, loss);
+    out.visible.clear();
+    out.gradient.clear();
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (!e.visible[i]) continue;
+      out.visible.push_back(static_cast<std::uint32_t>(i));
+      out.gradient.push_back(to_row(e.gradient[i]));
+    }
+    out.camera_twist = e.camera_twist;
+    out.loss = e.loss;
+    out.exposure_measured = e.exposure_measured;
+    out.exposure_rendered = e.exposure_rendered;
+    if (rendering != nullptr) store(e.image, target.camera(), *rendering);
+  }
+
+ private:
+  static std::vector<reference::Parameters> convert(std::span<const map::Gaussian> gaussians) {
+    std::vector<reference::Parameters> rows;
+    rows.reserve(gaussians.size());
+    for (const auto& g : gaussians) rows.push_back(reference::to_parameters(g));
+    return rows;
+  }
+
+  static map::Gaussian to_row(const reference::Parameters& p) {
+    const auto f = [&](std::size_t i) { return static_cast<float>(p[i]); };
+    return {{f(0), f(1), f(2)},       {f(3), f(4), f(5)},
+            {f(6), f(7), f(8), f(9)}, f(10),
+            {f(11), f(12), f(13)},    {0, 0}};
+  }
+
+  static void store(const reference::PixelImage& image, const PinholeCamera& camera,
+                    Rendering& out) {
+    out.color = Image<Rgbf>(camera.width, camera.height);
+    out.depth_sum = Image<float>(camera.width, camera.height);
+    out.alpha = Image<float>(camera.width, camera.height);
+    for (std::size_t i = 0; i < image.size(); ++i) {
+      const auto f = [&](std::size_t k) { return static_cast<float>(image[i][k]); };
+      out.color.data()[i] = {f(0), f(1), f(2)};
+      out.depth_sum.data()[i] = f(3);
+      out.alpha.data()[i] = f(4);
+    }
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Rasterizer> make_reference_rasterizer() {
+  return std::make_unique<ReferenceRasterizer>();
+}
+
+}  // namespace sgs::render
