@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/dataset/calibration_lookup.h"
+
+#include <cctype>
+#include <cmath>
+
+namespace sgs::dataset {
+namespace fs = std::filesystem;
+namespace {
+
+/// Number of the TUM camera in a sequence name ("..._freiburg2_desk", "fr1_xyz"), or 0.
+int tum_camera_number(const std::string& name) {
+  for (const std::string prefix : {"freiburg", "fr"}) {
+    for (auto at = name.find(prefix); at != std::string::npos; at = name.find(prefix, at + 1)) {
+      const std::size_t digit = at + prefix.size();
+      const auto letter = [&](std::size_t i) {
+        return std::isalnum(static_cast<unsigned char>(name[i])) != 0;
+      };
+      const bool bounded = (at == 0 || !letter(at - 1)) && digit < name.size() &&
+                           (digit + 1 == name.size() || !letter(digit + 1));
+      if (bounded && name[digit] >= '1' && name[digit] <= '3') return name[digit] - '0';
+    }
+  }
+  return 0;
+}
+
+/// Calibrations of the colour cameras published with the TUM RGB-D benchmark.
+std::optional<FoundCalibration> known_sequence(const std::string& name) {
+  constexpr double kTumDepthScale = 5000;
+  const int number = tum_camera_number(name);
+  if (number == 0) return std::nullopt;
+  FoundCalibration found{{}, fmt::format("known sequence freiburg{}", number)};
+  Calibration& c = found.calibration;
+  c.depth_scale = kTumDepthScale;
+  if (number == 1) {
+    c.camera = {640, 480, 517.3, 516.5, 318.6, 255.3};
+    c.distortion = {0.2624, -0.9531, -0.0054, 0.0026, 1.1633};
+  } else if (number == 2) {
+    c.camera = {640, 480, 520.9, 521.0, 325.1, 249.7};
+    c.distortion = {0.2312, -0.7849, -0.0033, -0.0001, 0.9172};
+  } else {
+    c.camera = {640, 480, 535.4, 539.2, 320.1, 247.6};
+  }
+  return found;
+}
+
+Result<std::optional<FoundCalibration>> from_files(const std::vector<fs::path>& folders) {
+  using Found = std::optional<FoundCalibration>;
+  for (const fs::path& folder : folders) {
+    const fs::path path = folder / "sgs.toml";
+    if (!fs::exists(path)) continue;
+    SGS_ASSIGN_OR_RETURN(const auto toml, io::load_sequence_toml(path));
+    if (toml.calibration) return Found{{*toml.calibration, path.string()}};
+  }
+  for (const fs::path& folder : folders) {
+    const fs::path path = folder / "camera.txt";
+    if (!fs::exists(path)) continue;
+    SGS_ASSIGN_OR_RETURN(const auto calibration, io::load_camera_txt(path));
+    return Found{{calibration, path.string()}};
+  }
+  for (const fs::path& folder : folders) {
+    const fs::path path = folder / "cam_params.json";
+    if (!fs::exists(path)) continue;
+    SGS_ASSIGN_OR_RETURN(const auto calibration, io::load_cam_params_json(path));
+    return Found{{calibration, path.string()}};
+  }
+  return Found{};
+}
+
+tl::unexpected<Error> nothing_found(const std::vector<fs::path>& folders, const char* what) {
+  std::string places;
+  for (const fs::path& folder : folders) {
+    places += fmt::format("{}{}", places.empty() ? "" : ", ", folder.string());
+  }
+  return fail(ErrorCode::kNotFound,
+              fmt::format("{} unknown: no sgs.toml with [camera], camera.txt or cam_params.json in "
+                          "{}, and the folder's name is not that of a known TUM sequence "
+                          "(freiburg1, freiburg2, freiburg3)",
+                          what, places),
+              "give --camera fx,fy,cx,cy[,k1,k2,p1,p2,k3] and --depth-scale S, or write a "
+              "camera.txt with one line 'fx fy cx cy width height depth_scale [k1 k2 p1 p2 k3]'");
+}
+
+}  // namespace
+
+Result<FoundCalibration> find_calibration(const std::vector<fs::path>& folders,
+                                          const std::string& name, const OpenOptions& options) {
+  std::optional<FoundCalibration> found;
+  // What the options give in full needs nothing else, not even readable files.
+  if (!(options.camera && options.depth_scale)) {
+    SGS_ASSIGN_OR_RETURN(found, from_files(folders));
+    if (!found) found = known_sequence(name);
+  }
+  if (!found && !options.camera) return nothing_found(folders, "camera calibration");
+  FoundCalibration result = found.value_or(FoundCalibration{});
+  if (options.camera) {
+    const io::CameraOption& camera = *options.camera;
+    result.calibration.camera = {0, 0, camera.fx, camera.fy, camera.cx, camera.cy};
+    result.calibration.distortion = camera.distortion;
+    result.source = found ? fmt::format("--camera, depth scale from {}", result.source)
+                          : std::string("--camera");
+  }
+  if (options.depth_scale) {
+    result.calibration.depth_scale = *options.depth_scale;
+    result.source += " and --depth-scale";
+  }
+  if (result.calibration.depth_scale == 0 && !options.depth_scale) {
+    return nothing_found(folders, "depth scale");
+  }
+  return result;
+}
+
+}  // namespace sgs::dataset

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sgs/core/error.h"
+#include "sgs/dataset/open.h"
+
+namespace sgs::dataset {
+
+/// A calibration and the words for where it came from. The image size may still be 0 x 0 (with
+/// --camera): then the first image gives it.
+struct FoundCalibration {
+  Calibration calibration;
+  std::string source;
+};
+
+/// Looks for the calibration of a sequence: the options, then `sgs.toml`, `camera.txt`,
+/// `cam_params.json` in `folders` (in this order), then, if `name` contains freiburg1..3 or fr1..3,
+/// the published values of that TUM camera. Nothing found is an error that lists what was tried.
+Result<FoundCalibration> find_calibration(const std::vector<std::filesystem::path>& folders,
+                                          const std::string& name, const OpenOptions& options);
+
+}  // namespace sgs::dataset

@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "sgs/dataset/frame_list.h"
+#include "sgs/io/atomic_file.h"
+#include "sgs/io/text.h"
+
+namespace sgs::dataset {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kFramesPerSecond = 30;  // of the renderings; the layout carries no times
+
+using NumberedFiles = std::map<long, fs::path>;
+
+struct ImageFolders {
+  NumberedFiles color, depth;
+};
+
+/// Files by the number at the end of their stem: frame000012.jpg -> 12.
+NumberedFiles by_number(const std::vector<fs::path>& files) {
+  NumberedFiles numbered;
+  for (const fs::path& file : files) {
+    const std::string stem = file.stem().string();
+    const auto digits = stem.find_last_not_of("0123456789") + 1;  // npos + 1 == 0
+    long number = 0;
+    const auto end = stem.data() + stem.size();
+    if (std::from_chars(stem.data() + digits, end, number).ec == std::errc{}) {
+      numbered.emplace(number, file);
+    }
+  }
+  return numbered;
+}
+
+ImageFolders find_images(const fs::path& scene) {
+  if (fs::is_directory(scene / "results")) {
+    return {by_number(files_matching(scene / "results", "frame*")),
+            by_number(files_matching(scene / "results", "depth*"))};
+  }
+  return {by_number(image_files(scene / "images")), by_number(image_files(scene / "depth_images"))};
+}
+
+/// A row of traj.txt; empty for one that holds NaN or no rotation.
+Result<std::optional<SE3>> parse_pose(const fs::path& path, const io::TextLine& line) {
+  const auto fields = io::split_fields(line.text);
+  std::array<double, 16> m{};
+  bool good = fields.size() == m.size();
+  for (std::size_t i = 0; good && i < m.size(); ++i) {
+    const auto value = io::parse_double(fields[i]);
+    good = value.has_value();
+    m[i] = value.value_or(0);
+  }
+  if (!good) {
+    return fail(ErrorCode::kInvalidFormat,
+                fmt::format("{}:{}: not a row-major 4x4 matrix", path.string(), line.number),
+                "each row must hold 16 numbers");
+  }
+  SE3 T;
+  T.R << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
+  T.t << m[3], m[7], m[11];
+  constexpr double kRotationTolerance = 1e-2;
+  const bool rotation = T.all_finite() && (T.R * T.R.transpose()).isIdentity(kRotationTolerance) &&
+                        T.R.determinant() > 0;
+  if (!rotation) return std::optional<SE3>{};
+  return std::optional<SE3>{T.normalized()};
+}
+
+Result<std::vector<std::optional<SE3>>> read_poses(const fs::path& path) {
+  SGS_ASSIGN_OR_RETURN(const std::string content, io::read_file(path));
+  std::vector<std::optional<SE3>> poses;
+  for (const io::TextLine& line : io::content_lines(content)) {
+    SGS_ASSIGN_OR_RETURN(auto pose, parse_pose(path, line));
+    poses.push_back(std::move(pose));
+  }
+  return poses;
+}
+
+Status add_truth(const fs::path& path, const std::vector<long>& numbers, FrameList& out) {
+  SGS_ASSIGN_OR_RETURN(const auto poses, read_poses(path));
+  // Rows belong to frame numbers in a whole sequence, to positions in a cut-out one.
+  const bool by_position = poses.size() == numbers.size();
+  std::size_t without = 0, unusable = 0;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::size_t row = by_position ? i : static_cast<std::size_t>(numbers[i]);
+    if (row >= poses.size()) {
+      ++without;
+    } else if (!poses[row]) {
+      ++unusable;
+    } else {
+      out.truth.push_back({out.frames[i].timestamp_s, *poses[row]});
+    }
+  }
+  if (without > 0) {
+    out.warnings.push_back(fmt::format("{}: {} frames have no row", path.string(), without));
+  }
+  if (unusable > 0) {
+    out.warnings.push_back(fmt::format("{}: {} rows are not rigid transforms and were skipped",
+                                       path.string(), unusable));
+  }
+  return {};
+}
+
+}  // namespace
+
+bool looks_like_replica(const fs::path& scene) {
+  const bool nice_slam =
+      fs::is_directory(scene / "results") && !files_matching(scene / "results", "frame*").empty();
+  return nice_slam ||
+         (fs::is_directory(scene / "images") && fs::is_directory(scene / "depth_images"));
+}
+
+Result<FrameList> list_replica(const fs::path& scene) {
+  FrameList out;
+  out.layout = "replica";
+  out.name = folder_name(scene);
+  out.folder = scene;
+  const ImageFolders images = find_images(scene);
+  std::vector<long> numbers;
+  for (const auto& [number, color] : images.color) {
+    const auto depth = images.depth.find(number);
+    if (depth == images.depth.end()) continue;
+    numbers.push_back(number);
+    out.frames.push_back({static_cast<double>(number) / kFramesPerSecond, color, depth->second,
+                          scene.string(), scene.string()});
+  }
+  out.color_without_depth = images.color.size() - numbers.size();
+  out.depth_without_color = images.depth.size() - numbers.size();
+  if (out.frames.empty()) {
+    return fail(ErrorCode::kInvalidFormat,
+                fmt::format("{}: {} colour and {} depth images, none with equal numbers",
+                            scene.string(), images.color.size(), images.depth.size()),
+                "needed: results/frame000000.jpg with results/depth000000.png, or the same in "
+                "images/ and depth_images/");
+  }
+  if (fs::exists(scene / "traj.txt")) {
+    SGS_RETURN_IF_ERROR(add_truth(scene / "traj.txt", numbers, out));
+  }
+  return out;
+}
+
+}  // namespace sgs::dataset

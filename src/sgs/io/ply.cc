@@ -1,0 +1,221 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/io/ply.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+
+#include "sgs/io/atomic_file.h"
+#include "sgs/io/ply_header.h"
+#include "sgs/io/text.h"
+
+namespace sgs::io {
+namespace fs = std::filesystem;
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "PLY bodies are copied as they are");
+
+constexpr double kSh0 = 0.28209479177387814;  // 1 / (2 sqrt(pi)): SH basis function of degree 0
+
+// Needed properties, in the order in which Row holds them.
+constexpr std::array<const char*, 14> kNames = {
+    "x",       "y",       "z",       "f_dc_0", "f_dc_1", "f_dc_2", "opacity",
+    "scale_0", "scale_1", "scale_2", "rot_0",  "rot_1",  "rot_2",  "rot_3"};
+using Row = std::array<double, kNames.size()>;
+
+tl::unexpected<Error> bad_file(const fs::path& path, const std::string& what) {
+  return fail(ErrorCode::kInvalidFormat, fmt::format("{}: {}", path.string(), what),
+              "needed: a PLY with the vertex layout of 3D Gaussian Splatting");
+}
+
+map::Gaussian gaussian_from(const Row& v) {
+  const auto f = [&](std::size_t i) { return static_cast<float>(v[i]); };
+  const auto rgb = [&](std::size_t i) { return static_cast<float>(0.5 + kSh0 * v[i]); };
+  return {{f(0), f(1), f(2)},           {f(7), f(8), f(9)},
+          {f(10), f(11), f(12), f(13)}, f(6),
+          {rgb(3), rgb(4), rgb(5)},     {0, 0}};
+}
+
+Status check_row(const fs::path& path, const Row& row, std::size_t vertex) {
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    if (!std::isfinite(static_cast<float>(row[i]))) {
+      return bad_file(path, fmt::format("vertex {}: {} is {}", vertex, kNames[i], row[i]));
+    }
+  }
+  if (row[10] == 0 && row[11] == 0 && row[12] == 0 && row[13] == 0) {
+    return bad_file(path, fmt::format("vertex {}: the rotation is zero", vertex));
+  }
+  return {};
+}
+
+template <class T>
+double load_as(const char* at) {
+  T value;
+  std::memcpy(&value, at, sizeof value);
+  return static_cast<double>(value);
+}
+
+double load_scalar(PlyType type, const char* at) {
+  switch (type) {
+    case PlyType::kInt8:
+      return load_as<std::int8_t>(at);
+    case PlyType::kUint8:
+      return load_as<std::uint8_t>(at);
+    case PlyType::kInt16:
+      return load_as<std::int16_t>(at);
+    case PlyType::kUint16:
+      return load_as<std::uint16_t>(at);
+    case PlyType::kInt32:
+      return load_as<std::int32_t>(at);
+    case PlyType::kUint32:
+      return load_as<std::uint32_t>(at);
+    case PlyType::kFloat32:
+      return load_as<float>(at);
+    case PlyType::kFloat64:
+      return load_as<double>(at);
+  }
+  return 0;
+}
+
+Result<std::vector<map::Gaussian>> read_binary(const fs::path& path, const PlyHeader& header,
+                                               const std::array<std::size_t, 14>& columns,
+                                               std::string_view body) {
+  std::vector<std::size_t> offsets;
+  std::size_t stride = 0;
+  for (const PlyProperty& property : header.vertex_properties) {
+    offsets.push_back(stride);
+    stride += ply_size(property.type);
+  }
+  if (header.vertices > body.size() / stride) {
+    return bad_file(path, fmt::format("truncated: {} vertices announced, {} present",
+                                      header.vertices, body.size() / stride));
+  }
+  std::vector<map::Gaussian> splats;
+  splats.reserve(header.vertices);
+  for (std::size_t i = 0; i < header.vertices; ++i) {
+    Row row;
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      const std::size_t column = columns[k];
+      row[k] = load_scalar(header.vertex_properties[column].type,
+                           body.data() + i * stride + offsets[column]);
+    }
+    SGS_RETURN_IF_ERROR(check_row(path, row, i));
+    splats.push_back(gaussian_from(row));
+  }
+  return splats;
+}
+
+Result<std::vector<map::Gaussian>> read_ascii(const fs::path& path, const PlyHeader& header,
+                                              const std::array<std::size_t, 14>& columns,
+                                              std::string_view body) {
+  const auto lines = content_lines(body);
+  if (lines.size() < header.vertices) {
+    return bad_file(path, fmt::format("truncated: {} vertices announced, {} present",
+                                      header.vertices, lines.size()));
+  }
+  std::vector<map::Gaussian> splats;
+  splats.reserve(header.vertices);
+  for (std::size_t i = 0; i < header.vertices; ++i) {
+    const auto fields = split_fields(lines[i].text);
+    Row row{};
+    bool good = fields.size() == header.vertex_properties.size();
+    for (std::size_t k = 0; good && k < row.size(); ++k) {
+      const auto value = parse_double(fields[columns[k]]);
+      good = value.has_value();
+      row[k] = value.value_or(0);
+    }
+    if (!good) {
+      return bad_file(path,
+                      fmt::format("vertex {}: {} numbers needed, found '{}'", i,
+                                  header.vertex_properties.size(), lines[i].text.substr(0, 80)));
+    }
+    SGS_RETURN_IF_ERROR(check_row(path, row, i));
+    splats.push_back(gaussian_from(row));
+  }
+  return splats;
+}
+
+void append_float(std::string& out, double value) {
+  const auto f = static_cast<float>(value);
+  char bytes[sizeof f];
+  std::memcpy(bytes, &f, sizeof f);
+  out.append(bytes, sizeof f);
+}
+
+}  // namespace
+
+Result<std::vector<map::Gaussian>> load_splats(const fs::path& path) {
+  SGS_ASSIGN_OR_RETURN(const std::string content, read_file(path));
+  const auto header = parse_ply_header(content);
+  if (!header) return bad_file(path, header.error());
+  std::array<std::size_t, kNames.size()> columns{};
+  for (std::size_t k = 0; k < kNames.size(); ++k) {
+    const auto& properties = header->vertex_properties;
+    const auto found = std::find_if(properties.begin(), properties.end(),
+                                    [&](const PlyProperty& p) { return p.name == kNames[k]; });
+    if (found == properties.end()) {
+      return bad_file(path, fmt::format("vertex property '{}' is missing", kNames[k]));
+    }
+    columns[k] = static_cast<std::size_t>(found - properties.begin());
+  }
+  const std::string_view body = std::string_view(content).substr(header->body_offset);
+  return header->ascii ? read_ascii(path, *header, columns, body)
+                       : read_binary(path, *header, columns, body);
+}
+
+Status save_splats(const fs::path& path, std::span<const map::Gaussian> splats) {
+  std::string out =
+      fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", splats.size());
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "opacity",
+                           "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"}) {
+    out += fmt::format("property float {}\n", name);
+  }
+  out += "end_header\n";
+  out.reserve(out.size() + splats.size() * 17 * sizeof(float));
+  for (std::size_t i = 0; i < splats.size(); ++i) {
+    const map::Gaussian& g = splats[i];
+    const double norm = std::hypot(std::hypot(double{g.rotation[0]}, double{g.rotation[1]}),
+                                   std::hypot(double{g.rotation[2]}, double{g.rotation[3]}));
+    bool finite = std::isfinite(g.opacity_logit) && std::isfinite(norm) && norm > 0;
+    for (int k = 0; k < 3; ++k) {
+      finite = finite && std::isfinite(g.mean[k]) && std::isfinite(g.log_scale[k]) &&
+               std::isfinite(g.rgb[k]);
+    }
+    if (!finite) {
+      return fail(ErrorCode::kInvalidArgument,
+                  fmt::format("{}: Gaussian {} has a value that is not finite or a zero rotation; "
+                              "nothing was written",
+                              path.string(), i));
+    }
+    for (const float v : g.mean) append_float(out, v);
+    for (int k = 0; k < 3; ++k) append_float(out, 0);
+    for (const float v : g.rgb) append_float(out, (double{v} - 0.5) / kSh0);
+    append_float(out, g.opacity_logit);
+    for (const float v : g.log_scale) append_float(out, v);
+    for (const float v : g.rotation) append_float(out, v / norm);
+  }
+  return write_file(path, out);
+}
+
+Status save_points(const fs::path& path, std::span<const ColoredPoint> points) {
+  std::string out = fmt::format(
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float "
+      "y\nproperty float z\nproperty uchar red\nproperty uchar green\nproperty uchar "
+      "blue\nend_header\n",
+      points.size());
+  for (const ColoredPoint& point : points) {
+    for (int k = 0; k < 3; ++k) append_float(out, point.position[k]);
+    for (const std::uint8_t c : {point.color.r, point.color.g, point.color.b}) {
+      out += static_cast<char>(c);
+    }
+  }
+  return write_file(path, out);
+}
+
+}  // namespace sgs::io
