@@ -15,9 +15,10 @@ struct StreamCheck {
   std::string problem;
 };
 
-/// Walks the chunks of a PNG (to IEND) or the segments of a JPEG (to EOI). Image decoders hand out
-/// what they have of a truncated stream, grey rows for the rest; this tells it from a whole one.
-/// Sources: PNG specification (W3C, 3rd edition) section 5; ITU-T T.81 annex B.
+/// Walks the chunks of a PNG (to IEND, with their checksums) or the segments of a JPEG (to EOI).
+/// Image decoders hand out what they have of a truncated stream, grey rows for the rest; this tells
+/// it from a whole one. Sources: PNG specification (W3C, 3rd edition) section 5; ITU-T T.81 annex
+/// B.
 StreamCheck check_image_stream(std::string_view bytes);
 
 }  // namespace sgs::io

@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sgs/io/atomic_file.h"
+#include "sgs/io/calibration_io.h"
+#include "sgs/io/temporary_folder.h"
+#include "sgs/io/toml_config.h"
+
+namespace sgs::io {
+namespace {
+
+using testing::HasSubstr;
+
+struct Settings {
+  int window = 8;
+  double rate = 0.5;
+  bool fast = false;
+  std::string mode = "a";
+  std::uint64_t seed = 1;
+  ParameterList list;
+  Settings() {
+    list.add("seed", seed, "The seed.");
+    const auto outer = list.group("mapper");
+    list.add("window", window, "The window.", "", {1, 64});
+    list.add("fast", fast, "Fast or not.");
+    const auto inner = list.group("adam");
+    list.add("rate", rate, "The rate.", "", {0, 1});
+    list.add("mode", mode, "The mode.", {"a", "b"});
+  }
+};
+
+TEST(TomlConfig, SetsNestedKeys) {
+  Settings s;
+  const auto status = apply_toml_text(
+      "seed = 42\n[mapper]\nwindow = 16\nfast = true\n[mapper.adam]\nrate = 1\nmode = \"b\"\n", "x",
+      s.list);
+  ASSERT_TRUE(status) << status.error().text();
+  EXPECT_EQ(s.seed, 42u);
+  EXPECT_EQ(s.window, 16);
+  EXPECT_TRUE(s.fast);
+  EXPECT_EQ(s.rate, 1.0);
+  EXPECT_EQ(s.mode, "b");
+}
+
+TEST(TomlConfig, EffectiveConfigReadsBack) {
+  Settings a, b;
+  a.window = 3;
+  a.rate = 0.1;
+  a.mode = "b";
+  const auto status = apply_toml_text(a.list.to_toml(), "x", b.list);
+  ASSERT_TRUE(status) << status.error().text();
+  EXPECT_EQ(a.list.to_toml(), b.list.to_toml());
+}
+
+TEST(TomlConfig, ErrorsNameFileLineAndKey) {
+  const auto message = [](const char* text) {
+    Settings s;
+    const auto status = apply_toml_text(text, "run.toml", s.list);
+    return status ? std::string("no error") : status.error().text();
+  };
+  EXPECT_THAT(message("[mapper]\n\nwindov = 3\n"), HasSubstr("run.toml:3"));
+  EXPECT_THAT(message("[mapper]\n\nwindov = 3\n"), HasSubstr("'mapper.window'"));
+  EXPECT_THAT(message("[mapper]\nwindow = 65\n"), HasSubstr("run.toml:2"));
+  EXPECT_THAT(message("[mapper]\nwindow = 65\n"), HasSubstr("1 .. 64"));
+  EXPECT_THAT(message("[mapper]\nwindow = 1.5\n"), HasSubstr("whole number"));
+  EXPECT_THAT(message("[mapper]\nwindow = \"8\"\n"), HasSubstr("must be a number"));
+  EXPECT_THAT(message("[mapper]\nfast = 1\n"), HasSubstr("true or false"));
+  EXPECT_THAT(message("[mapper.adam]\nmode = 3\n"), HasSubstr("must be a string"));
+  EXPECT_THAT(message("[mapper.adam]\nmode = \"c\"\n"), HasSubstr("a | b"));
+  EXPECT_THAT(message("[mapper.adam]\nrate = nan\n"), HasSubstr("'mapper.adam.rate'"));
+  EXPECT_THAT(message("seed = [1]\n"), HasSubstr("must be a number"));
+  EXPECT_THAT(message("seed = 1\nseed 2\n"), HasSubstr("run.toml:2"));
+}
+
+TEST(Calibration, CameraTxt) {
+  const TemporaryFolder folder;
+  const auto path = folder / "camera.txt";
+  ASSERT_TRUE(
+      write_file(path, "# c\n517.3 516.5 318.6 255.3 640 480 5000 0.26 -0.95 -0.01 0.02 1.2\n"));
+  const auto c = load_camera_txt(path);
+  ASSERT_TRUE(c) << c.error().text();
+  EXPECT_EQ(c->camera, (PinholeCamera{640, 480, 517.3, 516.5, 318.6, 255.3}));
+  EXPECT_EQ(c->distortion, (Distortion{0.26, -0.95, -0.01, 0.02, 1.2}));
+  EXPECT_EQ(c->depth_scale, 5000);
+  ASSERT_TRUE(save_camera_txt(folder / "b.txt", *c));
+  EXPECT_EQ(load_camera_txt(folder / "b.txt").value(), *c);
+  for (const char* bad : {"", "1 2 3", "1 1 1 1 640 480 5000 0.1", "0 1 1 1 640 480 5000",
+                          "1 1 1 1 640.5 480 5000", "1 1 1 1 -640 480 5000", "1 1 1 1 640 480 0",
+                          "1 1 nan 1 640 480 5000", "1 1 1 1 640 480 5000\n1 1 1 1 640 480 5000"}) {
+    ASSERT_TRUE(write_file(path, bad));
+    const auto result = load_camera_txt(path);
+    ASSERT_FALSE(result) << bad;
+    EXPECT_THAT(result.error().message, HasSubstr("camera.txt"));
+  }
+}
+
+TEST(Calibration, CameraOption) {
+  const auto option = parse_camera_option("525,526,319.5,239.5");
+  ASSERT_TRUE(option);
+  EXPECT_EQ(option->fy, 526);
+  EXPECT_TRUE(option->distortion.is_zero());
+  EXPECT_EQ(parse_camera_option("1,1,1,1,.1,.2,.3,.4,.5")->distortion.k3, 0.5);
+  for (const char* bad : {"", "1,2,3", "1,2,3,4,5", "a,b,c,d", "-1,1,1,1", "inf,1,1,1"}) {
+    EXPECT_FALSE(parse_camera_option(bad)) << bad;
+  }
+}
+
+TEST(Calibration, CamParamsJson) {
+  const TemporaryFolder folder;
+  const auto path = folder / "cam_params.json";
+  ASSERT_TRUE(write_file(path, R"({"camera": {"w": 1200, "h": 680, "fx": 600.0, "fy": 600.0,
+                                  "cx": 599.5, "cy": 339.5, "scale": 6553.5}})"));
+  EXPECT_EQ(load_cam_params_json(path).value().camera,
+            (PinholeCamera{1200, 680, 600, 600, 599.5, 339.5}));
+  ASSERT_TRUE(write_file(path, R"({"camera": {"w": 1200}})"));
+  EXPECT_THAT(load_cam_params_json(path).error().message, HasSubstr("cam_params.json"));
+  ASSERT_TRUE(write_file(path, "{"));
+  EXPECT_FALSE(load_cam_params_json(path));
+}
+
+TEST(Calibration, SequenceTomlRoundTripAndErrors) {
+  const TemporaryFolder folder;
+  SequenceToml content;
+  content.calibration =
+      Calibration{{640, 480, 525, 525.25, 319.5, 239.5}, {0.1, 0, 0, 0, -1}, 1000};
+  content.name = "a \"quoted\" name";
+  content.color = "color/*.jpg";
+  content.depth = "depth";
+  content.match = "stem";
+  content.fps = 15;
+  content.trajectory = "poses.txt";
+  const auto path = folder / "sgs.toml";
+  ASSERT_TRUE(save_sequence_toml(path, content));
+  const auto back = load_sequence_toml(path);
+  ASSERT_TRUE(back) << back.error().text();
+  EXPECT_EQ(back->calibration, content.calibration);
+  EXPECT_EQ(back->name, content.name);
+  EXPECT_EQ(back->color, content.color);
+  EXPECT_EQ(back->match, content.match);
+  EXPECT_EQ(back->fps, 15);
+  EXPECT_EQ(back->trajectory, "poses.txt");
+
+  const auto message = [&](const char* text) {
+    EXPECT_TRUE(write_file(path, text));
+    const auto result = load_sequence_toml(path);
+    return result ? std::string("no error") : result.error().text();
+  };
+  EXPECT_THAT(message("[sequence]\nfsp = 3\n"), HasSubstr("sequence.fps"));
+  EXPECT_THAT(message("[camera]\nfx = 1\n"), HasSubstr("lacks 'fy'"));
+  EXPECT_THAT(message("[camera]\nfx=1\nfy=1\ncx=1\ncy=1\nwidth=1\nheight=1\ndistortion=[1]\n"),
+              HasSubstr("sgs.toml:8"));
+  EXPECT_THAT(message("[camera]\nfx=-1\nfy=1\ncx=1\ncy=1\nwidth=1\nheight=1\n"),
+              HasSubstr("sgs.toml:2"));
+  EXPECT_THAT(message("[sequence]\ncolor = \"c\"\n"), HasSubstr("both"));
+}
+
+}  // namespace
+}  // namespace sgs::io

@@ -1,0 +1,163 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/io/image_io.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <opencv2/imgcodecs.hpp>
+
+#include "sgs/io/atomic_file.h"
+#include "sgs/io/temporary_folder.h"
+
+namespace sgs::io {
+namespace {
+
+using testing::HasSubstr;
+
+ColorImage test_picture() {
+  ColorImage image(64, 48);
+  for (int y = 0; y < 48; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      image(x, y) = {static_cast<std::uint8_t>(4 * x), static_cast<std::uint8_t>(5 * y),
+                     static_cast<std::uint8_t>((x * 37 + y * 91) % 256)};
+    }
+  }
+  return image;
+}
+
+TEST(ImageIo, PngIsLosslessAndRedComesFirst) {
+  const TemporaryFolder folder;
+  const ColorImage image = test_picture();
+  ASSERT_TRUE(save_color(folder / "a.png", image));
+  const auto back = load_color(folder / "a.png");
+  ASSERT_TRUE(back) << back.error().text();
+  ASSERT_EQ(back->width(), 64);
+  for (std::size_t i = 0; i < image.size(); ++i) ASSERT_EQ(back->data()[i], image.data()[i]);
+  const cv::Mat bgr = cv::imread((folder / "a.png").string());
+  EXPECT_EQ(bgr.at<cv::Vec3b>(3, 10)[2], image(10, 3).r);
+}
+
+TEST(ImageIo, JpegIsClose) {
+  const TemporaryFolder folder;
+  ColorImage image(64, 48, {200, 100, 50});
+  ASSERT_TRUE(save_color(folder / "a.jpg", image));
+  const auto back = load_color(folder / "a.jpg");
+  ASSERT_TRUE(back);
+  EXPECT_NEAR((*back)(20, 20).r, 200, 3);
+  EXPECT_NEAR((*back)(20, 20).b, 50, 3);
+}
+
+TEST(ImageIo, GreyAndAlphaBecomeColor) {
+  const TemporaryFolder folder;
+  cv::imwrite((folder / "grey.png").string(), cv::Mat(8, 8, CV_8UC1, cv::Scalar(77)));
+  cv::imwrite((folder / "alpha.png").string(), cv::Mat(8, 8, CV_8UC4, cv::Scalar(1, 2, 3, 0)));
+  const Rgb8 grey{77, 77, 77}, rgb{3, 2, 1};
+  EXPECT_EQ(load_color(folder / "grey.png").value()(4, 4), grey);
+  EXPECT_EQ(load_color(folder / "alpha.png").value()(4, 4), rgb);
+}
+
+TEST(ImageIo, DepthRoundTripAndInvalidValues) {
+  const TemporaryFolder folder;
+  DepthImage depth(4, 1);
+  depth(0, 0) = 1.2345f;
+  depth(1, 0) = 100.0f;  // does not fit at scale 5000
+  depth(2, 0) = std::numeric_limits<float>::quiet_NaN();
+  depth(3, 0) = -1.0f;
+  ASSERT_TRUE(save_depth(folder / "d.png", depth, 5000));
+  const auto back = load_depth(folder / "d.png", 5000);
+  ASSERT_TRUE(back);
+  EXPECT_NEAR((*back)(0, 0), 1.2345f, 1e-4);
+  for (int x = 1; x < 4; ++x) EXPECT_EQ((*back)(x, 0), 0.0f);
+
+  cv::Mat raw(1, 3, CV_16UC1);
+  raw.at<std::uint16_t>(0) = 0;
+  raw.at<std::uint16_t>(1) = 65535;
+  raw.at<std::uint16_t>(2) = 1000;
+  cv::imwrite((folder / "raw.png").string(), raw);
+  const auto loaded = load_depth(folder / "raw.png", 1000).value();
+  EXPECT_EQ(loaded(0, 0), 0.0f);
+  EXPECT_EQ(loaded(1, 0), 0.0f);
+  EXPECT_EQ(loaded(2, 0), 1.0f);
+}
+
+TEST(ImageIo, EightBitDepthAndSwappedImagesAreNamed) {
+  const TemporaryFolder folder;
+  cv::imwrite((folder / "d8.png").string(), cv::Mat(8, 8, CV_8UC1, cv::Scalar(77)));
+  cv::imwrite((folder / "d16.png").string(), cv::Mat(8, 8, CV_16UC1, cv::Scalar(770)));
+  cv::imwrite((folder / "rgb16.png").string(), cv::Mat(8, 8, CV_16UC3, cv::Scalar(1, 2, 3)));
+  const auto depth = load_depth(folder / "d8.png", 5000);
+  ASSERT_FALSE(depth);
+  EXPECT_EQ(depth.error().code, ErrorCode::kUnsupported);
+  EXPECT_THAT(depth.error().message, HasSubstr("8-bit"));
+  EXPECT_THAT(depth.error().message, HasSubstr("d8.png"));
+  EXPECT_THAT(load_color(folder / "d16.png").error().text(), HasSubstr("swapped"));
+  EXPECT_THAT(load_depth(folder / "rgb16.png", 1).error().message, HasSubstr("3 channels"));
+}
+
+// Every proper prefix of an image file is recognised as damaged, whatever the decoder makes of it.
+TEST(ImageIo, EveryTruncationIsFound) {
+  const TemporaryFolder folder;
+  DepthImage depth(64, 48, 1.0f);
+  ASSERT_TRUE(save_color(folder / "a.png", test_picture()));
+  ASSERT_TRUE(save_color(folder / "a.jpg", test_picture()));
+  ASSERT_TRUE(save_depth(folder / "depth.png", depth, 5000));
+  for (const char* name : {"a.png", "a.jpg", "depth.png"}) {
+    const bool is_depth = std::string(name) == "depth.png";
+    const std::string bytes = read_file(folder / name).value();
+    for (std::size_t length = 0; length < bytes.size(); length += 1 + bytes.size() / 97) {
+      ASSERT_TRUE(write_file(folder / name, bytes.substr(0, length)));
+      const Error error =
+          is_depth ? load_depth(folder / name, 1).error() : load_color(folder / name).error();
+      EXPECT_THAT(error.message, HasSubstr(name)) << length;
+      EXPECT_TRUE(error.code == ErrorCode::kInvalidFormat || length < 3) << length << error.text();
+    }
+    ASSERT_TRUE(write_file(folder / name, bytes.substr(0, bytes.size() - 1)));
+    EXPECT_FALSE(is_depth ? load_depth(folder / name, 1).has_value()
+                          : load_color(folder / name).has_value());
+  }
+}
+
+TEST(ImageIo, DamageInsideAPngIsFound) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(save_color(folder / "a.png", test_picture()));
+  std::string bytes = read_file(folder / "a.png").value();
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x55);
+  ASSERT_TRUE(write_file(folder / "a.png", bytes));
+  EXPECT_FALSE(load_color(folder / "a.png"));
+}
+
+TEST(ImageIo, MissingFilesOtherFormatsAndFullDisks) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(load_color(folder / "none.png").error().code, ErrorCode::kNotFound);
+  ASSERT_TRUE(write_file(folder / "text.png", "hello, this is not an image"));
+  EXPECT_EQ(load_color(folder / "text.png").error().code, ErrorCode::kUnsupported);
+  EXPECT_FALSE(save_color(folder / "a.bmp", test_picture()));
+}
+
+TEST(AtomicFile, ReplacesReportsAndLeavesNoTemporaries) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_file(folder / "sub/a.txt", "one"));
+  ASSERT_TRUE(write_file(folder / "sub/a.txt", "two"));
+  ASSERT_TRUE(append_file(folder / "sub/a.txt", " three"));
+  EXPECT_EQ(read_file(folder / "sub/a.txt").value(), "two three");
+  const auto entries = std::distance(std::filesystem::directory_iterator(folder / "sub"), {});
+  EXPECT_EQ(entries, 1);
+  EXPECT_FALSE(write_file(folder / "sub", "a folder"));
+  EXPECT_FALSE(read_file(folder / "sub"));
+  EXPECT_FALSE(write_file(folder / "sub/a.txt/b.txt", "below a file"));
+}
+
+TEST(AtomicFile, FullDiskIsAnErrorWithARemedy) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  for (const auto& status : {write_file("/dev/full", "x"), append_file("/dev/full", "x")}) {
+    ASSERT_FALSE(status);
+    EXPECT_EQ(status.error().code, ErrorCode::kIo);
+    EXPECT_THAT(status.error().text(), HasSubstr("No space left"));
+    EXPECT_THAT(status.error().remedy, HasSubstr("space"));
+  }
+}
+
+}  // namespace
+}  // namespace sgs::io

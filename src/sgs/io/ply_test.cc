@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/io/ply.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+#include "sgs/io/atomic_file.h"
+#include "sgs/io/temporary_folder.h"
+
+namespace sgs::io {
+namespace {
+
+using testing::HasSubstr;
+
+std::vector<map::Gaussian> test_splats() {
+  return {{{1, 2, 3}, {-4, -5, -6}, {1, 2, -2, 4}, 0.5f, {0.1f, 0.5f, 1.2f}, {0, 0}},
+          {{-1, 0, 9}, {-1, -2, -3}, {1, 0, 0, 0}, -3, {0, 1, 0.25f}, {0, 0}}};
+}
+
+TEST(Ply, SplatsRoundTripWithUnitQuaternions) {
+  const TemporaryFolder folder;
+  const auto splats = test_splats();
+  ASSERT_TRUE(save_splats(folder / "m.ply", splats));
+  const auto back = load_splats(folder / "m.ply");
+  ASSERT_TRUE(back) << back.error().text();
+  ASSERT_EQ(back->size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_EQ((*back)[i].mean[k], splats[i].mean[k]);
+      EXPECT_EQ((*back)[i].log_scale[k], splats[i].log_scale[k]);
+      EXPECT_NEAR((*back)[i].rgb[k], splats[i].rgb[k], 1e-6);
+    }
+    EXPECT_EQ((*back)[i].opacity_logit, splats[i].opacity_logit);
+  }
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_NEAR((*back)[0].rotation[k], splats[0].rotation[k] / 5, 1e-7);
+  }
+}
+
+TEST(Ply, HeaderIsTheStandardLayout) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(save_splats(folder / "m.ply", test_splats()));
+  const std::string bytes = read_file(folder / "m.ply").value();
+  const auto body = bytes.find("end_header\n") + 11;
+  EXPECT_EQ(bytes.size() - body, 2u * 17 * 4);
+  EXPECT_THAT(bytes, HasSubstr("ply\nformat binary_little_endian 1.0\nelement vertex 2\n"
+                               "property float x\nproperty float y\nproperty float z\n"
+                               "property float nx\n"));
+}
+
+const char* const kShuffledHeader =
+    "ply\nformat ascii 1.0\ncomment any order, more properties, no normals\nelement vertex 1\n"
+    "property double rot_0\nproperty float rot_1\nproperty float rot_2\nproperty float rot_3\n"
+    "property float f_rest_0\nproperty uchar label\nproperty float scale_2\n"
+    "property float scale_1\nproperty float scale_0\nproperty float opacity\n"
+    "property float f_dc_2\nproperty float f_dc_1\nproperty float f_dc_0\n"
+    "property float z\nproperty float y\nproperty float x\nend_header\n";
+
+TEST(Ply, ReadsAnyOrderInAscii) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_file(folder / "a.ply", std::string(kShuffledHeader) +
+                                               "1 0 0 0 9.5 7 -3 -2 -1 0.25 0 0 1 30 20 10\n"));
+  const auto splats = load_splats(folder / "a.ply");
+  ASSERT_TRUE(splats) << splats.error().text();
+  const map::Gaussian& g = splats->at(0);
+  EXPECT_EQ(g.mean[0], 10);
+  EXPECT_EQ(g.mean[2], 30);
+  EXPECT_EQ(g.log_scale[0], -1);
+  EXPECT_EQ(g.rotation[0], 1);
+  EXPECT_EQ(g.opacity_logit, 0.25f);
+  EXPECT_NEAR(g.rgb[0], 0.5 + 0.28209479177387814, 1e-6);
+  EXPECT_EQ(g.rgb[1], 0.5f);
+}
+
+TEST(Ply, BadFilesAreErrorsThatNameThem) {
+  const TemporaryFolder folder;
+  const auto path = folder / "bad.ply";
+  const auto error_of = [&](const std::string& bytes) {
+    EXPECT_TRUE(write_file(path, bytes));
+    const auto splats = load_splats(path);
+    EXPECT_FALSE(splats);
+    return splats ? std::string() : splats.error().message;
+  };
+  ASSERT_TRUE(save_splats(path, test_splats()));
+  const std::string good = read_file(path).value();
+  for (const std::size_t cut : {1u, 67u, 68u, 137u, 200u}) {
+    EXPECT_THAT(error_of(good.substr(0, good.size() - cut)), HasSubstr("truncated")) << cut;
+  }
+  EXPECT_THAT(error_of(""), HasSubstr("bad.ply"));
+  EXPECT_THAT(error_of("not a ply"), HasSubstr("not a PLY"));
+  std::string other = good;
+  other.replace(other.find("opacity"), 7, "opacitx");
+  EXPECT_THAT(error_of(other), HasSubstr("'opacity' is missing"));
+  other = good;
+  other.replace(other.find("vertex 2"), 8, "vertex 99999999999999999");
+  EXPECT_THAT(error_of(other), HasSubstr("truncated"));
+  other = good;
+  other.replace(other.find("little"), 6, "big");
+  EXPECT_THAT(error_of(other), HasSubstr("not supported"));
+  EXPECT_THAT(error_of(std::string(kShuffledHeader) + "1 0 0 0 9 7 -3 -2 -1 nan 0 0 1 30 20 10\n"),
+              HasSubstr("vertex 0: opacity is nan"));
+  EXPECT_THAT(error_of(std::string(kShuffledHeader) + "0 0 0 0 9 7 -3 -2 -1 1 0 0 1 30 20 10\n"),
+              HasSubstr("rotation is zero"));
+  EXPECT_THAT(error_of(std::string(kShuffledHeader) + "1 0 0\n"), HasSubstr("16 numbers"));
+}
+
+TEST(Ply, NotFiniteIsNotWritten) {
+  const TemporaryFolder folder;
+  auto splats = test_splats();
+  splats[1].rgb[2] = std::numeric_limits<float>::quiet_NaN();
+  const auto status = save_splats(folder / "m.ply", splats);
+  ASSERT_FALSE(status);
+  EXPECT_THAT(status.error().message, HasSubstr("Gaussian 1"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "m.ply"));
+}
+
+TEST(Ply, PointsAndEmptyMaps) {
+  const TemporaryFolder folder;
+  const std::vector<ColoredPoint> points = {{{1, 2, 3}, {4, 5, 6}}};
+  ASSERT_TRUE(save_points(folder / "p.ply", points));
+  const std::string bytes = read_file(folder / "p.ply").value();
+  EXPECT_EQ(bytes.size() - (bytes.find("end_header\n") + 11), 15u);
+  EXPECT_EQ(bytes.substr(bytes.size() - 3), "\x04\x05\x06");
+  ASSERT_TRUE(save_splats(folder / "e.ply", {}));
+  EXPECT_TRUE(load_splats(folder / "e.ply").value().empty());
+}
+
+}  // namespace
+}  // namespace sgs::io
