@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "sgs/camera/pyramid.h"
+#include "sgs/core/config.h"
+#include "sgs/geometry/se3.h"
+
+namespace sgs::registration {
+
+/// Settings of direct photometric alignment. Level 0 is the full image; noise and gradient
+/// threshold shrink with the level because the 2x2 means remove noise and contrast.
+struct PhotometricConfig {
+  int levels = 5;
+  double block_px = 12;           ///< one pixel per block of this size at level 0
+  double block_shrink = 1.6;      ///< block size divided by this per level
+  double gradient_threshold = 3;  ///< grey per pixel at level 0
+  double gradient_level_factor = 0.5;
+  double sigma = 8;  ///< grey, at level 0
+  double sigma_level_factor = 0.6;
+  double t_dof = 5;  ///< nu of the t distribution
+  double max_depth_m = 5;
+  double depth_gate_m = 0.05;
+  double depth_gate_ratio = 0.03;
+  double gain_sigma = 0.5;   ///< prior on gain - 1
+  double offset_sigma = 50;  ///< prior on the offset, grey
+
+  void declare(ParameterList& p);
+  double sigma_at(int level) const;
+  double gradient_threshold_at(int level) const;
+  int block_at(int level) const;
+};
+
+/// Metres at a pixel of the full image, 0 where none should be used.
+using DepthLookup = std::function<float(int u, int v)>;
+
+/// A selected pixel of a keyframe: its 3D point in the keyframe's camera and its grey value.
+struct PhotometricPoint {
+  Eigen::Vector3f p_keyframe;  ///< metres
+  float intensity = 0;         ///< 0..255
+};
+
+/// Pixels of a keyframe to which later frames are aligned: per level the one of highest gradient
+/// in each block, with depth. Immutable; thread-safe.
+class PhotometricReference {
+ public:
+  /// `depth` decides which pixels can be selected (a measurement within max_depth_m);
+  /// `smooth_depth`, where given, supplies the depth that is used and drops the pixels for which
+  /// it returns 0 (an inverse-depth plane fit: depth edges and noise do not survive it).
+  PhotometricReference(const GrayPyramid& pyramid, const DepthImage& depth,
+                       const SE3& T_world_keyframe, const PhotometricConfig& config,
+                       const DepthLookup& smooth_depth = {});
+
+  const SE3& T_world_keyframe() const { return T_world_keyframe_; }
+  /// Follows a keyframe that refinement has moved.
+  void set_pose(const SE3& T_world_keyframe) { T_world_keyframe_ = T_world_keyframe; }
+  int levels() const { return static_cast<int>(points_.size()); }
+  const std::vector<PhotometricPoint>& points(int level) const {
+    return points_[static_cast<std::size_t>(level)];
+  }
+
+ private:
+  SE3 T_world_keyframe_;
+  std::vector<std::vector<PhotometricPoint>> points_;
+};
+
+/// I_current = gain * I_keyframe + offset. One per reference, carried along by the caller.
+struct AffineBrightness {
+  double gain = 1;
+  double offset = 0;  ///< grey
+};
+
+/// Normal equations of one reference at one level: H xi = -b on twists of the current camera, gain
+/// and offset eliminated by their Schur complement. Those of several references add up.
+struct PhotometricLinearization {
+  Matrix6d H = Matrix6d::Zero();
+  Vector6d b = Vector6d::Zero();
+  double cost = 0;  ///< sum (nu+1)/2 ln(1 + r^2/(nu sigma^2)) + the brightness prior
+  int used = 0;     ///< pixels in the sums: inside the image and not hidden
+  int visible = 0;  ///< pixels inside the image, hidden ones counted
+
+  Eigen::Matrix<double, 6, 2> H_pose_brightness = Eigen::Matrix<double, 6, 2>::Zero();
+  Eigen::Matrix2d H_brightness = Eigen::Matrix2d::Identity();
+  Eigen::Vector2d b_brightness = Eigen::Vector2d::Zero();
+
+  /// Gain and offset after the pose was moved by `xi` (back substitution).
+  AffineBrightness updated(const AffineBrightness& before, const Vector6d& xi) const;
+};
+
+/// Residual r = I(pi(T^-1 T_kf p)) - gain I_kf - offset, T = T_world_camera of the *current* frame
+/// perturbed on the right, weights of the t distribution (Kerl, Sturm, Cremers: Robust Odometry
+/// Estimation for RGB-D Cameras, ICRA 2013, eq. 13). With X the point in the current camera and
+/// g = dI/dX: dr/dxi = [(g x X)^T, -g^T], dr/d(gain, offset) = [-I_kf, -1].
+/// A pixel is hidden where `current_depth` (full size; 0 = unknown passes) differs from its depth
+/// by more than the gate. Deterministic, allocation-free, thread-safe.
+PhotometricLinearization linearize(const PhotometricReference& reference, int level,
+                                   const GrayPyramid& current, const DepthImage& current_depth,
+                                   const SE3& T_world_camera, const AffineBrightness& brightness,
+                                   const PhotometricConfig& config);
+
+}  // namespace sgs::registration
