@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/synthetic/scene_table.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace sgs::synthetic {
+
+namespace {
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0]++;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t substitute = diagonal + (a[i] != b[j] ? 1 : 0);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({substitute, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+std::string nearest_first(std::vector<std::string> names, const std::string& wanted) {
+  std::stable_sort(names.begin(), names.end(), [&](const std::string& a, const std::string& b) {
+    return edit_distance(a, wanted) < edit_distance(b, wanted);
+  });
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+}  // namespace
+
+const std::vector<SceneInfo>& scene_names() {
+  static const std::vector<SceneInfo> scenes = {
+      {"nostructure_texture_near", "a floor of posters seen from 1 m", 600, true},
+      {"nostructure_texture_far", "a floor of posters seen from 2 m", 450, true},
+      {"structure_notexture_near", "a zig-zag of plain panels at 1.3 m", 600, false},
+      {"structure_notexture_far", "a zig-zag of plain panels at 2.3 m", 600, false},
+      {"structure_texture_near", "a zig-zag of posters at 1.3 m", 600, true},
+      {"structure_texture_far", "a zig-zag of posters at 2.3 m", 600, true},
+      {"room_desk", "a desk with clutter in a room", 600, true},
+      {"office", "a loop around desks with a partition wall in an office", 1200, true},
+      {"corridor", "a long corridor of constant cross-section", 600, true},
+      {"fold", "two textured planes that meet", 450, true},
+      {"dual", "a textured floor with a plain stretch that fills the view for 3 s", 600, true},
+      {"room", "a room with furniture and clutter along its walls", 600, true},
+      {"nostructure_notexture", "a plain floor: nothing to see at all", 300, false},
+  };
+  return scenes;
+}
+
+Result<SceneInfo> find_scene(const std::string& name) {
+  std::vector<std::string> names;
+  for (const SceneInfo& info : scene_names()) {
+    if (info.name == name) return info;
+    names.push_back(info.name);
+  }
+  return fail(ErrorCode::kNotFound, fmt::format("no synthetic scene is called '{}'", name),
+              "known scenes, the nearest first: " + nearest_first(names, name));
+}
+
+Status check_level(const std::string& level) {
+  if (level == "clean" || level == "kinect" || level == "hard") return {};
+  return fail(
+      ErrorCode::kNotFound, fmt::format("no sensor level is called '{}'", level),
+      "known levels, the nearest first: " + nearest_first({"clean", "kinect", "hard"}, level));
+}
+
+Result<SynthOptions> parse_synth_spec(std::string_view spec) {
+  if (!is_synth_spec(spec))
+    return fail(ErrorCode::kInvalidArgument, fmt::format("'{}' names no synthetic input", spec),
+                "write synth:NAME or synth:NAME:LEVEL");
+  spec.remove_prefix(6);
+  SynthOptions options;
+  const std::size_t colon = spec.find(':');
+  options.scene = spec.substr(0, colon);
+  if (colon != std::string_view::npos) options.level = spec.substr(colon + 1);
+  if (auto info = find_scene(options.scene); !info) return tl::unexpected<Error>(info.error());
+  SGS_RETURN_IF_ERROR(check_level(options.level));
+  return options;
+}
+
+}  // namespace sgs::synthetic
