@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "sgs/camera/pinhole.h"
+#include "sgs/core/image.h"
+#include "sgs/registration/clouds.h"
+#include "sgs/registration/registration_config.h"
+
+namespace sgs::registration {
+
+/// The paper's sampling: every n-th pixel as measured, with an ellipse from its 10 nearest sampled
+/// points (itself included), eigenvalues divided by the middle one and bounded below
+/// (Ha, Yeon, Yu: RGBD GS-ICP SLAM, ECCV 2024). The normal is the ellipse's shortest axis.
+///
+/// Neighbours come from the 5x5 samples around a point instead of a tree over the whole cloud:
+/// the same ones on surfaces that are not steep or torn. Not thread-safe; deterministic.
+class NeighbourSampler {
+ public:
+  NeighbourSampler(const SamplingConfig& config, const PinholeCamera& camera);
+  /// Replaces the contents of `cloud`, covariances included.
+  void sample(const DepthImage& depth, SourceCloud& cloud);
+
+ private:
+  bool covariance_at(int column, int row, Eigen::Matrix3f& covariance) const;
+
+  SamplingConfig config_;
+  PinholeCamera camera_;
+  Image<Eigen::Vector3f> grid_;  // z = 0: no sample
+};
+
+}  // namespace sgs::registration

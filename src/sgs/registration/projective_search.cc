@@ -1,0 +1,122 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/registration/projective_search.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace sgs::registration {
+namespace {
+constexpr float kNearPlane_m = 0.05f;
+}
+
+ProjectiveSearch::ProjectiveSearch(const SearchConfig& config, const PinholeCamera& camera)
+    : config_(config),
+      width_((camera.width + config.cell_px - 1) / config.cell_px + 2),
+      height_((camera.height + config.cell_px - 1) / config.cell_px + 2),
+      fx_(static_cast<float>(camera.fx / config.cell_px)),
+      fy_(static_cast<float>(camera.fy / config.cell_px)),
+      cx_(static_cast<float>((camera.cx + 0.5) / config.cell_px + 1)),
+      cy_(static_cast<float>((camera.cy + 0.5) / config.cell_px + 1)) {
+  SGS_CHECK(camera.valid(), "the search needs a usable camera");
+}
+
+int ProjectiveSearch::cell_of(const Eigen::Vector3f& point) const {
+  if (!(point.z() > kNearPlane_m)) return kNoMatch;
+  const float inverse = 1 / point.z();
+  const float u = point.x() * inverse * fx_ + cx_, v = point.y() * inverse * fy_ + cy_;
+  // Written so that NaN fails; cells of the border are never filled.
+  if (!(u >= 1 && v >= 1 && u < static_cast<float>(width_ - 1) &&
+        v < static_cast<float>(height_ - 1))) {
+    return kNoMatch;
+  }
+  return static_cast<int>(v) * width_ + static_cast<int>(u);
+}
+
+void ProjectiveSearch::prepare(const TargetCloud& cloud, const SE3& T_map_predicted) {
+  T_map_reference_ = T_map_predicted;
+  const auto cell_count = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+  cells_.assign(cell_count, kNoMatch);
+  depths_.assign(cell_count, std::numeric_limits<float>::infinity());
+  const SE3 inverse = T_map_predicted.inverse();
+  const Eigen::Matrix3f R = inverse.R.cast<float>();
+  const Eigen::Vector3f t = inverse.t.cast<float>();
+  const Eigen::Vector3f eye = T_map_predicted.t.cast<float>();
+
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    const TargetPoint& p = cloud.points[i];
+    const Eigen::Vector3f x = R * p.point + t;
+    const int cell = cell_of(x);
+    if (cell < 0 || !p.alive()) continue;
+    const auto c = static_cast<std::size_t>(cell);
+    if (x.z() < depths_[c] && p.normal.dot(p.point - eye) < 0) {
+      depths_[c] = x.z();
+      cells_[c] = static_cast<int>(i);
+    }
+  }
+  targets_.clear();
+  covariances_.clear();
+  for (int& cell : cells_) {
+    if (cell == kNoMatch) continue;
+    const auto i = static_cast<std::size_t>(cell);
+    const TargetPoint& p = cloud.points[i];
+    cell = static_cast<int>(targets_.size());
+    targets_.push_back({R * p.point + t, R * p.normal, p.variance_m2});
+    if (!cloud.covariances.empty()) {
+      covariances_.push_back(R * cloud.covariances[i] * R.transpose());
+    }
+  }
+}
+
+void ProjectiveSearch::match(const SourceCloud& cloud, const SE3& T_reference_camera,
+                             std::vector<int>& matches) const {
+  matches.assign(cloud.points.size(), kNoMatch);
+  const Eigen::Matrix3f R = T_reference_camera.R.cast<float>();
+  const Eigen::Vector3f t = T_reference_camera.t.cast<float>();
+  const float gate2 = static_cast<float>(config_.max_distance_m * config_.max_distance_m);
+  const float min_cosine = static_cast<float>(config_.min_normal_cosine);
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    const SourcePoint& p = cloud.points[i];
+    const Eigen::Vector3f x = R * p.point + t;
+    const int centre = cell_of(x);
+    if (centre < 0) continue;
+    const Eigen::Vector3f n = R * p.normal;
+    float best = gate2;
+    for (int row = centre - width_; row <= centre + width_; row += width_) {
+      for (int cell = row - 1; cell <= row + 1; ++cell) {
+        const int k = cells_[static_cast<std::size_t>(cell)];
+        if (k < 0) continue;
+        const TargetPoint& target = targets_[static_cast<std::size_t>(k)];
+        const float distance2 = (target.point - x).squaredNorm();
+        if (distance2 < best && target.normal.dot(n) > min_cosine) {
+          best = distance2;
+          matches[i] = k;
+        }
+      }
+    }
+  }
+}
+
+bool ProjectiveSearch::occupied(const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
+                                float radius_m, float distance_m) const {
+  constexpr float kSameSurfaceCosine = 0.7f;
+  const int centre = cell_of(point);
+  if (centre < 0) return false;
+  for (int row = centre - width_; row <= centre + width_; row += width_) {
+    for (int cell = row - 1; cell <= row + 1; ++cell) {
+      const int k = cells_[static_cast<std::size_t>(cell)];
+      if (k < 0) continue;
+      const TargetPoint& target = targets_[static_cast<std::size_t>(k)];
+      const Eigen::Vector3f d = target.point - point;
+      const float off = target.normal.dot(d);
+      if (std::abs(off) < distance_m &&
+          (d - off * target.normal).squaredNorm() < radius_m * radius_m &&
+          target.normal.dot(normal) > kSameSurfaceCosine) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace sgs::registration
