@@ -4,34 +4,79 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
+#include <limits>
 
 #include "sgs/core/error.h"
 
 namespace sgs::dataset {
+namespace {
+
+constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+
+/// A candidate pair as the end of the best chain that leads to it.
+struct Link {
+  std::size_t i, j, previous, pairs;
+  double cost_s;
+};
+
+bool better(const Link& x, const Link& y) {
+  return x.pairs != y.pairs ? x.pairs > y.pairs : x.cost_s < y.cost_s;
+}
+
+/// Fenwick tree over j of the best link that ends at or before it.
+class PrefixBest {
+ public:
+  explicit PrefixBest(std::size_t size) : tree_(size + 1, kNone) {}
+  std::size_t before(std::size_t j, const std::vector<Link>& links) const {
+    std::size_t result = kNone;
+    for (; j > 0; j -= j & (~j + 1)) result = choose(result, tree_[j], links);
+    return result;
+  }
+  void insert(std::size_t link, const std::vector<Link>& links) {
+    for (std::size_t at = links[link].j + 1; at < tree_.size(); at += at & (~at + 1)) {
+      tree_[at] = choose(tree_[at], link, links);
+    }
+  }
+
+ private:
+  static std::size_t choose(std::size_t x, std::size_t y, const std::vector<Link>& links) {
+    if (x == kNone || y == kNone) return x == kNone ? y : x;
+    return better(links[y], links[x]) ? y : x;
+  }
+  std::vector<std::size_t> tree_;
+};
+
+}  // namespace
 
 std::vector<std::pair<std::size_t, std::size_t>> associate(const std::vector<double>& a,
                                                            const std::vector<double>& b,
                                                            double max_difference_s) {
   SGS_CHECK(std::is_sorted(a.begin(), a.end()) && std::is_sorted(b.begin(), b.end()),
             "times to associate must be sorted");
-  std::vector<std::tuple<double, std::size_t, std::size_t>> candidates;
+  // Sorted times never need crossing pairs, so the best set is a chain of candidates that increases
+  // in both i and j: a longest-chain search with the best prefix over j kept in a Fenwick tree.
+  std::vector<Link> links;
+  PrefixBest best(b.size());
   std::size_t begin = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
     while (begin < b.size() && b[begin] < a[i] - max_difference_s) ++begin;
+    const std::size_t first_of_i = links.size();
     for (std::size_t j = begin; j < b.size() && b[j] <= a[i] + max_difference_s; ++j) {
-      candidates.emplace_back(std::abs(a[i] - b[j]), i, j);
+      const std::size_t previous = best.before(j, links);
+      Link link{i, j, previous, 1, std::abs(a[i] - b[j])};
+      if (previous != kNone) {
+        link.pairs += links[previous].pairs;
+        link.cost_s += links[previous].cost_s;
+      }
+      links.push_back(link);
     }
+    for (std::size_t k = first_of_i; k < links.size(); ++k) best.insert(k, links);
   }
-  std::sort(candidates.begin(), candidates.end());
-  std::vector<bool> used_a(a.size()), used_b(b.size());
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
-  for (const auto& [difference, i, j] : candidates) {
-    if (used_a[i] || used_b[j]) continue;
-    used_a[i] = used_b[j] = true;
-    pairs.emplace_back(i, j);
+  for (std::size_t k = best.before(b.size(), links); k != kNone; k = links[k].previous) {
+    pairs.emplace_back(links[k].i, links[k].j);
   }
-  std::sort(pairs.begin(), pairs.end());
+  std::reverse(pairs.begin(), pairs.end());
   return pairs;
 }
 

@@ -7,8 +7,6 @@
 #include <atomic>
 #include <stdexcept>
 
-#include "sgs/dataset/association.h"
-
 namespace sgs::dataset {
 namespace {
 
@@ -87,16 +85,6 @@ TEST(Prefetch, RethrowsAtTheRightFrame) {
   EXPECT_EQ(source.next(frame, error), FrameRead::kOk);
   EXPECT_THROW(source.next(frame, error), std::runtime_error);
   EXPECT_EQ(source.next(frame, error), FrameRead::kEnd);
-}
-
-TEST(Association, ClosestPairsFirstOneToOne) {
-  using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
-  // 0.010 is near both; 0.012 is closer to it than 0.000 is.
-  EXPECT_EQ(associate({0.000, 0.012}, {0.010}, 0.02), (Pairs{{1, 0}}));
-  EXPECT_EQ(associate({0, 1, 2}, {0.015, 1.03, 1.985}, 0.02), (Pairs{{0, 0}, {2, 2}}));
-  EXPECT_EQ(associate({0.00, 0.03}, {0.014, 0.044}, 0.02), (Pairs{{0, 0}, {1, 1}}));
-  EXPECT_TRUE(associate({}, {1}, 0.02).empty());
-  EXPECT_THROW(associate({1, 0}, {0}, 0.02), ContractViolation);
 }
 
 }  // namespace
