@@ -375,7 +375,7 @@ void build_room(Builder& b, const SceneInfo& info) {
         b.monitor({c.x() + x, c.y() + 0.3f * s, 0.74f}, s * 1.57f + b.random.uniform(-0.3f, 0.3f));
     }
     b.box({c.x(), c.y(), 0.6f}, {1.15f, 0.025f, 0.6f}, 0,
-          b.painted(2.4f, 1.3f, 0.003f, Pattern::kPoster, {}), Rgb(1, 1, 1));
+          b.painted(2.4f, 1.3f, 0.003f, Pattern::kPoster, Rgb::Ones()), Rgb(1, 1, 1));
   } else if (desks) {
     b.desk(c, {1.2f, 0.75f}, 34);
     b.monitor({c.x() - 0.3f, c.y() + 0.45f, 0.74f}, -1.3f);

@@ -201,7 +201,8 @@ void scatter_posters(Canvas& canvas, const PosterOptions& options, std::uint64_t
     }
   pool.run(int(sheets.size()), [&](int i, int) {
     const std::uint64_t id = hash64(seed, 1000 + static_cast<std::uint64_t>(i));
-    paint(sheets[std::size_t(i)].picture, id % 3 == 0 ? Pattern::kPhoto : Pattern::kPoster, id, {});
+    paint(sheets[std::size_t(i)].picture, id % 3 == 0 ? Pattern::kPhoto : Pattern::kPoster, id,
+          Rgb::Ones());
   });
   constexpr int kStrip = 64;
   pool.run((canvas.height() + kStrip - 1) / kStrip, [&](int strip, int) {
