@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/features/orb.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace sgs::features {
+
+OrbExtractor::OrbExtractor(const OrbConfig& config)
+    : config_(config), last_count_(config.clahe_below) {
+  cv::setNumThreads(1);
+}
+
+OrbFrame OrbExtractor::extract(const RgbdFrame& frame) {
+  OrbFrame out;
+  out.camera = frame.camera;
+  cv::Mat gray(frame.color.height(), frame.color.width(), CV_8U);
+  for (int y = 0; y < gray.rows; ++y) {
+    const Rgb8* in = frame.color.row(y);
+    std::uint8_t* row = gray.ptr<std::uint8_t>(y);
+    for (int x = 0; x < gray.cols; ++x) row[x] = static_cast<std::uint8_t>(luma(in[x]) + 0.5f);
+  }
+  out.equalised = last_count_ < config_.clahe_below;
+  if (out.equalised) {
+    cv::createCLAHE(config_.clahe_clip, {config_.clahe_tiles, config_.clahe_tiles})
+        ->apply(gray, gray);
+  }
+  const auto orb = cv::ORB::create(config_.features, 1.2f, 8, 31, 0, 2, cv::ORB::HARRIS_SCORE, 31,
+                                   config_.fast_threshold);
+  std::vector<cv::KeyPoint> keypoints;
+  orb->detectAndCompute(gray, cv::noArray(), keypoints, out.descriptors);
+  out.keypoints.reserve(keypoints.size());
+  for (const auto& k : keypoints) {
+    const int u = std::clamp(static_cast<int>(k.pt.x + 0.5f), 0, frame.depth.width() - 1);
+    const int v = std::clamp(static_cast<int>(k.pt.y + 0.5f), 0, frame.depth.height() - 1);
+    out.keypoints.push_back({{k.pt.x, k.pt.y}, k.octave, frame.depth(u, v)});
+  }
+  last_count_ = static_cast<int>(keypoints.size());
+  return out;
+}
+
+int hamming(const std::uint8_t* a, const std::uint8_t* b) {
+  int distance = 0;
+  for (int i = 0; i < 4; ++i) {
+    std::uint64_t x, y;
+    std::memcpy(&x, a + 8 * i, 8);
+    std::memcpy(&y, b + 8 * i, 8);
+    distance += std::popcount(x ^ y);
+  }
+  return distance;
+}
+
+std::vector<Match> match_cross_check(const OrbFrame& a, const OrbFrame& b, int max_hamming) {
+  std::vector<Match> out;
+  if (a.descriptors.empty() || b.descriptors.empty()) return out;
+  std::vector<cv::DMatch> matches;
+  cv::BFMatcher(cv::NORM_HAMMING, true).match(a.descriptors, b.descriptors, matches);
+  for (const auto& m : matches) {
+    const int distance = static_cast<int>(m.distance);
+    if (distance <= max_hamming) out.push_back({m.queryIdx, m.trainIdx, distance});
+  }
+  std::sort(out.begin(), out.end(), [](const Match& x, const Match& y) { return x.a < y.a; });
+  return out;
+}
+
+}  // namespace sgs::features
