@@ -29,17 +29,17 @@ static_assert(sizeof(Gaussian) == 64);
 struct Anchor {
   Eigen::Vector3f point = Eigen::Vector3f::Zero();   ///< measured point, world
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, towards the camera that saw it
-  float sigma_n_m = 0;         ///< standard deviation along the normal
-  std::int32_t keyframe = -1;  ///< index of the keyframe that inserted it
+  float sigma_n_m = 0;                               ///< standard deviation along the normal
+  std::int32_t keyframe = -1;                        ///< index of the keyframe that inserted it
 };
 
 /// Immutable state of the map after some number of keyframes and iterations. What everything
 /// outside the mapper reads: tracker, insertion test, viewer, export, evaluation.
 struct Snapshot {
   std::uint64_t version = 0;
-  std::vector<Gaussian> gaussians;  ///< averaged parameters
-  std::vector<Anchor> anchors;      ///< same order and size as `gaussians`
-  std::vector<SE3> T_world_keyframe;  ///< refined poses of all mapping keyframes so far
+  std::vector<Gaussian> gaussians;            ///< averaged parameters
+  std::vector<Anchor> anchors;                ///< same order and size as `gaussians`
+  std::vector<SE3> T_world_keyframe;          ///< refined poses of all mapping keyframes so far
   std::vector<std::int64_t> keyframe_frames;  ///< frame index of each of them
 };
 using SnapshotPtr = std::shared_ptr<const Snapshot>;

@@ -31,7 +31,8 @@ class Mapper {
   ~Mapper();
 
   /// Adds a keyframe at `T_world_camera` and inserts Gaussians where the map does not explain it.
-  /// Returns the keyframe's index.
+  /// Returns the keyframe's index, or -1 when the frame cannot be used (a pose that is not finite,
+  /// hardly any depth): nothing changes then.
   int add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE3& T_world_camera);
   /// Runs `count` optimisation steps over the keyframes; nothing happens without keyframes.
   IterationReport iterate(int count);

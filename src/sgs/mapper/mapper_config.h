@@ -2,22 +2,99 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+
 #include "sgs/core/config.h"
 
 namespace sgs::mapper {
 
-/// Settings of the mapper; the defaults are the `default` preset.
-struct MapperConfig {
-  double iterations_per_frame = 1.0;  ///< offline budget; fractions accumulate
+/// Where and how new Gaussians are made.
+struct InsertionConfig {
+  std::string method = "quadtree";  ///< quadtree | grid (the paper: every n-th pixel)
+  int leaf_max_px = 16;
+  int leaf_min_px = 4;
+  double split_gray = 0.05;   ///< split where the grey deviation of a cell exceeds this (0..1)
+  double split_depth = 0.06;  ///< or where its depth range exceeds this share
+  double max_alpha = 0.7;     ///< insert where the map covers less than this
+  double front_ratio = 0.05;  ///< or where the measurement lies in front by ratio and margin
+  double front_margin_m = 0.02;
+  double sigma_tangential = 0.6;  ///< in leaf widths
+  double sigma_normal = 0.2;      ///< in tangential sigmas
+  double max_slant = 3;           ///< longest stretch along a slope
+  double opacity = 0.7;
+  int grid_step_px = 5;            ///< grid: spacing at 640 pixels of width
+  double max_depth_m = 10;         ///< farther measurements are ignored
+  bool fill_missing_depth = true;  ///< pixels without depth borrow the nearest measurement
 
-  void declare(ParameterList& p) {
-    p.add("iterations_per_frame", iterations_per_frame,
-          "Optimisation steps per input frame in offline mode; fractions accumulate.", "1/frame",
-          {0, 1000});
-  }
+  void declare(ParameterList& p);
 };
 
-/// Settings of the paper's recipe (METHOD section 7).
+/// Adam with a step count per Gaussian, and what is averaged and capped after each step.
+struct OptimizerConfig {
+  double rate_mean_m = 1e-3;
+  double rate_log_scale = 4e-2;
+  double rate_rotation = 5e-3;
+  double rate_opacity = 0.05;
+  double rate_color = 5e-3;
+  double beta1 = 0.9;
+  double beta2 = 0.999;
+  double average = 0.97;        ///< ceiling of the averaging factor; 0 = no averaging
+  double max_axis_ratio = 2.5;  ///< largest to middle axis; 0 = free
+  double max_growth = 3;        ///< largest axis over the one it was born with; 0 = free
+
+  void declare(ParameterList& p);
+};
+
+/// The loss (render::LossConfig) and which steps pay for structure.
+struct ObjectiveConfig {
+  double color_weight = 0.8;
+  double depth_weight = 0.2;
+  std::string depth_form = "alpha_relative";  ///< alpha_relative | absolute
+  double dssim_weight = 0;
+  int dssim_interval = 1;  ///< D-SSIM on every n-th full-resolution step
+  bool color_only_where_depth = false;
+  double floater_margin_m = 0;
+
+  void declare(ParameterList& p);
+};
+
+/// Which keyframe is visited when, and at which resolution.
+struct ScheduleConfig {
+  std::string order = "rounds";  ///< rounds (shuffled, each keyframe once) | random (the paper)
+  double half_resolution_share = 0.8;
+  int prune_interval = 200;  ///< steps between prunings
+  double prune_opacity = 0.02;
+  double prune_scale_m = 1.0;
+  int full_targets_kept = 12;  ///< full-resolution targets kept ready (memory against time)
+
+  void declare(ParameterList& p);
+};
+
+/// Exposure gains and poses of keyframes, refined along with the map.
+struct KeyframeRefinementConfig {
+  bool exposure = true;
+  double exposure_prior = 0.5;  ///< weight of gain 1 against the measured gain
+  double exposure_step = 0.5;   ///< share of the way per visit
+  bool pose = true;
+  double pose_rate = 5e-4;   ///< radians and metres per step
+  int pose_first_visit = 3;  ///< visits of a keyframe before its pose may move
+
+  void declare(ParameterList& p);
+};
+
+/// Settings of the mapper; the defaults are the `default` preset (docs/accuracy.md).
+struct MapperConfig {
+  double iterations_per_frame = 2.0;  ///< offline budget; fractions accumulate
+  InsertionConfig insertion;
+  OptimizerConfig optimizer;
+  ObjectiveConfig objective;
+  ScheduleConfig schedule;
+  KeyframeRefinementConfig refinement;
+
+  void declare(ParameterList& p);
+};
+
+/// The recipe of the paper and of GS-ICP SLAM (METHOD section 7).
 MapperConfig paper_mapper_config();
 
 }  // namespace sgs::mapper

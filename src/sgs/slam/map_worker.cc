@@ -42,8 +42,9 @@ void MapWorker::process(const MapJob& job) {
           last.T_world_refined * last.T_world_tracked.inverse() * job.T_world_tracked;
       keyframe.T_world_refined = keyframe.T_world_inserted;
     }
-    mapper_.add_keyframe(job.keyframe, keyframe.T_world_inserted);
-    keyframes_.push_back(keyframe);
+    if (mapper_.add_keyframe(job.keyframe, keyframe.T_world_inserted) >= 0) {
+      keyframes_.push_back(keyframe);
+    }
   }
   if (mode_ != Mode::kLive) {
     budget_ += config_.mapper.iterations_per_frame;

@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/mapper/keyframe.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sgs::mapper {
+namespace {
+
+render::Rgbf to_float(const Rgb8& c) {
+  constexpr float k = 1.0f / 255;
+  return {k * static_cast<float>(c.r), k * static_cast<float>(c.g), k * static_cast<float>(c.b)};
+}
+
+/// Mean of the agreeing depths among four; 0 when fewer than two are valid or they disagree.
+float merged_depth(const std::array<float, 4>& depths) {
+  constexpr float kAgreement = 1.05f;
+  float sum = 0, low = 0, high = 0;
+  int count = 0;
+  for (const float z : depths) {
+    if (z <= 0) continue;
+    low = count == 0 ? z : std::min(low, z);
+    high = std::max(high, z);
+    sum += z;
+    ++count;
+  }
+  return count >= 2 && high <= kAgreement * low ? sum / static_cast<float>(count) : 0.0f;
+}
+
+}  // namespace
+
+MapKeyframe::MapKeyframe(const RgbdFrame& frame, const SE3& T, double max_depth_m)
+    : T_world_camera(T),
+      camera_(frame.camera),
+      frame_index_(frame.index),
+      color_(frame.color),
+      depth_(frame.depth.width(), frame.depth.height()),
+      depth_unit_m_(static_cast<float>(max_depth_m / 65535)) {
+  for (std::size_t i = 0; i < depth_.size(); ++i) {
+    const float z = frame.depth.data()[i];
+    if (z > 0 && z <= static_cast<float>(max_depth_m)) {
+      depth_.data()[i] = static_cast<std::uint16_t>(std::lround(z / depth_unit_m_));
+    }
+  }
+}
+
+render::TrainingImage MapKeyframe::training_image(int level) const {
+  SGS_CHECK(level == 0 || level == 1, "training images exist at full and half resolution");
+  render::TrainingImage image;
+  image.camera = camera_.halved(level);
+  const int width = image.camera.width, height = image.camera.height;
+  image.color = Image<render::Rgbf>(width, height);
+  image.depth = DepthImage(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      if (level == 0) {
+        image.color(x, y) = to_float(color_(x, y));
+        image.depth(x, y) = depth_m(x, y);
+        continue;
+      }
+      const int u = 2 * x, v = 2 * y;
+      const auto a = to_float(color_(u, v)), b = to_float(color_(u + 1, v)),
+                 c = to_float(color_(u, v + 1)), d = to_float(color_(u + 1, v + 1));
+      image.color(x, y) = {0.25f * (a.r + b.r + c.r + d.r), 0.25f * (a.g + b.g + c.g + d.g),
+                           0.25f * (a.b + b.b + c.b + d.b)};
+      image.depth(x, y) = merged_depth(
+          {depth_m(u, v), depth_m(u + 1, v), depth_m(u, v + 1), depth_m(u + 1, v + 1)});
+    }
+  }
+  return image;
+}
+
+std::shared_ptr<const render::PreparedTarget> TargetCache::get(const MapKeyframe& keyframe,
+                                                               std::size_t index, int level) {
+  if (level == 1) {
+    if (half_.size() <= index) half_.resize(index + 1);
+    if (!half_[index]) half_[index] = rasterizer_.prepare(keyframe.training_image(1));
+    return half_[index];
+  }
+  const auto found = std::find_if(full_.begin(), full_.end(),
+                                  [&](const auto& entry) { return entry.first == index; });
+  auto entry = found == full_.end()
+                   ? std::pair{index, rasterizer_.prepare(keyframe.training_image(0))}
+                   : *found;
+  if (found != full_.end()) {
+    full_.erase(found);
+  } else if (full_.size() >= full_kept_) {
+    full_.erase(full_.begin());
+  }
+  full_.push_back(entry);
+  return entry.second;
+}
+
+}  // namespace sgs::mapper

@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "sgs/camera/rgbd_frame.h"
+#include "sgs/render/rasterizer.h"
+
+namespace sgs::mapper {
+
+/// A keyframe of the map: its images in compact form (8-bit colour, 16-bit depth: 5 bytes a pixel),
+/// its pose and exposure as refined so far. Training images are made from it on demand.
+class MapKeyframe {
+ public:
+  /// `max_depth_m` bounds the depth that is kept; farther measurements are dropped.
+  MapKeyframe(const RgbdFrame& frame, const SE3& T_world_camera, double max_depth_m);
+
+  /// The images at full (0) or half (1) resolution. Half resolution averages 2x2 pixels; depth only
+  /// where at least two of the four agree, so that no depth floats between fore- and background.
+  render::TrainingImage training_image(int level) const;
+  /// Metres at a pixel, 0 = none.
+  float depth_m(int x, int y) const { return depth_unit_m_ * static_cast<float>(depth_(x, y)); }
+  const ColorImage& color() const { return color_; }
+  const PinholeCamera& camera() const { return camera_; }
+  std::int64_t frame_index() const { return frame_index_; }
+
+  SE3 T_world_camera;                     ///< refined
+  std::array<float, 3> gain = {1, 1, 1};  ///< measured colour = gain * scene colour
+  int visits = 0;                         ///< optimisation steps so far
+  Vector6d pose_moment1 = Vector6d::Zero(), pose_moment2 = Vector6d::Zero();  ///< Adam
+  int pose_steps = 0;
+
+ private:
+  PinholeCamera camera_;
+  std::int64_t frame_index_;
+  ColorImage color_;
+  Image<std::uint16_t> depth_;
+  float depth_unit_m_;
+};
+
+/// Prepared training targets: half resolution for every keyframe, full resolution for the most
+/// recently used ones.
+class TargetCache {
+ public:
+  TargetCache(const render::Rasterizer& rasterizer, std::size_t full_kept)
+      : rasterizer_(rasterizer), full_kept_(full_kept) {}
+
+  /// Target of keyframe number `index` at level 0 or 1.
+  std::shared_ptr<const render::PreparedTarget> get(const MapKeyframe& keyframe, std::size_t index,
+                                                    int level);
+
+ private:
+  const render::Rasterizer& rasterizer_;
+  std::size_t full_kept_;
+  std::vector<std::shared_ptr<const render::PreparedTarget>> half_;
+  /// Most recently used last.
+  std::vector<std::pair<std::size_t, std::shared_ptr<const render::PreparedTarget>>> full_;
+};
+
+}  // namespace sgs::mapper

@@ -1,0 +1,185 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/mapper/mapper.h"
+
+#include <cmath>
+
+#include "sgs/core/log.h"
+#include "sgs/map/gaussian_store.h"
+#include "sgs/mapper/insertion.h"
+#include "sgs/mapper/keyframe.h"
+#include "sgs/mapper/keyframe_refinement.h"
+#include "sgs/mapper/optimizer.h"
+#include "sgs/mapper/schedule.h"
+#include "sgs/render/rasterizer.h"
+
+namespace sgs::mapper {
+namespace {
+
+render::LossConfig loss_config(const ObjectiveConfig& objective) {
+  render::LossConfig loss;
+  loss.color_weight = static_cast<float>(objective.color_weight);
+  loss.depth_weight = static_cast<float>(objective.depth_weight);
+  loss.depth_form = objective.depth_form == "absolute" ? render::LossConfig::Depth::kAbsolute
+                                                       : render::LossConfig::Depth::kAlphaRelative;
+  loss.color_only_where_depth = objective.color_only_where_depth;
+  loss.floater_margin_m = static_cast<float>(objective.floater_margin_m);
+  return loss;
+}
+
+bool has_depth(const RgbdFrame& frame, double max_depth_m) {
+  constexpr std::size_t kMinShare = 200;  // one pixel in so many
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < frame.depth.size(); ++i) {
+    const float z = frame.depth.data()[i];
+    count += z > 0 && z <= static_cast<float>(max_depth_m) ? 1 : 0;
+  }
+  return count > 0 && count * kMinShare >= frame.depth.size();
+}
+
+}  // namespace
+
+struct Mapper::Impl {
+  Impl(const MapperConfig& c, const PinholeCamera& cam, std::uint64_t seed, ThreadPool* pool)
+      : config(c),
+        camera(cam),
+        rasterizer(render::make_cpu_rasterizer(pool)),
+        targets(*rasterizer, static_cast<std::size_t>(c.schedule.full_targets_kept)),
+        optimizer(c.optimizer),
+        schedule(seed, c.schedule.order == "rounds"),
+        loss(loss_config(c.objective)) {}
+
+  void step();
+  void prune();
+
+  MapperConfig config;
+  PinholeCamera camera;
+  std::unique_ptr<render::Rasterizer> rasterizer;
+  TargetCache targets;
+  Optimizer optimizer;
+  Schedule schedule;
+  render::LossConfig loss;
+  map::GaussianStore store;
+  std::vector<MapKeyframe> keyframes;
+  render::Rendering rendering;
+  render::Gradients gradients;
+  std::int64_t iterations = 0, full_steps = 0;
+  double last_loss = 0;
+  bool changed = true;
+  std::uint64_t version = 0;
+  map::SnapshotPtr newest;
+  StageTimes times;
+};
+
+void Mapper::Impl::step() {
+  const ScopedTimer timer(times, "map/iteration");
+  const std::size_t index = schedule.next();
+  MapKeyframe& keyframe = keyframes[index];
+  const int level = schedule.random().uniform() < config.schedule.half_resolution_share ? 1 : 0;
+  const bool structural = level == 0 && config.objective.dssim_weight > 0 &&
+                          full_steps++ % config.objective.dssim_interval == 0;
+  loss.dssim_weight = structural ? static_cast<float>(config.objective.dssim_weight) : 0.0f;
+  loss.gain = keyframe.gain;
+  const auto target = targets.get(keyframe, index, level);
+  rasterizer->evaluate(store.raw, *target, keyframe.T_world_camera, loss, gradients);
+  optimizer.step(gradients, store);
+  const PinholeCamera view = camera.halved(level);
+  last_loss = gradients.loss / (static_cast<double>(view.width) * view.height);
+
+  // The first keyframe fixes the map's exposure and its place in the world.
+  const KeyframeRefinementConfig& refinement = config.refinement;
+  if (refinement.exposure && index > 0) {
+    update_gain(keyframe, gradients.exposure_measured, gradients.exposure_rendered,
+                refinement.exposure_prior, refinement.exposure_step);
+  }
+  if (refinement.pose && index > 0 && keyframe.visits >= refinement.pose_first_visit) {
+    refine_pose(keyframe, gradients.camera_twist, refinement.pose_rate);
+  }
+  ++keyframe.visits;
+  ++iterations;
+  changed = true;
+  if (iterations % config.schedule.prune_interval == 0) prune();
+}
+
+void Mapper::Impl::prune() {
+  const ScopedTimer timer(times, "map/prune");
+  const double opacity = config.schedule.prune_opacity;
+  const auto min_logit = static_cast<float>(std::log(opacity / (1 - opacity)));
+  const auto max_log_scale = static_cast<float>(std::log(config.schedule.prune_scale_m));
+  store.remove_if([&](std::size_t i) {
+    const map::Gaussian& g = store.raw[i];
+    const float largest = std::max({g.log_scale[0], g.log_scale[1], g.log_scale[2]});
+    // Written so that NaN goes, too.
+    return !(g.opacity_logit >= min_logit) || !(largest <= max_log_scale) ||
+           !std::isfinite(g.mean[0] + g.mean[1] + g.mean[2]);
+  });
+}
+
+Mapper::Mapper(const MapperConfig& config, const PinholeCamera& camera, std::uint64_t seed,
+               ThreadPool* pool)
+    : impl_(std::make_unique<Impl>(config, camera, seed, pool)) {}
+
+Mapper::~Mapper() = default;
+
+int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE3& T) {
+  Impl& m = *impl_;
+  SGS_CHECK(frame && frame->camera == m.camera, "the keyframe's camera differs from the mapper's");
+  if (!T.all_finite() || !has_depth(*frame, m.config.insertion.max_depth_m)) {
+    log().warn("frame {} is not used for mapping: {}", frame->index,
+               T.all_finite() ? "it has hardly any depth" : "its pose is not finite");
+    return -1;
+  }
+  const ScopedTimer timer(m.times, "map/insertion");
+  const auto index = static_cast<int>(m.keyframes.size());
+  m.keyframes.emplace_back(*frame, T, m.config.insertion.max_depth_m);
+  MapKeyframe& keyframe = m.keyframes.back();
+  if (m.config.insertion.method == "grid") {
+    insert_grid(keyframe, index, m.config.insertion, m.store);
+  } else {
+    const bool empty = m.store.size() == 0;
+    if (!empty) {
+      m.rasterizer->render(m.store.average, m.camera, T, m.rendering);
+      if (m.config.refinement.exposure) {
+        keyframe.gain = m.keyframes[m.keyframes.size() - 2].gain;
+        const ExposureSums sums = exposure_sums(keyframe, m.rendering);
+        update_gain(keyframe, sums.measured, sums.rendered, m.config.refinement.exposure_prior, 1);
+      }
+    }
+    insert_quadtree(keyframe, index, empty ? nullptr : &m.rendering, m.config.insertion,
+                    m.config.optimizer.max_growth, m.store);
+  }
+  m.schedule.add_keyframe(static_cast<std::size_t>(index));
+  m.changed = true;
+  return index;
+}
+
+IterationReport Mapper::iterate(int count) {
+  Impl& m = *impl_;
+  if (m.keyframes.empty()) return {};
+  for (int i = 0; i < count; ++i) m.step();
+  return {count, m.last_loss};
+}
+
+map::SnapshotPtr Mapper::snapshot() {
+  Impl& m = *impl_;
+  if (m.changed || !m.newest) {
+    const ScopedTimer timer(m.times, "map/snapshot");
+    auto snapshot = std::make_shared<map::Snapshot>();
+    snapshot->version = ++m.version;
+    snapshot->gaussians = m.config.optimizer.average > 0 ? m.store.average : m.store.raw;
+    snapshot->anchors = m.store.anchors;
+    for (const MapKeyframe& keyframe : m.keyframes) {
+      snapshot->T_world_keyframe.push_back(keyframe.T_world_camera);
+      snapshot->keyframe_frames.push_back(keyframe.frame_index());
+    }
+    m.newest = std::move(snapshot);
+    m.changed = false;
+  }
+  return m.newest;
+}
+
+std::size_t Mapper::size() const { return impl_->store.size(); }
+std::int64_t Mapper::iterations() const { return impl_->iterations; }
+const StageTimes& Mapper::times() const { return impl_->times; }
+
+}  // namespace sgs::mapper
