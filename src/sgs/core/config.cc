@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace sgs {
@@ -107,7 +108,9 @@ Status Parameter::set_from_text(std::string_view text) const {
   if (!parse_number(text, value) || !std::isfinite(value)) return bad("a number");
   if (!(value >= range.min && value <= range.max)) return bad("within range");
   if (auto* const* integer = std::get_if<int*>(&target)) {
+    using Limits = std::numeric_limits<int>;
     if (value != std::floor(value)) return bad("a whole number");
+    if (value < Limits::min() || value > Limits::max()) return bad("within range");
     **integer = static_cast<int>(value);
   } else {
     *std::get<double*>(target) = value;
@@ -175,17 +178,21 @@ Status ParameterList::set_assignment(std::string_view assignment) const {
 }
 
 std::string ParameterList::to_toml() const {
-  std::string out, table;
+  // A group may go on after a nested one, but TOML allows each table only once.
+  std::vector<std::pair<std::string, std::string>> tables = {{"", ""}};
   for (const Parameter& p : parameters_) {
     const auto dot = p.key.rfind('.');
     const std::string group = dot == std::string::npos ? "" : p.key.substr(0, dot);
-    if (group != table) {
-      out += fmt::format("\n[{}]\n", group);
-      table = group;
+    auto table = std::find_if(tables.begin(), tables.end(),
+                              [&](const auto& entry) { return entry.first == group; });
+    if (table == tables.end()) {
+      table = tables.insert(tables.end(), {group, fmt::format("\n[{}]\n", group)});
     }
-    out += fmt::format("{} = {}\n", dot == std::string::npos ? p.key : p.key.substr(dot + 1),
-                       p.value_text());
+    table->second += fmt::format(
+        "{} = {}\n", dot == std::string::npos ? p.key : p.key.substr(dot + 1), p.value_text());
   }
+  std::string out;
+  for (const auto& [group, text] : tables) out += text;
   return out;
 }
 

@@ -80,7 +80,7 @@ class ParameterList {
   /// Sets "key=value" as given to `--set`.
   Status set_assignment(std::string_view assignment) const;
 
-  /// The whole configuration as TOML, one table per group, in order of declaration.
+  /// The whole configuration as TOML, one table per group, in order of first declaration.
   std::string to_toml() const;
   /// The table of docs/parameters.md (key, default, unit, range, meaning).
   std::string to_markdown() const;

@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <thread>
+
+#include "sgs/core/bounded_queue.h"
+#include "sgs/core/error.h"
+#include "sgs/core/stopwatch.h"
+#include "sgs/core/thread_pool.h"
+
+namespace sgs {
+namespace {
+
+TEST(BoundedQueue, KeepsOrderAndBlocksWhenFull) {
+  BoundedQueue<int> queue(3, FullPolicy::kBlock);
+  std::atomic<int> pushed{0};
+  std::thread producer([&] {
+    for (int i = 0; i < 100; ++i) {
+      queue.push(i);
+      ++pushed;
+    }
+    queue.close();
+  });
+  int popped = 0;
+  while (const auto value = queue.pop()) {
+    EXPECT_EQ(*value, popped++);
+    EXPECT_LE(pushed, popped + 3);
+    EXPECT_LE(queue.size(), 3u);
+  }
+  producer.join();
+  EXPECT_EQ(popped, 100);
+  EXPECT_EQ(queue.dropped(), 0u);
+}
+
+TEST(BoundedQueue, DropsTheOldestAndCounts) {
+  BoundedQueue<int> queue(2, FullPolicy::kDropOldest);
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(queue.push(i));
+  EXPECT_EQ(queue.dropped(), 3u);
+  EXPECT_EQ(queue.try_pop(), 3);
+  EXPECT_EQ(queue.try_pop(), 4);
+  EXPECT_EQ(queue.try_pop(), std::nullopt);
+}
+
+TEST(BoundedQueue, CloseWakesBothSides) {
+  BoundedQueue<int> full(1, FullPolicy::kBlock), empty(1, FullPolicy::kBlock);
+  ASSERT_TRUE(full.push(1));
+  std::thread pusher([&] { EXPECT_FALSE(full.push(2)); });
+  std::thread popper([&] { EXPECT_EQ(empty.pop(), std::nullopt); });
+  full.close();
+  empty.close();
+  pusher.join();
+  popper.join();
+  EXPECT_FALSE(full.push(3));
+  EXPECT_EQ(full.pop(), 1);
+  EXPECT_EQ(full.pop(), std::nullopt);
+}
+
+TEST(ThreadPool, RunsEveryChunkOnceForAnyNumberOfThreads) {
+  for (const int threads : {1, 2, 5}) {
+    ThreadPool pool(threads);
+    EXPECT_EQ(pool.threads(), threads);
+    for (const int chunks : {0, 1, 2, 7, 1000}) {
+      std::vector<std::atomic<int>> runs(static_cast<std::size_t>(chunks));
+      pool.run(chunks, [&](int chunk, int worker) {
+        EXPECT_GE(worker, 0);
+        EXPECT_LT(worker, threads);
+        ++runs[static_cast<std::size_t>(chunk)];
+      });
+      for (const auto& count : runs) EXPECT_EQ(count, 1);
+    }
+  }
+  EXPECT_THROW(ThreadPool(0), ContractViolation);
+}
+
+TEST(ThreadPool, RethrowsAndStaysUsable) {
+  for (const int threads : {1, 4}) {
+    ThreadPool pool(threads);
+    const auto broken = [](int chunk, int) {
+      if (chunk == 3) throw std::runtime_error("chunk 3");
+    };
+    EXPECT_THROW(pool.run(10, broken), std::runtime_error);
+    std::atomic<int> count{0};
+    pool.run(10, [&](int, int) { ++count; });
+    EXPECT_EQ(count, 10);
+  }
+}
+
+TEST(Stopwatch, QuantilesAndMerging) {
+  EXPECT_EQ(quantile({3, 1, 2}, 0.5), 2);
+  EXPECT_EQ(quantile({4, 1, 2, 3}, 0.5), 2.5);
+  EXPECT_EQ(quantile({1, 2}, 0), 1);
+  EXPECT_EQ(quantile({1, 2}, 1), 2);
+  EXPECT_TRUE(std::isnan(quantile({}, 0.5)));
+  StageTimes a, b;
+  a.add("track", 1);
+  b.add("track", 2);
+  { const ScopedTimer timer(b, "map"); }
+  a.merge(b);
+  EXPECT_THAT(a.stages().at("track"), testing::ElementsAre(1, 2));
+  EXPECT_GE(a.stages().at("map").at(0), 0);
+}
+
+}  // namespace
+}  // namespace sgs
