@@ -23,7 +23,8 @@ namespace sgs::eval {
 struct RunEvaluatorConfig {
   int stride = 1;        ///< every n-th frame of rules gsicp and full is rendered and compared
   int lpips_stride = 5;  ///< every n-th of those frames also gets LPIPS
-  int heldout_interval = kHeldoutInterval;  ///< must be what the run used; 0 = nothing held out
+  int heldout_interval = kHeldoutInterval;  ///< must be what the run used (not declared:
+                                            ///< the caller sets it); 0 = nothing held out
   int pictures = 6;                         ///< frames kept for the report, spread evenly
   int picture_width_px = 480;
   double depth_min_alpha = 0.5;  ///< depth is compared where the rendering is at least this opaque
