@@ -55,6 +55,7 @@ void TrackerConfig::declare(ParameterList& p) {
   in_group("keyframe", keyframe);
   in_group("loss", loss);
   in_group("target", target);
+  in_group("degeneracy", degeneracy);
 }
 
 TrackerConfig paper_tracker_config() {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "sgs/core/config.h"
+#include "sgs/degeneracy/degeneracy_config.h"
 #include "sgs/registration/registration_config.h"
 
 namespace sgs::tracker {
@@ -56,6 +57,7 @@ struct TrackerConfig {
   KeyframeConfig keyframe;
   LossConfig loss;
   TargetConfig target;
+  degeneracy::DegeneracyConfig degeneracy;
 
   void declare(ParameterList& p);
 };

@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/tracker/geometric_term.h"
+
+namespace sgs::tracker {
+
+GeometricTerm::GeometricTerm(const TrackerConfig& config, const PinholeCamera& camera,
+                             const SE3& T_map_world)
+    : config_(config),
+      search_(registration::make_search(config.search, camera)),
+      targets_(make_target_map(config, T_map_world, camera.fx)),
+      cost_(config.factor) {
+  if (config.points.method == "neighbours") {
+    neighbour_sampler_ = std::make_unique<registration::NeighbourSampler>(config.points, camera);
+  } else {
+    SGS_CHECK(config.points.method == "plane_fit", "unknown sampling " + config.points.method);
+    plane_sampler_ = std::make_unique<registration::PlaneFitSampler>(config.points, camera);
+  }
+}
+
+void GeometricTerm::set_frame(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) {
+  if (neighbour_sampler_) {
+    neighbour_sampler_->sample(frame.depth, source_);
+  } else {
+    plane_sampler_->sample(frame.depth, source_);
+    if (config_.factor.type == "gicp") {
+      const float floor = static_cast<float>(config_.points.covariance_floor);
+      for (const registration::SourcePoint& p : source_.points) {
+        source_.covariances.push_back(registration::plane_ellipse(p.normal, floor));
+      }
+    }
+  }
+  targets_->update(snapshot);
+  prepared_ = false;
+}
+
+void GeometricTerm::prepare(const SE3& T_map_predicted) {
+  SGS_CHECK(has_targets(), "no targets to search in");
+  search_->prepare(targets_->cloud(), T_map_predicted);
+  T_reference_map_ = search_->T_map_reference().inverse();
+  prepared_ = true;
+}
+
+registration::Linearization GeometricTerm::linearize(const SE3& T_map_camera) {
+  SGS_CHECK(prepared_, "prepare() comes first");
+  return cost_.linearize(source_, *search_, in_reference(T_map_camera));
+}
+
+double GeometricTerm::error(const SE3& T_map_camera) const {
+  return cost_.error(source_, *search_, in_reference(T_map_camera));
+}
+
+double GeometricTerm::overlap(const SE3& T_map_camera) const {
+  return cost_.overlap(source_, *search_, in_reference(T_map_camera),
+                       config_.keyframe.overlap_distance_m);
+}
+
+degeneracy::SurfaceInformation GeometricTerm::surface_information() {
+  sample_points_.clear();
+  sample_normals_.clear();
+  sample_weights_.clear();
+  sample_noise_.clear();
+  for (const registration::SourcePoint& p : source_.points) {
+    sample_points_.push_back(p.point);
+    sample_normals_.push_back(p.normal);
+    sample_weights_.push_back(1 / p.variance_m2);
+    sample_noise_.push_back(p.normal_sigma);
+  }
+  return degeneracy::accumulate({sample_points_, sample_normals_, sample_weights_, sample_noise_},
+                                config_.degeneracy.noise_stride);
+}
+
+void GeometricTerm::insert_keyframe(const SE3& T_map_camera) {
+  targets_->insert(source_, T_map_camera, prepared_ ? search_.get() : nullptr);
+}
+
+}  // namespace sgs::tracker

@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "sgs/camera/rgbd_frame.h"
+#include "sgs/degeneracy/observability.h"
+#include "sgs/registration/geometric_cost.h"
+#include "sgs/registration/neighbour_sampler.h"
+#include "sgs/registration/plane_fit_sampler.h"
+#include "sgs/tracker/target_map.h"
+#include "sgs/tracker/track_result.h"
+
+namespace sgs::tracker {
+
+/// The geometric half of tracking, without a policy of its own: samples the frame, searches the
+/// target map from a predicted pose and gives normal equations at any pose near it. Trackers
+/// iterate over it, alone or together with other terms. Poses are camera to map; the map's frame
+/// is the tracker's first camera, so that nothing depends on where the world's origin lies.
+class GeometricTerm {
+ public:
+  GeometricTerm(const TrackerConfig& config, const PinholeCamera& camera, const SE3& T_map_world);
+
+  /// Samples the frame's points and takes over the newest state of the Gaussian map.
+  void set_frame(const RgbdFrame& frame, const map::SnapshotPtr& snapshot);
+  /// Whether there is anything to register to.
+  bool has_targets() const { return !targets_->cloud().points.empty(); }
+  /// Prepares the search for a frame expected at `T_map_predicted`; needs targets.
+  void prepare(const SE3& T_map_predicted);
+
+  /// Searches and linearises at `T_map_camera`; error() then uses the same matches.
+  registration::Linearization linearize(const SE3& T_map_camera);
+  double error(const SE3& T_map_camera) const;
+  /// Share of the frame's points the map explains, with the matches of the last linearize().
+  double overlap(const SE3& T_map_camera) const;
+  /// What the frame's own surfaces could tell about its motion, whatever the map holds.
+  degeneracy::SurfaceInformation surface_information();
+  /// Extends the targets by this frame.
+  void insert_keyframe(const SE3& T_map_camera);
+
+  const registration::SourceCloud& source() const { return source_; }
+  const TargetMap& targets() const { return *targets_; }
+
+ private:
+  SE3 in_reference(const SE3& T_map_camera) const { return T_reference_map_ * T_map_camera; }
+
+  TrackerConfig config_;
+  std::unique_ptr<registration::PlaneFitSampler> plane_sampler_;  // one of these
+  std::unique_ptr<registration::NeighbourSampler> neighbour_sampler_;
+  std::unique_ptr<registration::CorrespondenceSearch> search_;
+  std::unique_ptr<TargetMap> targets_;
+  registration::GeometricCost cost_;
+  registration::SourceCloud source_;
+  SE3 T_reference_map_;
+  bool prepared_ = false;
+  std::vector<Eigen::Vector3f> sample_points_, sample_normals_;  // scratch of surface_information()
+  std::vector<float> sample_weights_, sample_noise_;
+};
+
+}  // namespace sgs::tracker

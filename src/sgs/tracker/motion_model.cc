@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/tracker/motion_model.h"
+
+#include <algorithm>
+
+namespace sgs::tracker {
+namespace {
+constexpr double kMaxIntervalRatio = 3;  // dropped frames; beyond, the velocity says little
+constexpr int kMaxLimitGrowth = 4;
+}  // namespace
+
+SE3 MotionModel::predict(double timestamp_s) const {
+  if (config_.start == "previous" || interval_s_ <= 0) return T_;
+  const double ratio =
+      std::clamp((timestamp_s - timestamp_s_) / interval_s_, 0.0, kMaxIntervalRatio);
+  return T_ * SE3::exp(config_.velocity_decay * ratio * velocity_);
+}
+
+bool MotionModel::plausible(const SE3& T) const {
+  if (!T.all_finite()) return false;
+  const SE3 motion = T_.inverse() * T;
+  const double growth = std::min(frames_held_ + 1, kMaxLimitGrowth);
+  return motion.t.norm() <= growth * config_.max_translation_m &&
+         motion.angle() <= growth * config_.max_rotation_rad;
+}
+
+void MotionModel::accept(const SE3& T, double timestamp_s) {
+  const bool consecutive = has_pose_ && frames_held_ == 0 && timestamp_s > timestamp_s_;
+  velocity_ = consecutive ? (T_.inverse() * T).log() : Vector6d::Zero();
+  interval_s_ = consecutive ? timestamp_s - timestamp_s_ : 0;
+  T_ = T;
+  timestamp_s_ = timestamp_s;
+  has_pose_ = true;
+  frames_held_ = 0;
+}
+
+void MotionModel::hold() {
+  ++frames_held_;
+  velocity_.setZero();
+  interval_s_ = 0;
+}
+
+}  // namespace sgs::tracker

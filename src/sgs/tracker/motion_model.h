@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "sgs/geometry/se3.h"
+#include "sgs/tracker/tracker_config.h"
+
+namespace sgs::tracker {
+
+/// What every tracker knows about motion: where the next frame probably is, and which motions are
+/// impossible. Holds the last trusted pose; a lost frame keeps the pose and forgets the velocity.
+class MotionModel {
+ public:
+  MotionModel(const MotionConfig& config, const SE3& T_start) : config_(config), T_(T_start) {}
+
+  /// Start pose for a frame at `timestamp_s`: the last pose, moved on by the decayed last motion
+  /// (scaled with the time passed).
+  SE3 predict(double timestamp_s) const;
+  /// Whether going from the last trusted pose to `T` is possible. After lost frames the limits grow
+  /// with the time passed, up to fourfold.
+  bool plausible(const SE3& T) const;
+  /// Takes `T` as the trusted pose of the frame at `timestamp_s`.
+  void accept(const SE3& T, double timestamp_s);
+  /// Notes a frame without a trusted pose.
+  void hold();
+
+  const SE3& pose() const { return T_; }
+  /// Frames since the last trusted pose.
+  int frames_held() const { return frames_held_; }
+
+ private:
+  MotionConfig config_;
+  SE3 T_;
+  Vector6d velocity_ = Vector6d::Zero();  // of the last frame interval
+  double interval_s_ = 0;                 // that it took; 0 = unknown
+  double timestamp_s_ = 0;
+  bool has_pose_ = false;
+  int frames_held_ = 0;
+};
+
+}  // namespace sgs::tracker

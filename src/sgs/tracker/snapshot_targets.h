@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "sgs/tracker/target_map.h"
+
+namespace sgs::tracker {
+
+/// Gaussians of the newest snapshot as targets: their optimised means and shortest axes, or the
+/// points and normals they were born with. Until the first snapshot arrives, own points.
+///
+/// Gaussians carry no number, but what one was born with never changes; snapshots list the
+/// survivors in the old order and new ones behind. So old and new lists are merged by anchor:
+/// survivors keep their index, pruned ones are marked as removed, and the search re-indexes only
+/// what changed. A snapshot in another order is taken over as a whole.
+class SnapshotTargets : public TargetMap {
+ public:
+  enum class Kind { kOptimised, kAnchor };
+
+  SnapshotTargets(Kind kind, const TrackerConfig& config, const SE3& T_map_world,
+                  const TrackablePoints::Spacing& spacing);
+
+  void update(const map::SnapshotPtr& snapshot) override;
+  void insert(const registration::SourceCloud& source, const SE3& T_map_camera,
+              const registration::CorrespondenceSearch* search) override;
+  const registration::TargetCloud& cloud() const override;
+  bool follows_map() const override { return true; }
+
+ private:
+  void append(const map::Anchor& anchor);
+  void set_target(std::size_t target, const map::Gaussian& gaussian, const map::Anchor& anchor);
+  bool assign_targets(const map::Snapshot& snapshot);
+
+  Kind kind_;
+  float min_opacity_logit_;
+  float covariance_floor_;
+  bool with_ellipses_;
+  Eigen::Matrix3f R_map_world_;
+  Eigen::Vector3f t_map_world_;
+  std::uint64_t version_ = 0;
+  bool has_snapshot_ = false;
+  std::vector<std::size_t> target_of_;  // per Gaussian of the snapshot
+  std::vector<map::Anchor> anchors_;    // per target, as in the snapshot
+  registration::TargetCloud cloud_;
+  TrackablePoints before_;  // the map of the frames before the first snapshot
+};
+
+}  // namespace sgs::tracker

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/tracker/target_map.h"
+
+#include "sgs/tracker/snapshot_targets.h"
+
+namespace sgs::tracker {
+namespace {
+
+// Own points: nothing comes from the Gaussians.
+class GridTargets : public TargetMap {
+ public:
+  explicit GridTargets(const TrackablePoints::Spacing& spacing) : points_(spacing) {}
+  void update(const map::SnapshotPtr&) override {}
+  void insert(const registration::SourceCloud& source, const SE3& T_map_camera,
+              const registration::CorrespondenceSearch* search) override {
+    points_.insert(source, T_map_camera, search);
+  }
+  const registration::TargetCloud& cloud() const override { return points_.cloud(); }
+  bool follows_map() const override { return false; }
+
+ private:
+  TrackablePoints points_;
+};
+
+}  // namespace
+
+std::unique_ptr<TargetMap> make_target_map(const TrackerConfig& config, const SE3& T_map_world,
+                                           double focal_px) {
+  const TrackablePoints::Spacing spacing{
+      static_cast<float>(config.target.spacing * config.points.step_px / focal_px),
+      static_cast<float>(config.keyframe.overlap_distance_m)};
+  if (config.target.source == "grid") return std::make_unique<GridTargets>(spacing);
+  SGS_CHECK(config.target.source == "anchor" || config.target.source == "optimised",
+            "unknown target source " + config.target.source);
+  const auto kind = config.target.source == "anchor" ? SnapshotTargets::Kind::kAnchor
+                                                     : SnapshotTargets::Kind::kOptimised;
+  return std::make_unique<SnapshotTargets>(kind, config, T_map_world, spacing);
+}
+
+}  // namespace sgs::tracker

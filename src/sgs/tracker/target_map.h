@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "sgs/map/gaussian.h"
+#include "sgs/registration/correspondence_search.h"
+#include "sgs/tracker/trackable_points.h"
+#include "sgs/tracker/tracker_config.h"
+
+namespace sgs::tracker {
+
+/// The points frames are registered to (METHOD section 7's open question: which ones). Map
+/// coordinates are those of the tracker's first camera.
+class TargetMap {
+ public:
+  virtual ~TargetMap() = default;
+  /// Takes over the state of the Gaussian map; null before the first one exists.
+  virtual void update(const map::SnapshotPtr& snapshot) = 0;
+  /// Extends the targets by a tracking keyframe, if they are the tracker's own. `search` is
+  /// prepared for this frame, or null for the first one.
+  virtual void insert(const registration::SourceCloud& source, const SE3& T_map_camera,
+                      const registration::CorrespondenceSearch* search) = 0;
+  virtual const registration::TargetCloud& cloud() const = 0;
+  /// Whether the targets move with the Gaussians.
+  virtual bool follows_map() const = 0;
+};
+
+/// The target map that `config.target.source` names. `T_map_world` takes snapshots into map
+/// coordinates; `focal_px` relates the sampling step to metres.
+std::unique_ptr<TargetMap> make_target_map(const TrackerConfig& config, const SE3& T_map_world,
+                                           double focal_px);
+
+}  // namespace sgs::tracker

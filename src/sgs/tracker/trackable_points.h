@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sgs/geometry/se3.h"
+#include "sgs/registration/correspondence_search.h"
+
+namespace sgs::tracker {
+
+/// Target points the tracker keeps itself: a sparse surfel map on the sampling grid. Each point
+/// belongs to the keyframe that saw it and is stored relative to it, so that it can follow when the
+/// keyframe's pose is refined. Points are never averaged: that gains nothing for tracking
+/// (TRACKING section 1, finding 5).
+class TrackablePoints {
+ public:
+  struct Spacing {
+    float radius_per_m = 0;  ///< least distance along the surface per metre of depth
+    float distance_m = 0;    ///< and off it
+  };
+
+  explicit TrackablePoints(const Spacing& spacing) : spacing_(spacing) {}
+
+  /// Adds the points of a keyframe at `T_map_camera` where no target is near, as `search` (prepared
+  /// for this frame) tells; all of them when `search` is null. Returns how many were added.
+  int insert(const registration::SourceCloud& source, const SE3& T_map_camera,
+             const registration::CorrespondenceSearch* search);
+  /// Moves keyframe number `keyframe` (in order of insertion) and its points to `T_map_camera`.
+  void move_keyframe(int keyframe, const SE3& T_map_camera);
+
+  int keyframes() const { return static_cast<int>(keyframes_.size()); }
+  const registration::TargetCloud& cloud() const { return cloud_; }
+
+ private:
+  struct Keyframe {
+    SE3 T_map_camera;
+    std::size_t begin, end;  // of its points
+  };
+
+  Spacing spacing_;
+  std::vector<Keyframe> keyframes_;
+  registration::TargetCloud cloud_;
+};
+
+}  // namespace sgs::tracker
