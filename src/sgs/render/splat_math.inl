@@ -4,34 +4,25 @@
 // What happens to one Gaussian between world and image, forward and backward: EWA projection
 // (Zwicker et al., EWA Splatting, 2002; Kerbl et al., 3D Gaussian Splatting, 2023) and its
 // derivatives. Written once for every renderer: V is a number (reference) or a vector of lanes
-// (SIMD kernels), S the scalar type of camera constants.
+// (SIMD kernels), S the scalar type of the camera's View (view.h).
 //
 // Include it inside a namespace, once per instruction set, after declaring there
 //   SGS_SPLAT_INLINE, mul_add(a, b, c) = a b + c, neg_mul_add(a, b, c) = c - a b, square_root,
 //   exp2_of, log2_of, minimum, maximum, one_where_equal(a, b)
 // for V. No include guard on purpose.
 
-constexpr float kNearest_m = 0.1f;             // Gaussians nearer than this are not drawn
-constexpr float kLowPass_px2 = 0.3f;           // added to the image covariance's diagonal
+constexpr float kNearest_m = 0.1f;  // Gaussians nearer than this are not drawn
+constexpr float kFarthest_m = 1e5f;
+constexpr float kLowPass_px2 = 0.3f;  // added to the image covariance's diagonal
 constexpr float kMaxAlpha = 0.99f;
-constexpr float kMinTransmittance = 1e-4f;     // compositing stops here
+constexpr float kMinTransmittance = 1e-4f;  // compositing stops here
 constexpr float kLog2Of255 = 7.994353436858858f;
 constexpr float kLog2E = 1.4426950408889634f;
 constexpr float kLn2 = 0.6931471805599453f;
-constexpr float kMaxScale_m = 1e3f;            // larger standard deviations are nonsense
-constexpr float kMaxVariance_px2 = 1e9f;       // of the projected Gaussian
+constexpr float kMaxScale_m = 1e3f;       // larger standard deviations are nonsense
+constexpr float kMaxVariance_px2 = 1e9f;  // of the projected Gaussian
 constexpr float kMaxColor = 1e4f;
-constexpr float kOutsideMargin = 0.3f;         // beyond the clamp, in tangents of the view angle
-
-// Camera and pose in the form the formulas use; R, t map world to camera.
-template <class S>
-struct View {
-  S fx, fy, cx, cy, width, height;
-  S R[9], t[3];
-  // The Jacobian of the projection is taken at tangents clamped to this range: 15 % of the image
-  // beyond each border, so that Gaussians far outside do not explode.
-  S u_min, u_max, v_min, v_max;
-};
+constexpr float kOutsideMargin = 0.3f;  // beyond the clamp, in tangents of the view angle
 
 template <class V>
 struct CameraPoint {
@@ -46,17 +37,17 @@ struct Splat {
 
 template <class V>
 struct Projection {
-  V uc, vc;               // clamped tangents
-  V scale[3];             // standard deviations
-  V q[4], inv_norm;       // unit quaternion and 1 / norm of the raw one
-  V Q[9];                 // its rotation matrix
-  V j0, j1;               // fx / z, fy / z
-  V U[6];                 // J R: 2x3
-  V M[6];                 // J R Q diag(scale): 2x3, image covariance = M M^T + low-pass
+  V uc, vc;          // clamped tangents
+  V scale[3];        // standard deviations
+  V q[4], inv_norm;  // unit quaternion and 1 / norm of the raw one
+  V Q[9];            // its rotation matrix
+  V j0, j1;          // fx / z, fy / z
+  V U[6];            // J R: 2x3
+  V M[6];            // J R Q diag(scale): 2x3, image covariance = M M^T + low-pass
   V cov_xx, cov_xy, cov_yy;
   V conic_xx, conic_xy, conic_yy;  // its inverse
   V opacity, log2_opacity;
-  V mean_x, mean_y;       // pixels
+  V mean_x, mean_y;  // pixels
 };
 
 // Sums over the pixels of one Gaussian. With h = alpha dL/dalpha and d = pixel - mean.
@@ -191,16 +182,16 @@ SGS_SPLAT_INLINE SplatGradient<V> splat_backward(const View<S>& view, const Came
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) B[3 * i + k] = mul_add(o.U[i], D[k], o.U[3 + i] * D[3 + k]);
     for (int r = 0; r < 2; ++r) {
-      W[3 * r + i] = dot3(D[3 * r], o.Q[3 * i], D[3 * r + 1], o.Q[3 * i + 1], D[3 * r + 2],
-                          o.Q[3 * i + 2]);
+      W[3 * r + i] =
+          dot3(D[3 * r], o.Q[3 * i], D[3 * r + 1], o.Q[3 * i + 1], D[3 * r + 2], o.Q[3 * i + 2]);
     }
   }
   // U = J R: dL/dJ = dL/dU R^T, J = [j0 0 -j0 uc; 0 j1 -j1 vc].
   V dJ[6];
   for (int r = 0; r < 2; ++r) {
     for (int i = 0; i < 3; ++i) {
-      dJ[3 * r + i] = dot3(W[3 * r], V(R[3 * i]), W[3 * r + 1], V(R[3 * i + 1]), W[3 * r + 2],
-                           V(R[3 * i + 2]));
+      dJ[3 * r + i] =
+          dot3(W[3 * r], V(R[3 * i]), W[3 * r + 1], V(R[3 * i + 1]), W[3 * r + 2], V(R[3 * i + 2]));
     }
   }
   const V in_x = one_where_equal(p.u, o.uc), in_y = one_where_equal(p.v, o.vc);

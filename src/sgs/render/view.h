@@ -7,11 +7,19 @@
 
 namespace sgs::render {
 
-/// Fills a View (splat_math.inl) from camera and pose.
-template <class ViewT>
-ViewT make_view(const PinholeCamera& camera, const SE3& T_world_camera) {
-  using S = decltype(ViewT::fx);
-  ViewT view;
+/// Camera and pose in the form the formulas use; R, t map world to camera.
+template <class S>
+struct View {
+  S fx, fy, cx, cy, width, height;
+  S R[9], t[3];
+  /// The Jacobian of the projection is taken at tangents clamped to this range: 15 % of the image
+  /// beyond each border, so that Gaussians far outside do not explode.
+  S u_min, u_max, v_min, v_max;
+};
+
+template <class S>
+View<S> make_view(const PinholeCamera& camera, const SE3& T_world_camera) {
+  View<S> view;
   view.fx = static_cast<S>(camera.fx);
   view.fy = static_cast<S>(camera.fy);
   view.cx = static_cast<S>(camera.cx);

@@ -11,7 +11,7 @@
 namespace sgs::render::reference {
 namespace {
 
-using View = scalar::View<double>;
+using View = render::View<double>;
 
 scalar::Splat<double> shape_of(const Parameters& p) {
   return {{p[0], p[1], p[2]}, {p[3], p[4], p[5]}, {p[6], p[7], p[8], p[9]}, p[10]};
@@ -29,8 +29,8 @@ bool sane(const Parameters& p) {
 
 bool in_view(const View& view, const scalar::CameraPoint<double>& p) {
   const double m = scalar::kOutsideMargin;
-  return p.z > scalar::kNearest_m && p.u > view.u_min - m && p.u < view.u_max + m &&
-         p.v > view.v_min - m && p.v < view.v_max + m;
+  return p.z > scalar::kNearest_m && p.z < scalar::kFarthest_m && p.u > view.u_min - m &&
+         p.u < view.u_max + m && p.v > view.v_min - m && p.v < view.v_max + m;
 }
 
 double alpha_at(const ImageSplat& s, double px, double py) {
@@ -121,7 +121,7 @@ Parameters to_parameters(const map::Gaussian& g) {
 
 std::vector<ImageSplat> project_all(std::span<const Parameters> gaussians,
                                     const PinholeCamera& camera, const SE3& T_world_camera) {
-  const View view = make_view<View>(camera, T_world_camera);
+  const View view = make_view<double>(camera, T_world_camera);
   std::vector<ImageSplat> out;
   for (std::size_t i = 0; i < gaussians.size(); ++i) {
     if (!sane(gaussians[i])) continue;
@@ -199,7 +199,7 @@ Evaluation evaluate(std::span<const Parameters> gaussians, const TrainingImage& 
     }
   }
 
-  const View view = make_view<View>(camera, T_world_camera);
+  const View view = make_view<double>(camera, T_world_camera);
   out.gradient.assign(gaussians.size(), Parameters{});
   out.visible.assign(gaussians.size(), false);
   for (std::size_t k = 0; k < splats.size(); ++k) {

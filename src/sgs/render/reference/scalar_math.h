@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sgs/render/view.h"
+
 /// The per-Gaussian mathematics instantiated for plain double.
 namespace sgs::render::reference::scalar {
 

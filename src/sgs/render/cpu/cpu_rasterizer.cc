@@ -1,0 +1,239 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/render/cpu/cpu_rasterizer.h"
+
+#include <algorithm>
+
+#include "sgs/render/cpu/splat_backward.h"
+#include "sgs/render/target_check.h"
+
+namespace sgs::render::cpu {
+namespace {
+
+template <class T>
+void match_size(Image<T>& image, const TileGrid& grid) {
+  if (image.width() != grid.width || image.height() != grid.height) {
+    image = Image<T>(grid.width, grid.height);
+  }
+}
+
+TileLoss tile_loss(const LossConfig& loss) {
+  TileLoss out;
+  out.color_weight = loss.color_weight / 3;
+  out.depth_weight = loss.depth_weight;
+  std::copy(loss.gain.begin(), loss.gain.end(), out.gain);
+  out.floater_margin_m = loss.floater_margin_m;
+  out.depth_relative = loss.depth_form == LossConfig::Depth::kAlphaRelative;
+  out.color_only_where_depth = loss.color_only_where_depth;
+  return out;
+}
+
+}  // namespace
+
+CpuRasterizer::CpuRasterizer(ThreadPool* pool)
+    : own_pool_(1), pool_(pool != nullptr ? pool : &own_pool_) {
+  scratch_.resize(static_cast<std::size_t>(pool_->threads()));
+}
+
+void CpuRasterizer::render(std::span<const map::Gaussian> gaussians, const PinholeCamera& camera,
+                           const SE3& T_world_camera, Rendering& out) {
+  SGS_CHECK(camera.valid(), "the camera must be valid");
+  const TileGrid grid(camera.width, camera.height);
+  arrange(gaussians, make_view<float>(camera, T_world_camera), grid);
+  forward_only(grid);
+  store(grid, out);
+}
+
+std::shared_ptr<const PreparedTarget> CpuRasterizer::prepare(const TrainingImage& image) const {
+  check_training_image(image);
+  return std::make_shared<CpuTarget>(image);
+}
+
+void CpuRasterizer::evaluate(std::span<const map::Gaussian> gaussians, const PreparedTarget& target,
+                             const SE3& T_world_camera, const LossConfig& loss, Gradients& out,
+                             Rendering* rendering) {
+  const auto* own = dynamic_cast<const CpuTarget*>(&target);
+  SGS_CHECK(own != nullptr, "the target was prepared by another kind of rasterizer");
+  const View<float> view = make_view<float>(target.camera(), T_world_camera);
+  arrange(gaussians, view, own->grid());
+  out.loss = 0;
+  has_color_gradient_ = loss.dssim_weight != 0.0f;
+  if (has_color_gradient_) out.loss += add_dssim(*own, loss);
+  visit_tiles(*own, loss, rendering != nullptr);
+  out.exposure_measured = out.exposure_rendered = {0, 0, 0};
+  for (const TileResult& r : results_) {
+    out.loss += r.loss;
+    for (std::size_t c = 0; c < 3; ++c) {
+      out.exposure_measured[c] += r.exposure_measured[c];
+      out.exposure_rendered[c] += r.exposure_rendered[c];
+    }
+  }
+  splat_backward(gaussians, view, out);
+  if (rendering != nullptr) store(own->grid(), *rendering);
+}
+
+void CpuRasterizer::arrange(std::span<const map::Gaussian> gaussians, const View<float>& view,
+                            const TileGrid& grid) {
+  const std::size_t count = gaussians.size(), chunks = (count + kChunk - 1) / kChunk;
+  SGS_CHECK(count < (std::size_t{1} << 31), "too many Gaussians");
+  const std::size_t capacity = chunks * kChunk;
+  records_.ensure(capacity);
+  keys_.ensure(capacity);
+  sources_.ensure(capacity);
+  rects_.ensure(capacity);
+  visible_.resize(chunks);
+  first_visible_.resize(chunks + 1);
+  slot_base_.resize(chunks);
+  pool_->run(static_cast<int>(chunks), [&](int chunk, int) {
+    const auto c = static_cast<std::size_t>(chunk);
+    const std::size_t first = c * kChunk, n = std::min<std::size_t>(kChunk, count - first);
+    const ProjectedChunk to = {records_.data() + first, keys_.data() + first, rects_.data() + first,
+                               sources_.data() + first};
+    const ChunkCount found =
+        project_chunk(view, gaussians.data() + first, static_cast<std::uint32_t>(first),
+                      static_cast<std::uint32_t>(n), to);
+    visible_[c] = found.visible;
+    slot_base_[c] = found.slots;
+  });
+  std::uint32_t visible = 0;
+  total_slots_ = 0;
+  for (std::size_t c = 0; c < chunks; ++c) {
+    first_visible_[c] = visible;
+    visible += visible_[c];
+    const std::uint32_t slots = slot_base_[c];
+    slot_base_[c] = total_slots_;
+    total_slots_ += slots;
+  }
+  first_visible_[chunks] = visible;
+  lists_.build(visible_, keys_.data(), rects_.data(), grid.tiles_x, grid.tiles_y, *pool_);
+}
+
+TileJob CpuRasterizer::job_for(const TileGrid& grid, int tile) {
+  TileJob job;
+  job.records = records_.data();
+  job.entries = lists_.tile(tile);
+  job.tile_x = tile % grid.tiles_x;
+  job.tile_y = tile / grid.tiles_x;
+  job.width = grid.width;
+  job.height = grid.height;
+  return job;
+}
+
+void CpuRasterizer::forward_only(const TileGrid& grid) {
+  image_.ensure(static_cast<std::size_t>(grid.tiles()) * tile_floats(kImageChannels));
+  pool_->run(grid.tiles(), [&](int t, int worker) {
+    TileJob job = job_for(grid, t);
+    job.image = image_.data() + static_cast<std::size_t>(t) * tile_floats(kImageChannels);
+    process_tile(job, scratch_[static_cast<std::size_t>(worker)]);
+  });
+}
+
+/// SSIM needs a pixel's neighbours across tile borders, hence a rendering of the whole image ahead
+/// of the tile visits. (Compositing twice is cheaper than keeping the alphas of all tiles.)
+double CpuRasterizer::add_dssim(const CpuTarget& target, const LossConfig& loss) {
+  const TileGrid& grid = target.grid();
+  forward_only(grid);
+  color_gradient_.ensure(static_cast<std::size_t>(grid.tiles()) * tile_floats(kGradientChannels));
+  if (plane_.width != grid.width || plane_.height != grid.height) {
+    plane_ = PaddedPlane(grid.width, grid.height);
+  }
+  double sum = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const float gain = loss.gain[c], weight = loss.dssim_weight / 3 * gain;
+    const std::size_t channel = c * kBlockPixels;
+    const auto for_pixels = [&](const auto& body) {
+      pool_->run(grid.tiles_y, [&](int band, int) {
+        for (int y = band * kTileSide; y < std::min(grid.height, (band + 1) * kTileSide); ++y) {
+          for (int x = 0; x < grid.width; ++x) body(x, y);
+        }
+      });
+    };
+    for_pixels([&](int x, int y) {
+      plane_.row(y)[x] = gain * image_[grid.index(x, y, kImageChannels) + channel];
+    });
+    sum += dssim_.evaluate(plane_, target.moments()[c], plane_gradient_, *pool_);
+    for_pixels([&](int x, int y) {
+      color_gradient_[grid.index(x, y, kGradientChannels) + channel] =
+          weight * plane_gradient_.row(y)[x];
+    });
+  }
+  return sum * static_cast<double>(loss.dssim_weight) / 3;
+}
+
+void CpuRasterizer::visit_tiles(const CpuTarget& target, const LossConfig& loss, bool keep_image) {
+  const TileGrid& grid = target.grid();
+  const TileLoss weights = tile_loss(loss);
+  slots_.ensure(total_slots_);
+  slot_used_.ensure(total_slots_);
+  results_.resize(static_cast<std::size_t>(grid.tiles()));
+  if (keep_image) {
+    image_.ensure(static_cast<std::size_t>(grid.tiles()) * tile_floats(kImageChannels));
+  }
+  pool_->run(grid.tiles(), [&](int t, int worker) {
+    const auto i = static_cast<std::size_t>(t);
+    TileJob job = job_for(grid, t);
+    if (keep_image) job.image = image_.data() + i * tile_floats(kImageChannels);
+    job.target = target.tile(t);
+    if (has_color_gradient_) {
+      job.color_gradient = color_gradient_.data() + i * tile_floats(kGradientChannels);
+    }
+    job.loss = weights;
+    job.slot_base = slot_base_.data();
+    job.slots = slots_.data();
+    job.slot_used = slot_used_.data();
+    job.result = &results_[i];
+    process_tile(job, scratch_[static_cast<std::size_t>(worker)]);
+  });
+}
+
+void CpuRasterizer::splat_backward(std::span<const map::Gaussian> gaussians,
+                                   const View<float>& view, Gradients& out) {
+  const std::size_t chunks = visible_.size(), visible = first_visible_[chunks];
+  out.visible.resize(visible);
+  out.gradient.resize(visible);
+  twists_.resize(chunks);
+  pool_->run(static_cast<int>(chunks), [&](int chunk, int) {
+    const auto c = static_cast<std::size_t>(chunk);
+    SplatBackwardJob job;
+    job.gaussians = gaussians.data();
+    job.sources = sources_.data() + c * kChunk;
+    job.records = records_.data() + c * kChunk;
+    job.visible = visible_[c];
+    job.slots = slots_.data() + slot_base_[c];
+    job.slot_used = slot_used_.data() + slot_base_[c];
+    job.gradient = out.gradient.data() + first_visible_[c];
+    job.twist = twists_[c].data();
+    std::copy_n(job.sources, visible_[c], out.visible.begin() + first_visible_[c]);
+    splat_backward_chunk(view, job);
+  });
+  out.camera_twist.setZero();
+  for (const auto& twist : twists_) {
+    for (int k = 0; k < 6; ++k) out.camera_twist[k] += twist[static_cast<std::size_t>(k)];
+  }
+}
+
+void CpuRasterizer::store(const TileGrid& grid, Rendering& out) {
+  match_size(out.color, grid);
+  match_size(out.depth_sum, grid);
+  match_size(out.alpha, grid);
+  pool_->run(grid.tiles_y, [&](int band, int) {
+    for (int y = band * kTileSide; y < std::min(grid.height, (band + 1) * kTileSide); ++y) {
+      for (int x = 0; x < grid.width; ++x) {
+        const float* p = image_.data() + grid.index(x, y, kImageChannels);
+        out.color(x, y) = {p[0], p[kBlockPixels], p[2 * kBlockPixels]};
+        out.depth_sum(x, y) = p[3 * kBlockPixels];
+        out.alpha(x, y) = p[4 * kBlockPixels];
+      }
+    }
+  });
+}
+
+}  // namespace sgs::render::cpu
+
+namespace sgs::render {
+
+std::unique_ptr<Rasterizer> make_cpu_rasterizer(ThreadPool* pool) {
+  return std::make_unique<cpu::CpuRasterizer>(pool);
+}
+
+}  // namespace sgs::render

@@ -1,0 +1,311 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <hwy/targets.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "sgs/render/test_scene.h"
+
+namespace sgs::render {
+namespace {
+
+using testing::Random;
+
+struct Scene {
+  PinholeCamera camera;
+  SE3 pose;
+  std::vector<map::Gaussian> gaussians;
+  TrainingImage target;
+};
+
+TrainingImage target_for(const Scene& s, Random& random) {
+  Rendering rendering;
+  make_reference_rasterizer()->render(s.gaussians, s.camera, s.pose, rendering);
+  return testing::target_beside(rendering, s.camera, random);
+}
+
+Scene make_scene(int width, int height, int count, double sigma_px, std::uint64_t seed) {
+  Random random(seed);
+  Scene s{testing::small_camera(width, height), testing::tilted_pose(), {}, {}};
+  s.gaussians = testing::random_gaussians(s.camera, s.pose, count, sigma_px, random);
+  s.target = target_for(s, random);
+  return s;
+}
+
+/// Everything that can go to extremes at once.
+Scene make_edge_scene(int width, int height, std::uint64_t seed) {
+  Random random(seed);
+  Scene s{testing::small_camera(width, height), testing::tilted_pose(), {}, {}};
+  const auto add = [&](double u, double v, double z, double sigma) -> map::Gaussian& {
+    s.gaussians.push_back(testing::gaussian_at(s.camera, s.pose, u, v, z, sigma, random));
+    return s.gaussians.back();
+  };
+  for (int i = 0; i < 60; ++i) {
+    const double u = random.uniform(0, width), v = random.uniform(0, height);
+    const double z = random.uniform(0.5, 4);
+    switch (i % 10) {
+      case 0:
+        add(random.uniform(0, 1) < 0.5 ? 0 : width - 1, v, z, 6);
+        break;
+      case 1:
+        add(u, random.uniform(0, 1) < 0.5 ? -3 : height + 2, z, 6);
+        break;
+      case 2:
+        add(u, v, z, 0.02);
+        break;
+      case 3:
+        add(u, v, z + 2, 0.4 * width).opacity_logit = 0;
+        break;
+      case 4:
+        add(u, v, z, 5).opacity_logit = -5;
+        break;
+      case 5:
+        add(u, v, z, 5).opacity_logit = 9;
+        break;
+      case 6:
+        add(u, v, -z, 5);
+        break;
+      case 7:
+        add(u, v, 0.12 + 0.02 * random.uniform(0, 1), 2);
+        break;
+      case 8: {
+        auto& g = add(u, v, z, 8);
+        g.log_scale[0] += 2;
+        g.log_scale[1] -= 4;
+        break;
+      }
+      default:
+        add(32 * std::floor(u / 32) - 0.5, 32 * std::floor(v / 32), z, 3);
+        break;
+    }
+  }
+  s.target = target_for(s, random);
+  return s;
+}
+
+std::vector<map::Gaussian> dense(const Gradients& g, std::size_t count) {
+  std::vector<map::Gaussian> rows(count);
+  std::memset(static_cast<void*>(rows.data()), 0, count * sizeof(map::Gaussian));
+  for (std::size_t i = 0; i < g.visible.size(); ++i) rows[g.visible[i]] = g.gradient[i];
+  return rows;
+}
+
+/// Agreement up to rounding, except where rounding tips a pixel over the 1/255 cut or another jump:
+/// those are few and off by at most about the cut.
+void expect_images_agree(const Rendering& a, const Rendering& b) {
+  ASSERT_EQ(a.alpha.size(), b.alpha.size());
+  std::size_t off = 0;
+  double worst = 0;
+  for (std::size_t i = 0; i < a.alpha.size(); ++i) {
+    const Rgbf &x = a.color.data()[i], &y = b.color.data()[i];
+    const double error = std::max({std::abs(x.r - y.r), std::abs(x.g - y.g), std::abs(x.b - y.b),
+                                   std::abs(a.depth_sum.data()[i] - b.depth_sum.data()[i]) / 4,
+                                   std::abs(a.alpha.data()[i] - b.alpha.data()[i])});
+    ASSERT_TRUE(std::isfinite(error)) << i;
+    worst = std::max(worst, error);
+    if (error > 1e-4) ++off;
+  }
+  EXPECT_LE(off, 2 + a.alpha.size() / 2000);
+  EXPECT_LT(worst, 0.012);
+}
+
+/// Relative distance of one class of parameters in the Euclidean norm.
+double relative_error(const std::vector<map::Gaussian>& a, const std::vector<map::Gaussian>& b,
+                      std::size_t first, std::size_t count) {
+  double difference = 0, size = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t k = first; k < first + count; ++k) {
+      float x, y;
+      std::memcpy(&x, reinterpret_cast<const char*>(&a[i]) + 4 * k, 4);
+      std::memcpy(&y, reinterpret_cast<const char*>(&b[i]) + 4 * k, 4);
+      difference += std::pow(double{x} - double{y}, 2);
+      size += double{y} * double{y};
+    }
+  }
+  return std::sqrt(difference / (size + 1e-12));
+}
+
+void expect_parity(const Scene& s, const LossConfig& loss, double tolerance = 2e-3) {
+  auto reference = make_reference_rasterizer();
+  auto fast = make_cpu_rasterizer(nullptr);
+  Gradients expected, actual;
+  Rendering expected_image, image;
+  reference->evaluate(s.gaussians, s.target, s.pose, loss, expected, &expected_image);
+  fast->evaluate(s.gaussians, s.target, s.pose, loss, actual, &image);
+  expect_images_agree(image, expected_image);
+  Rendering only;
+  fast->render(s.gaussians, s.camera, s.pose, only);
+  expect_images_agree(only, expected_image);
+  EXPECT_NEAR(actual.loss, expected.loss, 1e-4 * expected.loss + 1e-3);
+  const auto a = dense(actual, s.gaussians.size()), b = dense(expected, s.gaussians.size());
+  EXPECT_LT(relative_error(a, b, 0, 3), tolerance) << "mean";
+  EXPECT_LT(relative_error(a, b, 3, 3), tolerance) << "log_scale";
+  EXPECT_LT(relative_error(a, b, 6, 4), tolerance) << "rotation";
+  EXPECT_LT(relative_error(a, b, 10, 1), tolerance) << "opacity";
+  EXPECT_LT(relative_error(a, b, 11, 3), tolerance) << "rgb";
+  EXPECT_EQ(relative_error(a, b, 14, 2), 0) << "unused";
+  EXPECT_LT((actual.camera_twist - expected.camera_twist).norm(),
+            tolerance * (expected.camera_twist.norm() + 1));
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_NEAR(actual.exposure_measured[c], expected.exposure_measured[c],
+                2 + 1e-3 * expected.exposure_measured[c]);
+    EXPECT_NEAR(actual.exposure_rendered[c], expected.exposure_rendered[c],
+                2 + 1e-3 * expected.exposure_rendered[c]);
+  }
+  EXPECT_TRUE(std::is_sorted(actual.visible.begin(), actual.visible.end()));
+}
+
+/// Runs its body once per instruction set that this machine has.
+class EachTarget : public ::testing::TestWithParam<std::int64_t> {
+ protected:
+  void SetUp() override { hwy::SetSupportedTargetsForTest(GetParam()); }
+  void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
+};
+
+std::vector<std::int64_t> compiled_targets() {
+  std::vector<std::int64_t> out;
+  for (const std::int64_t t : {HWY_AVX3, HWY_AVX2, HWY_SSE4, HWY_NEON, HWY_EMU128, HWY_SCALAR}) {
+    if ((hwy::SupportedTargets() & t) != 0) out.push_back(t);
+  }
+  return out;
+}
+INSTANTIATE_TEST_SUITE_P(Cpu, EachTarget, ::testing::ValuesIn(compiled_targets()),
+                         [](const auto& p) { return std::string(hwy::TargetName(p.param)); });
+
+TEST_P(EachTarget, DefaultLoss) { expect_parity(make_scene(160, 120, 250, 5, 1), {}); }
+
+TEST_P(EachTarget, OddImageSizes) {
+  expect_parity(make_scene(323, 241, 400, 6, 2), {});
+  expect_parity(make_scene(33, 31, 60, 3, 3), {});
+  expect_parity(make_scene(3, 2, 10, 1, 4), {});
+}
+
+TEST_P(EachTarget, AllTermsOfTheLoss) {
+  LossConfig loss;
+  loss.depth_form = LossConfig::Depth::kAbsolute;
+  loss.color_only_where_depth = true;
+  loss.floater_margin_m = 0.1f;
+  loss.gain = {1.1f, 0.9f, 1.0f};
+  const Scene s = make_scene(130, 97, 200, 5, 5);
+  expect_parity(s, loss);
+  loss.dssim_weight = 0.2f;
+  expect_parity(s, loss);
+  loss.color_weight = 0;
+  loss.depth_weight = 0;
+  expect_parity(s, loss, 5e-3);
+}
+
+TEST_P(EachTarget, EdgeCases) {
+  expect_parity(make_edge_scene(150, 110, 6), {});
+  expect_parity(make_edge_scene(97, 64, 7), {});
+}
+
+TEST_P(EachTarget, DeepTilesOfManyBatches) {
+  // Thousands of faint Gaussians in one tile: more than one batch and saturation in the middle.
+  Scene s{testing::small_camera(40, 30), testing::tilted_pose(), {}, {}};
+  Random random(8);
+  s.gaussians = testing::random_gaussians(s.camera, s.pose, 3000, 4, random);
+  for (auto& g : s.gaussians) g.opacity_logit -= 3;
+  s.target = target_for(s, random);
+  expect_parity(s, {}, 5e-3);
+}
+
+TEST_P(EachTarget, NonsenseIsLeftOut) {
+  Scene s = make_scene(100, 70, 80, 5, 9);
+  Rendering clean, dirty;
+  auto fast = make_cpu_rasterizer(nullptr);
+  Gradients expected, actual;
+  fast->evaluate(s.gaussians, s.target, s.pose, {}, expected, &clean);
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  const std::size_t sane = s.gaussians.size();
+  for (const float bad : {kNan, kInf, -kInf, 1e38f, -1e38f}) {
+    for (std::size_t k = 0; k < 14; ++k) {
+      if (k == 10 && bad < 0) continue;  // a very transparent Gaussian is nothing special
+      map::Gaussian g = s.gaussians[k];
+      std::memcpy(reinterpret_cast<char*>(&g) + 4 * k, &bad, 4);
+      if (k == 10 || (k >= 3 && k < 6 && bad == -1e38f)) g.rgb[0] = kNan;
+      s.gaussians.push_back(g);
+    }
+  }
+  map::Gaussian no_rotation = s.gaussians[0];
+  for (float& q : no_rotation.rotation) q = 0;
+  s.gaussians.push_back(no_rotation);
+  fast->evaluate(s.gaussians, s.target, s.pose, {}, actual, &dirty);
+  EXPECT_EQ(expected.loss, actual.loss);
+  EXPECT_EQ(expected.visible, actual.visible);
+  EXPECT_EQ(std::memcmp(clean.color.data(), dirty.color.data(), clean.color.size() * sizeof(Rgbf)),
+            0);
+  EXPECT_LE(actual.visible.back(), sane);
+}
+
+TEST_P(EachTarget, SameBitsForAnyNumberOfThreads) {
+  LossConfig loss;
+  loss.dssim_weight = 0.2f;
+  const Scene s = make_scene(200, 150, 9000, 3, 10);
+  const auto run = [&](ThreadPool* pool, Gradients& out, Rendering& image) {
+    auto fast = make_cpu_rasterizer(pool);
+    for (int i = 0; i < 2; ++i) fast->evaluate(s.gaussians, s.target, s.pose, loss, out, &image);
+  };
+  Gradients one;
+  Rendering image_one;
+  run(nullptr, one, image_one);
+  for (const int threads : {1, 2, 3}) {
+    ThreadPool pool(threads);
+    Gradients many;
+    Rendering image;
+    run(&pool, many, image);
+    EXPECT_EQ(one.loss, many.loss);
+    EXPECT_EQ(one.visible, many.visible);
+    EXPECT_EQ(one.camera_twist, many.camera_twist);
+    EXPECT_EQ(one.exposure_rendered, many.exposure_rendered);
+    EXPECT_EQ(std::memcmp(one.gradient.data(), many.gradient.data(),
+                          one.gradient.size() * sizeof(map::Gaussian)),
+              0);
+    EXPECT_EQ(
+        std::memcmp(image_one.color.data(), image.color.data(), image.color.size() * sizeof(Rgbf)),
+        0);
+  }
+}
+
+TEST_P(EachTarget, EmptyMap) {
+  Scene s = make_scene(50, 40, 10, 3, 11);
+  s.gaussians.clear();
+  expect_parity(s, {});
+}
+
+TEST_P(EachTarget, ImageSizeMayChangeBetweenCalls) {
+  auto fast = make_cpu_rasterizer(nullptr);
+  const Scene big = make_scene(160, 120, 200, 5, 12), small = make_scene(80, 60, 100, 4, 13);
+  Gradients first, again, other;
+  LossConfig loss;
+  loss.dssim_weight = 0.1f;
+  fast->evaluate(big.gaussians, big.target, big.pose, loss, first);
+  fast->evaluate(small.gaussians, small.target, small.pose, loss, other);
+  fast->evaluate(big.gaussians, big.target, big.pose, loss, again);
+  EXPECT_EQ(first.loss, again.loss);
+  EXPECT_EQ(std::memcmp(first.gradient.data(), again.gradient.data(),
+                        first.gradient.size() * sizeof(map::Gaussian)),
+            0);
+}
+
+TEST(CpuRasterizer, LargeImageOfReplicaSize) {
+  expect_parity(make_scene(1200, 680, 300, 15, 14), {});
+}
+
+TEST(CpuRasterizer, RefusesWhatDoesNotFit) {
+  auto fast = make_cpu_rasterizer(nullptr);
+  const Scene s = make_scene(50, 40, 10, 3, 15);
+  Gradients out;
+  const auto foreign = make_reference_rasterizer()->prepare(s.target);
+  EXPECT_THROW(fast->evaluate(s.gaussians, *foreign, s.pose, {}, out), ContractViolation);
+  TrainingImage wrong = s.target;
+  wrong.depth = DepthImage(10, 10);
+  EXPECT_THROW(fast->prepare(wrong), ContractViolation);
+}
+
+}  // namespace
+}  // namespace sgs::render

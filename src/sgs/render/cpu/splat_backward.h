@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "sgs/map/gaussian.h"
+#include "sgs/render/cpu/layout.h"
+#include "sgs/render/view.h"
+
+namespace sgs::render::cpu {
+
+/// From the per-tile sums of a chunk's visible Gaussians to gradients of their parameters.
+struct SplatBackwardJob {
+  const map::Gaussian* gaussians = nullptr;  ///< all of them
+  const std::uint32_t* sources = nullptr;    ///< the chunk's, per visible Gaussian
+  const Record* records = nullptr;           ///< the chunk's
+  std::uint32_t visible = 0;
+  const SumRow* slots = nullptr;  ///< the chunk's
+  const std::uint8_t* slot_used = nullptr;
+  map::Gaussian* gradient = nullptr;  ///< one row per visible Gaussian
+  double* twist = nullptr;            ///< the chunk's share of the camera gradient, 6
+};
+
+void splat_backward_chunk(const View<float>& view, const SplatBackwardJob& job);
+
+}  // namespace sgs::render::cpu

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/render/cpu/target.h"
+
+#include <algorithm>
+
+namespace sgs::render::cpu {
+
+CpuTarget::CpuTarget(const TrainingImage& image)
+    : PreparedTarget(image.camera), grid_(image.camera.width, image.camera.height) {
+  const std::size_t size = static_cast<std::size_t>(grid_.tiles()) * tile_floats(kTargetChannels);
+  pixels_.ensure(size);
+  std::fill_n(pixels_.data(), size, 0.0f);
+  for (int y = 0; y < grid_.height; ++y) {
+    for (int x = 0; x < grid_.width; ++x) {
+      const Rgbf& c = image.color(x, y);
+      float* p = pixels_.data() + grid_.index(x, y, kTargetChannels);
+      p[0] = c.r;
+      p[kBlockPixels] = c.g;
+      p[2 * kBlockPixels] = c.b;
+      p[3 * kBlockPixels] = image.depth(x, y);
+    }
+  }
+}
+
+const std::array<TargetMoments, 3>& CpuTarget::moments() const {
+  std::call_once(moments_once_, [this] {
+    for (std::size_t c = 0; c < 3; ++c) {
+      PaddedPlane plane(grid_.width, grid_.height);
+      for (int y = 0; y < grid_.height; ++y) {
+        for (int x = 0; x < grid_.width; ++x) {
+          plane.row(y)[x] = pixels_[grid_.index(x, y, kTargetChannels) + c * kBlockPixels];
+        }
+      }
+      moments_[c] = TargetMoments(std::move(plane));
+    }
+  });
+  return moments_;
+}
+
+}  // namespace sgs::render::cpu

@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <mutex>
+
+#include "sgs/render/cpu/buffer.h"
+#include "sgs/render/cpu/ssim.h"
+#include "sgs/render/cpu/tiled_image.h"
+#include "sgs/render/rasterizer.h"
+
+namespace sgs::render::cpu {
+
+/// A training image in tiled layout (kTargetChannels, zero outside the image), and on first demand
+/// the window moments that D-SSIM compares with.
+class CpuTarget final : public PreparedTarget {
+ public:
+  explicit CpuTarget(const TrainingImage& image);
+
+  const TileGrid& grid() const { return grid_; }
+  const float* tile(int t) const {
+    return pixels_.data() + static_cast<std::size_t>(t) * tile_floats(kTargetChannels);
+  }
+  /// One per channel; thread-safe.
+  const std::array<TargetMoments, 3>& moments() const;
+
+ private:
+  TileGrid grid_;
+  Buffer<float> pixels_;
+  mutable std::once_flag moments_once_;
+  mutable std::array<TargetMoments, 3> moments_;
+};
+
+}  // namespace sgs::render::cpu

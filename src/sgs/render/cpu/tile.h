@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sgs/render/cpu/buffer.h"
+#include "sgs/render/cpu/layout.h"
+
+namespace sgs::render::cpu {
+
+/// Gaussians of a tile are composited in batches of this many.
+inline constexpr std::uint32_t kBatch = 1024;
+
+/// A Gaussian as the inner loops of a tile read it.
+struct alignas(64) Staged {
+  float x, y;  ///< tile origin minus mean
+  float A, B, C, log2_opacity;
+  float r, g, b, z;
+  float unused[6];
+};
+
+/// Forward state of a block of 16 pixels.
+struct alignas(64) BlockState {
+  float T[kBlockPixels], r[kBlockPixels], g[kBlockPixels], b[kBlockPixels], d[kBlockPixels],
+      a[kBlockPixels];
+};
+
+/// Backward state: loss gradients of the pixels, transmittance in front of the present Gaussian,
+/// and S = sum of w (g . value) of it and everything behind it.
+struct alignas(64) BlockGradient {
+  float r[kBlockPixels], g[kBlockPixels], b[kBlockPixels], d[kBlockPixels], a[kBlockPixels],
+      T[kBlockPixels], S[kBlockPixels];
+  float nearest_z[kBlockPixels];  ///< Gaussians in front of this get no gradient
+};
+
+/// Working memory of one thread.
+struct TileScratch {
+  Buffer<Staged> staged;                // the tile's Gaussians
+  Buffer<std::uint64_t> blocks;         // which blocks have a stored alpha
+  Buffer<std::uint64_t> active;         // which of them were composited
+  Buffer<std::uint32_t> alpha_start;    // first stored alpha
+  Buffer<std::uint32_t> block_entries;  // [block][kBatch]: Gaussian in batch << 16 | alpha
+  Buffer<float> alphas;                 // 16 per (Gaussian, block)
+  BlockState state[kBlocksPerTile];
+  BlockGradient gradient[kBlocksPerTile];
+};
+
+/// One visit of a tile: forward, and with `target` also loss and backward.
+struct TileJob {
+  const Record* records = nullptr;
+  std::span<const std::uint32_t> entries;  ///< record indices, nearest first
+  int tile_x = 0, tile_y = 0;
+  int width = 0, height = 0;              ///< image, pixels
+  float* image = nullptr;                 ///< this tile's kImageChannels, or null
+  const float* target = nullptr;          ///< this tile's kTargetChannels
+  const float* color_gradient = nullptr;  ///< added to the colour gradient, or null
+  TileLoss loss;
+  const std::uint32_t* slot_base = nullptr;  ///< first slot of each chunk
+  SumRow* slots = nullptr;
+  std::uint8_t* slot_used = nullptr;  ///< 1 where the slot holds sums
+  TileResult* result = nullptr;
+};
+
+void process_tile(const TileJob& job, TileScratch& scratch);
+
+}  // namespace sgs::render::cpu

@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Front-to-back backward pass over a tile, Gaussian by Gaussian, with the alphas of the forward
+// pass. What lies behind a Gaussian is the final value minus what has been passed so far:
+//   value_i = g . (r g b z 1),  S_i = sum_{j >= i} w_j value_j,
+//   dL/dalpha_i = T_i value_i - S_{i+1} / (1 - alpha_i).
+
+#if defined(SGS_RENDER_CPU_TILE_BACKWARD_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SGS_RENDER_CPU_TILE_BACKWARD_INL_H_
+#undef SGS_RENDER_CPU_TILE_BACKWARD_INL_H_
+#else
+#define SGS_RENDER_CPU_TILE_BACKWARD_INL_H_
+#endif
+
+#include "sgs/render/cpu/reduce-inl.h"
+#include "sgs/render/cpu/tile_forward-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sgs::render::cpu::HWY_NAMESPACE {
+
+/// 1 / a for a in [0.01, 1] to about 1e-6.
+HWY_INLINE F reciprocal(F a) {
+  const F guess = hn::ApproximateReciprocal(a.v);
+  return guess * neg_mul_add(a, guess, F(2.0f));
+}
+
+/// Adds one block's share to the ten sums h, hx, hy, hxx, hxy, hyy, r, g, b, z.
+template <bool kFloaters>
+HWY_INLINE void backward_step(const Staged& q, const float* alphas, int block, int part,
+                              BlockGradient& g, F* sums) {
+  const int at = part * kLanes;
+  const F alpha = load(alphas + at), T = load(g.T + at);
+  const F gr = load(g.r + at), gg = load(g.g + at), gb = load(g.b + at), gd = load(g.d + at);
+  const F value = mul_add(
+      gr, F(q.r), mul_add(gg, F(q.g), mul_add(gb, F(q.b), mul_add(gd, F(q.z), load(g.a + at)))));
+  F weight = alpha * T;
+  const F behind = neg_mul_add(weight, value, load(g.S + at));
+  store(behind, g.S + at);
+  store(T - weight, g.T + at);
+  const F d_alpha = neg_mul_add(behind, reciprocal(F(1.0f) - alpha), T * value);
+  F h = zero_unless(alpha < F(kMaxAlpha), alpha * d_alpha);
+  if constexpr (kFloaters) {
+    const Mask counts = F(q.z) >= load(g.nearest_z + at);
+    h = zero_unless(counts, h);
+    weight = zero_unless(counts, weight);
+  }
+  const F dx = block_x(block, part) + F(q.x), dy = block_y(block, part) + F(q.y);
+  const F hx = h * dx, hy = h * dy;
+  sums[0] = sums[0] + h;
+  sums[1] = sums[1] + hx;
+  sums[2] = sums[2] + hy;
+  sums[3] = mul_add(hx, dx, sums[3]);
+  sums[4] = mul_add(hx, dy, sums[4]);
+  sums[5] = mul_add(hy, dy, sums[5]);
+  sums[6] = mul_add(weight, gr, sums[6]);
+  sums[7] = mul_add(weight, gg, sums[7]);
+  sums[8] = mul_add(weight, gb, sums[8]);
+  sums[9] = mul_add(weight, gd, sums[9]);
+}
+
+/// Slot of the sums of a Gaussian in this tile: its tiles are numbered row by row.
+HWY_INLINE std::uint32_t slot_of(const TileJob& job, std::uint32_t id) {
+  const Record& r = job.records[id];
+  const int ordinal =
+      (job.tile_y - r.rect.y0) * (r.rect.x1 - r.rect.x0 + 1) + job.tile_x - r.rect.x0;
+  return job.slot_base[id >> kChunkShift] + r.slot + static_cast<std::uint32_t>(ordinal);
+}
+
+/// Writes the slots of the first `visited` Gaussians and marks those of all `count` used or not.
+template <bool kFloaters>
+HWY_INLINE void backward_tile(const TileJob& job, const std::uint32_t* entries,
+                              std::uint32_t visited, std::uint32_t count, TileScratch& scratch) {
+  const Staged* staged = scratch.staged.data();
+  const std::uint64_t* stored_masks = scratch.blocks.data();
+  const std::uint64_t* active_masks = scratch.active.data();
+  const std::uint32_t* alpha_start = scratch.alpha_start.data();
+  const float* alphas = scratch.alphas.data();
+  for (std::uint32_t j = 0; j < count; ++j) {
+    const std::uint32_t slot = slot_of(job, entries[j]);
+    std::uint64_t active = j < visited ? active_masks[j] : 0;
+    job.slot_used[slot] = active != 0;
+    if (active == 0) continue;
+    const std::uint64_t stored = stored_masks[j];
+    const float* own_alphas = alphas + static_cast<std::size_t>(alpha_start[j]) * kBlockPixels;
+    F sums[10];
+    for (F& s : sums) s = F(0.0f);
+    do {
+      const int block = __builtin_ctzll(active);
+      active &= active - 1;
+      const int rank = __builtin_popcountll(stored & ((std::uint64_t{1} << block) - 1));
+      for (int part = 0; part < kParts; ++part) {
+        backward_step<kFloaters>(staged[j], own_alphas + rank * kBlockPixels, block, part,
+                                 scratch.gradient[block], sums);
+      }
+    } while (active != 0);
+    store_ten_sums(sums, job.slots[slot].lane);
+  }
+}
+
+}  // namespace sgs::render::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

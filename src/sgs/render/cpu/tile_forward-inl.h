@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Front-to-back compositing of a batch of Gaussians, block by block: a block's state stays in
+// registers while its Gaussians pass by. Their alphas are kept for the backward pass.
+
+#if defined(SGS_RENDER_CPU_TILE_FORWARD_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SGS_RENDER_CPU_TILE_FORWARD_INL_H_
+#undef SGS_RENDER_CPU_TILE_FORWARD_INL_H_
+#else
+#define SGS_RENDER_CPU_TILE_FORWARD_INL_H_
+#endif
+
+#include "sgs/render/cpu/lanes-inl.h"
+#include "sgs/render/cpu/tile.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sgs::render::cpu::HWY_NAMESPACE {
+
+alignas(64) inline constexpr float kPixelX[16] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+alignas(64) inline constexpr float kPixelY[16] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
+
+HWY_INLINE F block_x(int block, int part) {
+  return load(kPixelX + part * kLanes) + F(static_cast<float>(block % kTileBlocks * kBlockSide));
+}
+HWY_INLINE F block_y(int block, int part) {
+  return load(kPixelY + part * kLanes) + F(static_cast<float>(block / kTileBlocks * kBlockSide));
+}
+
+struct PixelState {
+  F T, r, g, b, d, a;
+};
+
+/// One Gaussian over kLanes pixels. T goes on shrinking below the limit unseen, so that the only
+/// chain from step to step is one multiply-add; its dead lanes are masked out of the weights.
+HWY_INLINE void composite_step(const Staged& q, F x, F y, PixelState& s, float* alpha_out) {
+  const F dx = x + F(q.x), dy = y + F(q.y);
+  const F power =
+      mul_add(mul_add(F(q.A), dx, F(q.B) * dy), dx, mul_add(F(q.C) * dy, dy, F(q.log2_opacity)));
+  const F alpha = zero_unless(power >= F(-kLog2Of255), minimum(exp2_of(power), F(kMaxAlpha)));
+  const F seen = zero_unless(s.T > F(kMinTransmittance), alpha);
+  const F weight = seen * s.T;
+  s.T = neg_mul_add(alpha, s.T, s.T);
+  s.r = mul_add(weight, F(q.r), s.r);
+  s.g = mul_add(weight, F(q.g), s.g);
+  s.b = mul_add(weight, F(q.b), s.b);
+  s.d = mul_add(weight, F(q.z), s.d);
+  s.a = s.a + weight;
+  store(seen, alpha_out);
+}
+
+/// Composites `count` Gaussians over one part of a block; returns how many were visited before
+/// all its pixels were saturated.
+HWY_INLINE std::uint32_t composite_part(const Staged* staged, const std::uint32_t* words,
+                                        std::uint32_t count, int block, int part, float* alphas,
+                                        BlockState& state) {
+  const int at = part * kLanes;
+  PixelState s = {load(state.T + at), load(state.r + at), load(state.g + at),
+                  load(state.b + at), load(state.d + at), load(state.a + at)};
+  const F x = block_x(block, part), y = block_y(block, part);
+  std::uint32_t e = 0;
+  const auto step = [&](std::uint32_t i) HWY_ATTR {
+    const std::uint32_t w = words[i];
+    composite_step(staged[w >> 16], x, y, s, alphas + (w & 0xffffu) * kBlockPixels + at);
+  };
+  while (e + 4 <= count) {
+    step(e);
+    step(e + 1);
+    step(e + 2);
+    step(e + 3);
+    e += 4;
+    const Mask alive = s.T > F(kMinTransmittance);
+    s.T = zero_unless(alive, s.T);  // and never denormal
+    if (hn::AllFalse(kF, alive)) break;
+  }
+  if (e + 4 > count && hn::AllFalse(kF, s.T > F(0.0f)) == false) {
+    for (; e < count; ++e) step(e);
+    s.T = zero_unless(s.T > F(kMinTransmittance), s.T);
+  }
+  store(s.T, state.T + at);
+  store(s.r, state.r + at);
+  store(s.g, state.g + at);
+  store(s.b, state.b + at);
+  store(s.d, state.d + at);
+  store(s.a, state.a + at);
+  return e;
+}
+
+/// Whole block; alphas of parts that stopped earlier than others are filled with zeros.
+HWY_INLINE std::uint32_t composite_block(const Staged* staged, const std::uint32_t* words,
+                                         std::uint32_t count, int block, float* alphas,
+                                         BlockState& state) {
+  std::uint32_t visited[kParts], most = 0;
+  for (int part = 0; part < kParts; ++part) {
+    visited[part] = composite_part(staged, words, count, block, part, alphas, state);
+    if (visited[part] > most) most = visited[part];
+  }
+  if constexpr (kParts > 1) {
+    for (int part = 0; part < kParts; ++part) {
+      for (std::uint32_t e = visited[part]; e < most; ++e) {
+        store(F(0.0f), alphas + (words[e] & 0xffffu) * kBlockPixels + part * kLanes);
+      }
+    }
+  }
+  return most;
+}
+
+}  // namespace sgs::render::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

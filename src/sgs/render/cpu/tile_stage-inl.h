@@ -1,0 +1,94 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// First step of a tile visit: bring its Gaussians in, and find for each the 4x4 blocks that its
+// ellipse of alpha = 1/255 really touches.
+
+#if defined(SGS_RENDER_CPU_TILE_STAGE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SGS_RENDER_CPU_TILE_STAGE_INL_H_
+#undef SGS_RENDER_CPU_TILE_STAGE_INL_H_
+#else
+#define SGS_RENDER_CPU_TILE_STAGE_INL_H_
+#endif
+
+#include "sgs/render/cpu/lanes-inl.h"
+#include "sgs/render/cpu/tile.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace sgs::render::cpu::HWY_NAMESPACE {
+
+/// Bit 8 row + column of the result is set where the ellipse overlaps that block of the tile whose
+/// first pixel is (tile_x0, tile_y0). `s` holds kLanes records by column.
+///
+/// In a strip of pixel rows [ya, yb] relative to the mean, the ellipse reaches from the smallest
+/// to the largest of -tilt' y -+ sqrt(w2 - q y^2) at both ends, or its leftmost and rightmost
+/// point where those lie inside.
+HWY_INLINE void block_masks(const F* s, float tile_x0, float tile_y0, std::uint64_t* out) {
+  const F ox = s[0] - F(tile_x0), oy = s[1] - F(tile_y0);
+  const F ex = s[10], ey = s[11], half_width2 = s[15];
+  const F zero(0.0f), minus_ey = zero - ey, minus_ex = zero - ex;
+  const F slope = F(-0.5f) * s[3] / s[2];
+  const F q = half_width2 / (ey * ey);
+  const F y_right = s[14] * ex, y_left = zero - y_right;
+  const VI one = hn::Set(kI, 1), two = hn::Set(kI, 2);
+  VI low = hn::Zero(kI), high = hn::Zero(kI);
+  for (int row = 0; row < kTileBlocks; ++row) {
+    const F y0 = F(static_cast<float>(row * kBlockSide)) - oy, y1 = y0 + F(3.0f);
+    const F ya = minimum(maximum(y0, minus_ey), ey), yb = minimum(maximum(y1, minus_ey), ey);
+    const F sa = square_root(maximum(zero, neg_mul_add(q * ya, ya, half_width2)));
+    const F sb = square_root(maximum(zero, neg_mul_add(q * yb, yb, half_width2)));
+    F right = maximum(mul_add(slope, ya, sa), mul_add(slope, yb, sb));
+    F left = minimum(mul_add(slope, ya, zero - sa), mul_add(slope, yb, zero - sb));
+    right = select(hn::And(ya <= y_right, y_right <= yb), ex, right);
+    left = select(hn::And(ya <= y_left, y_left <= yb), minus_ex, left);
+    // First and last pixel column; the slack of a thousandth of a pixel covers rounding.
+    const F last = minimum(maximum(right + ox + F(1e-3f), F(-1.0f)), F(kTileSide - 1.0f));
+    const F first = minimum(maximum(left + ox - F(1e-3f), zero), F(static_cast<float>(kTileSide)));
+    const VI i1 = hn::ConvertTo(kI, hn::Floor(last.v)), i0 = hn::ConvertTo(kI, hn::Ceil(first.v));
+    const auto touched = hn::And(hn::Lt(i0, hn::Add(i1, one)),
+                                 hn::RebindMask(kI, hn::And(y1 >= minus_ey, y0 <= ey)));
+    const VI b1 = hn::Max(hn::ShiftRight<2>(i1), hn::Zero(kI)), b0 = hn::ShiftRight<2>(i0);
+    VI bits = hn::Sub(hn::Shl(two, b1), hn::Shl(one, b0));
+    bits = hn::IfThenElseZero(touched, bits);
+    const VI shift = hn::Set(kI, 8 * (row & 3));
+    (row < 4 ? low : high) = hn::Or(row < 4 ? low : high, hn::Shl(bits, shift));
+  }
+  alignas(64) std::uint32_t lo[16], hi[16];
+  const hn::RebindToUnsigned<FloatTag> u32;
+  hn::Store(hn::BitCast(u32, low), u32, lo);
+  hn::Store(hn::BitCast(u32, high), u32, hi);
+  for (int l = 0; l < kLanes; ++l) {
+    out[l] = static_cast<std::uint64_t>(lo[l]) | static_cast<std::uint64_t>(hi[l]) << 32;
+  }
+}
+
+/// Fills staged[] and blocks[] for entries [begin, end).
+HWY_INLINE void stage_batch(const Record* records, const std::uint32_t* entries,
+                            std::uint32_t begin, std::uint32_t end, std::uint32_t count,
+                            float tile_x0, float tile_y0, Staged* staged, std::uint64_t* blocks) {
+  constexpr std::uint32_t kAhead = 32;
+  for (std::uint32_t i = begin; i < end; i += kLanes) {
+    const std::uint32_t n = end - i < kLanes ? end - i : kLanes;
+    const float* rows[kLanes];
+    for (std::uint32_t l = 0; l < kLanes; ++l) {
+      rows[l] = &records[entries[i + (l < n ? l : 0)]].x;
+      if (i + kAhead + l < count) __builtin_prefetch(&records[entries[i + kAhead + l]]);
+    }
+    F s[16];
+    load_columns(rows, s);
+    block_masks(s, tile_x0, tile_y0, blocks + i);
+    for (std::uint32_t l = 0; l < n; ++l) {
+      float* to = &staged[i + l].x;
+      for (int part = 0; part < kParts; ++part) {
+        store(load(rows[l] + part * kLanes), to + part * kLanes);
+      }
+      to[0] = tile_x0 - rows[l][0];
+      to[1] = tile_y0 - rows[l][1];
+    }
+  }
+}
+
+}  // namespace sgs::render::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard
