@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/mapper/insertion.h"
+
+#include <gtest/gtest.h>
+
+#include "sgs/mapper/wall_scene.h"
+
+namespace sgs::mapper {
+namespace {
+
+struct Rendered {
+  render::Rendering rendering;
+  double covered = 0;      ///< share of pixels with alpha > 0.7
+  double depth_error = 0;  ///< mean |D/A - z| of those
+};
+
+Rendered look(const map::GaussianStore& store, const RgbdFrame& frame, const SE3& T) {
+  Rendered result;
+  render::make_cpu_rasterizer(nullptr)->render(store.average, frame.camera, T, result.rendering);
+  double count = 0;
+  for (std::size_t i = 0; i < frame.depth.size(); ++i) {
+    const float alpha = result.rendering.alpha.data()[i];
+    if (alpha < 0.7f) continue;
+    ++count;
+    result.depth_error +=
+        std::abs(result.rendering.depth_sum.data()[i] / alpha - frame.depth.data()[i]);
+  }
+  result.covered = count / static_cast<double>(frame.depth.size());
+  result.depth_error /= std::max(1.0, count);
+  return result;
+}
+
+TEST(QuadtreeInsertion, CoversAPlaneAtItsDepth) {
+  const auto frame = wall_frame(small_camera(), SE3{});
+  const MapKeyframe keyframe(*frame, SE3{}, 10);
+  map::GaussianStore store;
+  EXPECT_GT(insert_quadtree(keyframe, 0, nullptr, {}, 3, store), 50u);
+  const Rendered seen = look(store, *frame, SE3{});
+  EXPECT_GT(seen.covered, 0.97);
+  EXPECT_LT(seen.depth_error, 0.02);
+  for (const map::Anchor& anchor : store.anchors) {
+    EXPECT_NEAR(anchor.point.z(), 2.0f, 1e-3f);
+    EXPECT_GT(-anchor.normal.z(), 0.99f);
+    EXPECT_EQ(anchor.keyframe, 0);
+  }
+}
+
+TEST(QuadtreeInsertion, AddsNothingWhereTheMapExplainsTheView) {
+  const auto frame = wall_frame(small_camera(), SE3{});
+  const MapKeyframe keyframe(*frame, SE3{}, 10);
+  map::GaussianStore store;
+  const auto first = insert_quadtree(keyframe, 0, nullptr, {}, 3, store);
+  const Rendered seen = look(store, *frame, SE3{});
+  const auto second = insert_quadtree(keyframe, 1, &seen.rendering, {}, 3, store);
+  EXPECT_LT(second, first / 20);
+}
+
+TEST(QuadtreeInsertion, AddsASurfaceInFrontOfTheMap) {
+  const auto far = wall_frame(small_camera(), SE3{}, 0, 2.0);
+  const auto near = wall_frame(small_camera(), SE3{}, 1, 1.5);
+  map::GaussianStore store;
+  insert_quadtree(MapKeyframe(*far, SE3{}, 10), 0, nullptr, {}, 3, store);
+  const Rendered seen = look(store, *far, SE3{});
+  EXPECT_GT(insert_quadtree(MapKeyframe(*near, SE3{}, 10), 1, &seen.rendering, {}, 3, store), 50u);
+  EXPECT_LT(look(store, *near, SE3{}).depth_error, 0.1);
+}
+
+TEST(QuadtreeInsertion, ReachesTheBordersOfOddImages) {
+  const PinholeCamera camera{150, 111, 140, 140, 75, 55};
+  const auto frame = wall_frame(camera, SE3{});
+  map::GaussianStore store;
+  insert_quadtree(MapKeyframe(*frame, SE3{}, 10), 0, nullptr, {}, 3, store);
+  EXPECT_GT(look(store, *frame, SE3{}).covered, 0.95);
+}
+
+TEST(QuadtreeInsertion, BorrowsDepthForHolesUnlessToldNotTo) {
+  auto frame = wall_frame(small_camera(), SE3{});
+  for (int v = 0; v < 120; ++v) {
+    for (int u = 0; u < 40; ++u) frame->depth(u, v) = 0;
+  }
+  const MapKeyframe keyframe(*frame, SE3{}, 10);
+  InsertionConfig config;
+  map::GaussianStore with, without;
+  insert_quadtree(keyframe, 0, nullptr, config, 3, with);
+  config.fill_missing_depth = false;
+  insert_quadtree(keyframe, 0, nullptr, config, 3, without);
+  EXPECT_GT(with.size(), without.size() * 5 / 4);
+}
+
+TEST(GridInsertion, PlacesOneGaussianPerSampledPixel) {
+  const auto frame = wall_frame(small_camera(), SE3{});
+  InsertionConfig config = paper_mapper_config().insertion;
+  config.grid_step_px = 20;  // at 640 pixels of width: 5 px here
+  map::GaussianStore store;
+  EXPECT_EQ(insert_grid(MapKeyframe(*frame, SE3{}, 10), 0, config, store), 32u * 24u);
+  for (const map::Gaussian& g : store.raw) EXPECT_NEAR(g.mean[2], 2.0f, 1e-3f);
+}
+
+TEST(MapKeyframe, HalvesImagesWithoutMixingSurfaces) {
+  auto frame = wall_frame(small_camera(), SE3{});
+  frame->color(0, 0) = {100, 0, 0};
+  frame->color(1, 0) = frame->color(0, 1) = frame->color(1, 1) = {0, 0, 0};
+  frame->depth(0, 0) = frame->depth(1, 0) = 1.0f;
+  frame->depth(0, 1) = frame->depth(1, 1) = 3.0f;
+  frame->depth(2, 0) = 0;
+  const auto image = MapKeyframe(*frame, SE3{}, 10).training_image(1);
+  EXPECT_NEAR(image.color(0, 0).r, 25.0 / 255, 1e-6);
+  EXPECT_EQ(image.depth(0, 0), 0.0f);
+  EXPECT_NEAR(image.depth(1, 0), 2.0f, 1e-3f);
+}
+
+}  // namespace
+}  // namespace sgs::mapper

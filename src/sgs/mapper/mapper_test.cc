@@ -1,0 +1,152 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/mapper/mapper.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "sgs/mapper/keyframe_refinement.h"
+#include "sgs/mapper/wall_scene.h"
+
+namespace sgs::mapper {
+namespace {
+
+double psnr_db(const map::Snapshot& snapshot, const RgbdFrame& frame, const SE3& T) {
+  render::Rendering rendering;
+  render::make_cpu_rasterizer(nullptr)->render(snapshot.gaussians, frame.camera, T, rendering);
+  double sum = 0;
+  for (std::size_t i = 0; i < frame.color.size(); ++i) {
+    const Rgb8& y = frame.color.data()[i];
+    const render::Rgbf& r = rendering.color.data()[i];
+    for (const auto& [a, b] : {std::pair{r.r, y.r}, {r.g, y.g}, {r.b, y.b}}) {
+      const double e = std::clamp(static_cast<double>(a), 0.0, 1.0) - b / 255.0;
+      sum += e * e;
+    }
+  }
+  return -10 * std::log10(sum / (3.0 * static_cast<double>(frame.color.size())));
+}
+
+MapperConfig config_for_test() {
+  MapperConfig config;
+  config.insertion.leaf_max_px = 8;
+  return config;
+}
+
+/// A mapper that has seen the wall from five places.
+std::unique_ptr<Mapper> trained(const MapperConfig& config, ThreadPool* pool, int iterations) {
+  auto mapper = std::make_unique<Mapper>(config, small_camera(), 3, pool);
+  for (int i = 0; i < 5; ++i) {
+    const SE3 T = translated(0.1 * i, 0.02 * i, 0);
+    mapper->add_keyframe(wall_frame(small_camera(), T, i), T);
+    mapper->iterate(iterations);
+  }
+  return mapper;
+}
+
+TEST(Mapper, TrainingExplainsThePictures) {
+  MapperConfig config = config_for_test();
+  config.refinement.pose = false;
+  const auto untrained = trained(config, nullptr, 0), mapper = trained(config, nullptr, 40);
+  const SE3 between = translated(0.15, 0.03, 0.02);  // a view that was never trained
+  const auto view = wall_frame(small_camera(), between);
+  const double before = psnr_db(*untrained->snapshot(), *view, between);
+  const double after = psnr_db(*mapper->snapshot(), *view, between);
+  EXPECT_GT(after, 30.0);
+  EXPECT_GT(after, before + 2);
+  EXPECT_EQ(mapper->iterations(), 200);
+}
+
+TEST(Mapper, GivesTheSameBitsForAnyNumberOfThreads) {
+  ThreadPool two(2), three(3);
+  const auto a = trained(config_for_test(), nullptr, 12)->snapshot();
+  for (ThreadPool* pool : {&two, &three}) {
+    const auto b = trained(config_for_test(), pool, 12)->snapshot();
+    ASSERT_EQ(a->gaussians.size(), b->gaussians.size());
+    EXPECT_EQ(std::memcmp(a->gaussians.data(), b->gaussians.data(),
+                          a->gaussians.size() * sizeof(map::Gaussian)),
+              0);
+  }
+}
+
+TEST(Mapper, PaperRecipeTrainsToo) {
+  MapperConfig config = paper_mapper_config();
+  config.insertion.grid_step_px = 10;
+  Mapper mapper(config, small_camera(), 1, nullptr);
+  const auto frame = wall_frame(small_camera(), SE3{});
+  mapper.add_keyframe(frame, SE3{});
+  mapper.iterate(3);
+  const double before = psnr_db(*mapper.snapshot(), *frame, SE3{});
+  mapper.iterate(60);
+  EXPECT_GT(psnr_db(*mapper.snapshot(), *frame, SE3{}), before + 1);
+}
+
+TEST(Mapper, RefusesFramesThatCannotBeMapped) {
+  Mapper mapper(config_for_test(), small_camera(), 1, nullptr);
+  auto blind = wall_frame(small_camera(), SE3{});
+  blind->depth.fill(0);
+  EXPECT_EQ(mapper.add_keyframe(blind, SE3{}), -1);
+  SE3 nowhere;
+  nowhere.t.x() = std::nan("");
+  EXPECT_EQ(mapper.add_keyframe(wall_frame(small_camera(), SE3{}), nowhere), -1);
+  EXPECT_EQ(mapper.iterate(5).iterations, 0);
+  EXPECT_TRUE(mapper.snapshot()->gaussians.empty());
+  EXPECT_EQ(mapper.add_keyframe(wall_frame(small_camera(), SE3{}), SE3{}), 0);
+}
+
+TEST(Mapper, SnapshotsDoNotChange) {
+  const auto mapper = trained(config_for_test(), nullptr, 4);
+  const auto before = mapper->snapshot();
+  EXPECT_EQ(mapper->snapshot(), before);
+  const auto copy = before->gaussians;
+  mapper->iterate(3);
+  EXPECT_NE(mapper->snapshot(), before);
+  EXPECT_EQ(std::memcmp(copy.data(), before->gaussians.data(), copy.size() * sizeof(copy[0])), 0);
+  EXPECT_EQ(before->anchors.size(), before->gaussians.size());
+  EXPECT_EQ(before->T_world_keyframe.size(), 5u);
+}
+
+TEST(Mapper, PullsAMisplacedKeyframeBack) {
+  Mapper mapper(config_for_test(), small_camera(), 3, nullptr);
+  for (int i = 0; i < 4; ++i) {
+    const SE3 T = translated(0.1 * i, 0, 0);
+    mapper.add_keyframe(wall_frame(small_camera(), T, i), T);
+    mapper.iterate(30);
+  }
+  const SE3 truth = translated(0.2, 0.05, 0);
+  mapper.add_keyframe(wall_frame(small_camera(), truth, 4), translated(0.215, 0.04, 0.0));
+  mapper.iterate(300);
+  const SE3 refined = mapper.snapshot()->T_world_keyframe.back();
+  EXPECT_LT((refined.t - truth.t).head<2>().norm(), 0.009) << refined.t.transpose();
+}
+
+TEST(Mapper, FindsTheGainOfADimmedView) {
+  MapperConfig config = config_for_test();
+  config.refinement.exposure_prior = 0;
+  const PinholeCamera camera = small_camera();
+  MapKeyframe keyframe(*wall_frame(camera, SE3{}, 0, 2.0, 0.8), SE3{}, 10);
+  Mapper mapper(config, camera, 3, nullptr);
+  mapper.add_keyframe(wall_frame(camera, SE3{}), SE3{});
+  mapper.iterate(60);
+  render::Rendering rendering;
+  render::make_cpu_rasterizer(nullptr)->render(mapper.snapshot()->gaussians, camera, SE3{},
+                                               rendering);
+  const ExposureSums sums = exposure_sums(keyframe, rendering);
+  for (int i = 0; i < 12; ++i) update_gain(keyframe, sums.measured, sums.rendered, 0, 0.5);
+  for (const float gain : keyframe.gain) EXPECT_NEAR(gain, 0.8, 0.02);
+  update_gain(keyframe, sums.measured, sums.rendered, 1.0, 1.0);
+  for (const float gain : keyframe.gain) EXPECT_NEAR(gain, 0.9, 0.02);
+}
+
+TEST(Mapper, PrunesWhatHasFaded) {
+  MapperConfig config = config_for_test();
+  config.schedule.prune_interval = 1000;
+  const auto kept = trained(config, nullptr, 2)->size();
+  config.schedule.prune_interval = 1;
+  config.schedule.prune_opacity = 0.65;  // at birth 0.7: whatever faded a little goes
+  EXPECT_LT(trained(config, nullptr, 2)->size(), kept);
+}
+
+}  // namespace
+}  // namespace sgs::mapper

@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/mapper/optimizer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace sgs::mapper {
+namespace {
+
+map::Gaussian row(float value) {
+  map::Gaussian g{};
+  for (float* p : {g.mean, g.log_scale, g.rgb}) {
+    for (int k = 0; k < 3; ++k) p[k] = value;
+  }
+  for (float& q : g.rotation) q = value;
+  g.opacity_logit = value;
+  return g;
+}
+
+TEST(Optimizer, FollowsTheScalarFormulaOfAdam) {
+  OptimizerConfig config;
+  config.average = 0.9;
+  map::GaussianStore store;
+  store.append(row(1), {}, 1e6f);
+  const Optimizer optimizer(config);
+  double value = 1, m = 0, v = 0, average = 1;
+  for (int t = 1; t <= 30; ++t) {
+    const double g = std::sin(0.7 * t);
+    render::Gradients gradients;
+    gradients.visible = {0};
+    gradients.gradient = {row(static_cast<float>(g))};
+    optimizer.step(gradients, store);
+    m = 0.9 * m + 0.1 * g;
+    v = 0.999 * v + 0.001 * g * g;
+    value -= 5e-3 * (m / (1 - std::pow(0.9, t))) / std::sqrt(v / (1 - std::pow(0.999, t)));
+    const double d = std::min(0.9, static_cast<double>(t) / (t + 9));
+    average = d * average + (1 - d) * value;
+  }
+  EXPECT_NEAR(store.raw[0].rgb[1], value, 1e-5);
+  EXPECT_NEAR(store.average[0].rgb[1], average, 1e-5);
+  EXPECT_EQ(store.steps[0], 30u);
+  EXPECT_EQ(store.raw[0].unused[0], 0.0f);
+}
+
+TEST(Optimizer, TouchesOnlyVisibleGaussians) {
+  map::GaussianStore store;
+  for (int i = 0; i < 3; ++i) store.append(row(1), {}, 1e6f);
+  render::Gradients gradients;
+  gradients.visible = {1};
+  gradients.gradient = {row(1)};
+  Optimizer({}).step(gradients, store);
+  EXPECT_EQ(store.raw[0].rgb[0], 1.0f);
+  EXPECT_LT(store.raw[1].rgb[0], 1.0f);
+  EXPECT_EQ(store.raw[2].rgb[0], 1.0f);
+  EXPECT_EQ(store.steps[2], 0u);
+}
+
+TEST(Optimizer, CapsNeedlesAndGrowth) {
+  map::GaussianStore store;
+  map::Gaussian g = row(0);
+  g.log_scale[0] = 2;
+  g.log_scale[1] = -1;
+  g.log_scale[2] = -3;
+  store.append(g, {}, 1e6f);
+  store.append(g, {}, -2.0f);
+  render::Gradients gradients;
+  gradients.visible = {0, 1};
+  gradients.gradient = {row(0), row(0)};
+  Optimizer({}).step(gradients, store);
+  EXPECT_NEAR(store.raw[0].log_scale[0], -1 + std::log(2.5), 1e-5);
+  EXPECT_NEAR(store.raw[1].log_scale[0], -2, 1e-5);
+  EXPECT_NEAR(store.raw[1].log_scale[1], -2, 1e-5);
+}
+
+TEST(GaussianStore, RemovesInOrder) {
+  map::GaussianStore store;
+  for (int i = 0; i < 6; ++i) store.append(row(static_cast<float>(i)), {}, static_cast<float>(i));
+  EXPECT_EQ(store.remove_if([](std::size_t i) { return i % 3 == 0; }), 2u);
+  ASSERT_EQ(store.size(), 4u);
+  const float expected[] = {1, 2, 4, 5};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(store.raw[i].rgb[0], expected[i]);
+    EXPECT_EQ(store.max_log_scale[i], expected[i]);
+  }
+  EXPECT_EQ(store.anchors.size(), 4u);
+  EXPECT_EQ(store.moment2.size(), 4u);
+}
+
+}  // namespace
+}  // namespace sgs::mapper
