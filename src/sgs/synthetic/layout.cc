@@ -359,7 +359,7 @@ void build_corridor(Builder& b) {
 void build_room(Builder& b, const SceneInfo& info) {
   b.make_sheets();
   const bool office = info.name == "office", desks = info.name != "room";
-  const Eigen::AlignedBox2f area = b.room_area(info.name == "room" ? 1.9f : 1.5f);
+  const Eigen::AlignedBox2f area = b.room_area(office ? 0.9f : desks ? 1.5f : 1.9f);
   b.lights({area.center().x(), area.center().y(), 0}, 1.2f);
   b.walls(area, 2.7f, true);
   const Vector2f size = area.sizes();
@@ -374,8 +374,15 @@ void build_room(Builder& b, const SceneInfo& info) {
       for (float x : {-0.6f, 0.5f})
         b.monitor({c.x() + x, c.y() + 0.3f * s, 0.74f}, s * 1.57f + b.random.uniform(-0.3f, 0.3f));
     }
-    b.box({c.x(), c.y(), 0.6f}, {1.15f, 0.025f, 0.6f}, 0,
-          b.painted(2.4f, 1.3f, 0.003f, Pattern::kPoster, Rgb::Ones()), Rgb(1, 1, 1));
+    // Partitions in a cross: most views end at one of them rather than beyond the sensor's range.
+    const auto partition = [&](float half_x, float half_y) {
+      b.box({c.x(), c.y(), 0.7f}, {half_x, half_y, 0.7f}, 0,
+            b.posters(2.4f, 1.4f, 0.003f, random_color(b.random, 0.1f, 0.4f, 0.5f, 0.7f),
+                      {0.5f, 0.45f, false}),
+            Rgb::Ones());
+    };
+    partition(1.15f, 0.025f);
+    partition(0.025f, 0.9f);
   } else if (desks) {
     b.desk(c, {1.2f, 0.75f}, 34);
     b.monitor({c.x() - 0.3f, c.y() + 0.45f, 0.74f}, -1.3f);

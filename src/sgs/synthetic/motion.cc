@@ -42,7 +42,7 @@ Aim aim_at(const std::string& scene, double t, double length, const std::array<d
   }
   if (scene == "corridor") {
     const Vector3d eye(-3.2 + 6.4 * s, wave(0.15, 8, 0), 1.3 + wave(0.04, 3.1, 1));
-    return {eye, eye + Vector3d(2.2, wave(0.35, 7, 2), -0.35)};
+    return {eye, eye + Vector3d(2.2, wave(0.35, 7, 2), -0.75)};
   }
   if (scene == "room") {
     const double yaw = 1.5 * std::sin(turn) + wave(0.2, 7, 3);
@@ -102,10 +102,10 @@ Result<Trajectory> handheld_trajectory(const SynthOptions& options) {
   std::array<double, 4> phases;
   for (double& p : phases) p = double(random.uniform(0, 6.283f));
   const HandShake shake(random);
-  // A shorter sequence is the beginning of the whole motion, a longer one repeats it.
+  // A shorter sequence is the beginning of the whole motion.
   const double length = info.default_frames / 30.0;
-  const int frames = options.frames > 0 ? options.frames : info.default_frames;
-  const double end = frames / options.rate_hz + 0.1;
+  const double wanted = options.frames > 0 ? options.frames / options.rate_hz : length;
+  const double end = std::min(wanted, length) + 0.1;
   Trajectory trajectory;
   for (int k = -20; k * 0.005 <= end; ++k) {
     const double t = k * 0.005;

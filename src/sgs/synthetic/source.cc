@@ -58,9 +58,11 @@ class SyntheticSource final : public dataset::FrameSource {
     const auto& poses = motion_.poses();
     start_s_ = options.trajectory ? poses.front().timestamp_s + kMargin : 1.0;
     const double end_s = poses.back().timestamp_s - kMargin;
-    const int limit = options.frames > 0   ? options.frames
-                      : options.trajectory ? std::numeric_limits<int>::max()
-                                           : find_scene(options.scene)->default_frames;
+    int limit = options.frames > 0 ? options.frames : std::numeric_limits<int>::max();
+    if (!options.trajectory)
+      limit =
+          std::min(limit, static_cast<int>(std::lround(find_scene(options.scene)->default_frames *
+                                                       options.rate_hz / 30)));
     std::int64_t slot = 0;
     for (; slot < limit; ++slot) {
       // Microseconds, as a file of time stamps would hold them.

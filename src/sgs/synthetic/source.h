@@ -37,7 +37,7 @@ struct SynthOptions {
 struct SceneInfo {
   std::string name;
   std::string description;
-  int default_frames = 0;  ///< length with the built-in motion
+  int default_frames = 0;  ///< length of the built-in motion, at 30 Hz
   bool textured = true;    ///< false where most of a view is plain
 };
 
