@@ -16,6 +16,8 @@ namespace {
 constexpr double kNiceSlamMaxDifference_s = 0.08;
 constexpr double kNiceSlamMinInterval_s = 1.0 / 32;
 constexpr std::size_t kMinAlignedPairs = 3;
+/// Keeps decimal limits such as 0.02 s inclusive in spite of rounding.
+constexpr double kTimeSlack_s = 1e-9;
 
 /// Position of the true pose nearest in time; the earlier one of two equally near.
 std::size_t nearest(const std::vector<StampedPose>& truth, double timestamp_s) {
@@ -37,10 +39,9 @@ std::vector<std::ptrdiff_t> nearest_one_to_one(const std::vector<PoseEstimate>& 
   for (const std::size_t e : wanted) {
     const double time = estimates[e].timestamp_s;
     auto t = std::lower_bound(
-        truth.begin(), truth.end(), time - max_difference_s - 1e-9,
+        truth.begin(), truth.end(), time - max_difference_s - kTimeSlack_s,
         [](const StampedPose& pose, double limit) { return pose.timestamp_s < limit; });
-    // The slack of a nanosecond keeps decimal limits such as 0.02 s inclusive after rounding.
-    for (; t != truth.end() && t->timestamp_s - time <= max_difference_s + 1e-9; ++t) {
+    for (; t != truth.end() && t->timestamp_s - time <= max_difference_s + kTimeSlack_s; ++t) {
       candidates.emplace_back(std::abs(t->timestamp_s - time), e,
                               static_cast<std::size_t>(t - truth.begin()));
     }
@@ -194,7 +195,7 @@ Pairing associate(const std::vector<PoseEstimate>& estimates, const Trajectory& 
   std::vector<std::size_t> wanted;
   for (const std::size_t e : order) {
     if (options.association == Association::kInterpolate) {
-      interpolated[e] = truth.at(estimates[e].timestamp_s, options.max_gap_s);
+      interpolated[e] = truth.at(estimates[e].timestamp_s, options.max_gap_s + kTimeSlack_s);
     }
     if (!interpolated[e]) wanted.push_back(e);
   }
