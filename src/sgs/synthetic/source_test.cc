@@ -137,8 +137,12 @@ TEST(Source, DualIsPlainForThreeSecondsInTheMiddle) {
   ASSERT_EQ(frames.size(), 80u);
   for (const RgbdFrame& f : frames) {
     const double from_middle = std::abs(f.timestamp_s - 1 - 10);
-    if (from_middle < 1.5) EXPECT_LT(strong_gradients(f.color), 0.002) << f.timestamp_s;
-    if (from_middle > 9) EXPECT_GT(strong_gradients(f.color), 0.03) << f.timestamp_s;
+    if (from_middle < 1.5) {
+      EXPECT_LT(strong_gradients(f.color), 0.002) << f.timestamp_s;
+    }
+    if (from_middle > 9) {
+      EXPECT_GT(strong_gradients(f.color), 0.03) << f.timestamp_s;
+    }
   }
 }
 
