@@ -37,7 +37,7 @@ TEST(QuadtreeInsertion, CoversAPlaneAtItsDepth) {
   map::GaussianStore store;
   EXPECT_GT(insert_quadtree(keyframe, 0, nullptr, {}, 3, store), 50u);
   const Rendered seen = look(store, *frame, SE3{});
-  EXPECT_GT(seen.covered, 0.97);
+  EXPECT_GT(seen.covered, 0.95);
   EXPECT_LT(seen.depth_error, 0.02);
   for (const map::Anchor& anchor : store.anchors) {
     EXPECT_NEAR(anchor.point.z(), 2.0f, 1e-3f);
@@ -71,7 +71,7 @@ TEST(QuadtreeInsertion, ReachesTheBordersOfOddImages) {
   const auto frame = wall_frame(camera, SE3{});
   map::GaussianStore store;
   insert_quadtree(MapKeyframe(*frame, SE3{}, 10), 0, nullptr, {}, 3, store);
-  EXPECT_GT(look(store, *frame, SE3{}).covered, 0.95);
+  EXPECT_GT(look(store, *frame, SE3{}).covered, 0.93);
 }
 
 TEST(QuadtreeInsertion, BorrowsDepthForHolesUnlessToldNotTo) {
@@ -85,7 +85,7 @@ TEST(QuadtreeInsertion, BorrowsDepthForHolesUnlessToldNotTo) {
   insert_quadtree(keyframe, 0, nullptr, config, 3, with);
   config.fill_missing_depth = false;
   insert_quadtree(keyframe, 0, nullptr, config, 3, without);
-  EXPECT_GT(with.size(), without.size() * 5 / 4);
+  EXPECT_GT(with.size(), without.size() * 6 / 5);
 }
 
 TEST(GridInsertion, PlacesOneGaussianPerSampledPixel) {
