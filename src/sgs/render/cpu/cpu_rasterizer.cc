@@ -165,6 +165,7 @@ void CpuRasterizer::visit_tiles(const CpuTarget& target, const LossConfig& loss,
   const TileLoss weights = tile_loss(loss);
   slots_.ensure(total_slots_);
   slot_used_.ensure(total_slots_);
+  std::fill_n(slot_used_.data(), total_slots_, std::uint8_t{0});
   results_.resize(static_cast<std::size_t>(grid.tiles()));
   if (keep_image) {
     image_.ensure(static_cast<std::size_t>(grid.tiles()) * tile_floats(kImageChannels));

@@ -69,7 +69,8 @@ HWY_INLINE std::uint32_t list_by_block(std::uint32_t begin, std::uint32_t end, s
     while (m != 0) {
       const int b = __builtin_ctzll(m);
       m &= m - 1;
-      words[static_cast<std::uint32_t>(b) * kBatch + counts[b]++] = (j - begin) << 16 | alpha++;
+      words[static_cast<std::uint32_t>(b) * kListStride + counts[b]++] =
+          (j - begin) << 16 | alpha++;
     }
   }
   return alpha;
@@ -83,8 +84,7 @@ HWY_INLINE std::uint32_t forward_tile(const TileJob& job, const std::uint32_t* e
   std::uint32_t alphas = 0, begin = 0;
   while (begin < count && live != 0) {
     const std::uint32_t end = count - begin < kBatch ? count : begin + kBatch;
-    stage_batch(job.records, entries, begin, end, count, static_cast<float>(place.x0),
-                static_cast<float>(place.y0), scratch.staged.data(), scratch.blocks.data());
+    stage_batch(job, entries, begin, end, count, scratch);
     std::uint32_t counts[kBlocksPerTile];
     const std::uint32_t added = list_by_block(begin, end, live, alphas, scratch, counts);
     const std::size_t needed = static_cast<std::size_t>(alphas + added) * kBlockPixels;
@@ -94,7 +94,7 @@ HWY_INLINE std::uint32_t forward_tile(const TileJob& job, const std::uint32_t* e
     float* own_alphas = scratch.alphas.data() + static_cast<std::size_t>(alphas) * kBlockPixels;
     for (int b = 0; b < kBlocksPerTile; ++b) {
       if (counts[b] == 0) continue;
-      const std::uint32_t* words = scratch.block_entries.data() + b * kBatch;
+      const std::uint32_t* words = scratch.block_entries.data() + b * kListStride;
       const std::uint32_t visited = composite_block(scratch.staged.data() + begin, words, counts[b],
                                                     b, own_alphas, scratch.state[b]);
       if (visited == counts[b]) continue;
@@ -157,9 +157,9 @@ void ProcessTile(const TileJob& job, const std::uint32_t* entries, std::uint32_t
   if (job.target == nullptr) return;
   loss_tile(job, place, scratch);
   if (job.loss.floater_margin_m > 0) {
-    backward_tile<true>(job, entries, visited, count, scratch);
+    backward_tile<true>(job, visited, scratch);
   } else {
-    backward_tile<false>(job, entries, visited, count, scratch);
+    backward_tile<false>(job, visited, scratch);
   }
 }
 
@@ -181,7 +181,8 @@ void process_tile(const TileJob& job, TileScratch& scratch) {
   scratch.blocks.ensure(count + kMaxLanes);
   scratch.active.ensure(count);
   scratch.alpha_start.ensure(count);
-  scratch.block_entries.ensure(std::size_t{kBlocksPerTile} * kBatch);
+  scratch.slots.ensure(count);
+  scratch.block_entries.ensure(std::size_t{kBlocksPerTile} * kListStride);
   HWY_DYNAMIC_DISPATCH(ProcessTile)
   (job, job.entries.data(), static_cast<std::uint32_t>(count), scratch);
 }

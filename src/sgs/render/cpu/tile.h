@@ -13,6 +13,9 @@ namespace sgs::render::cpu {
 
 /// Gaussians of a tile are composited in batches of this many.
 inline constexpr std::uint32_t kBatch = 1024;
+/// Distance between the lists of two blocks; not a multiple of 4 KiB, which would map the heads of
+/// all lists to the same cache set.
+inline constexpr std::uint32_t kListStride = kBatch + 16;
 
 /// A Gaussian as the inner loops of a tile read it.
 struct alignas(64) Staged {
@@ -42,7 +45,8 @@ struct TileScratch {
   Buffer<std::uint64_t> blocks;         // which blocks have a stored alpha
   Buffer<std::uint64_t> active;         // which of them were composited
   Buffer<std::uint32_t> alpha_start;    // first stored alpha
-  Buffer<std::uint32_t> block_entries;  // [block][kBatch]: Gaussian in batch << 16 | alpha
+  Buffer<std::uint32_t> slots;          // where the sums of the Gaussian go
+  Buffer<std::uint32_t> block_entries;  // [block][kListStride]: Gaussian in batch << 16 | alpha
   Buffer<float> alphas;                 // 16 per (Gaussian, block)
   BlockState state[kBlocksPerTile];
   BlockGradient gradient[kBlocksPerTile];
@@ -60,7 +64,7 @@ struct TileJob {
   TileLoss loss;
   const std::uint32_t* slot_base = nullptr;  ///< first slot of each chunk
   SumRow* slots = nullptr;
-  std::uint8_t* slot_used = nullptr;  ///< 1 where the slot holds sums
+  std::uint8_t* slot_used = nullptr;  ///< set to 1 where the slot holds sums; 0 before
   TileResult* result = nullptr;
 };
 

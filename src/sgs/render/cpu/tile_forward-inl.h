@@ -17,14 +17,26 @@
 HWY_BEFORE_NAMESPACE();
 namespace sgs::render::cpu::HWY_NAMESPACE {
 
-alignas(64) inline constexpr float kPixelX[16] = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-alignas(64) inline constexpr float kPixelY[16] = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
+/// Column or row within the tile of the 16 pixels of a block in block column or row 0..7.
+struct BlockOffsets {
+  alignas(64) float of[kTileBlocks][kBlockPixels];
+};
+constexpr BlockOffsets make_offsets(int divisor) {
+  BlockOffsets o{};
+  for (int i = 0; i < kTileBlocks; ++i) {
+    for (int l = 0; l < kBlockPixels; ++l) {
+      o.of[i][l] = static_cast<float>(i * kBlockSide + l / divisor % kBlockSide);
+    }
+  }
+  return o;
+}
+inline constexpr BlockOffsets kPixelX = make_offsets(1), kPixelY = make_offsets(kBlockSide);
 
 HWY_INLINE F block_x(int block, int part) {
-  return load(kPixelX + part * kLanes) + F(static_cast<float>(block % kTileBlocks * kBlockSide));
+  return load(kPixelX.of[block % kTileBlocks] + part * kLanes);
 }
 HWY_INLINE F block_y(int block, int part) {
-  return load(kPixelY + part * kLanes) + F(static_cast<float>(block / kTileBlocks * kBlockSide));
+  return load(kPixelY.of[block / kTileBlocks] + part * kLanes);
 }
 
 struct PixelState {

@@ -62,28 +62,39 @@ HWY_INLINE void block_masks(const F* s, float tile_x0, float tile_y0, std::uint6
   }
 }
 
-/// Fills staged[] and blocks[] for entries [begin, end).
-HWY_INLINE void stage_batch(const Record* records, const std::uint32_t* entries,
-                            std::uint32_t begin, std::uint32_t end, std::uint32_t count,
-                            float tile_x0, float tile_y0, Staged* staged, std::uint64_t* blocks) {
+/// Slot of the sums of a Gaussian in this tile: its tiles are numbered row by row.
+HWY_INLINE std::uint32_t slot_of(const TileJob& job, std::uint32_t id) {
+  const Record& r = job.records[id];
+  const int ordinal =
+      (job.tile_y - r.rect.y0) * (r.rect.x1 - r.rect.x0 + 1) + job.tile_x - r.rect.x0;
+  return job.slot_base[id >> kChunkShift] + r.slot + static_cast<std::uint32_t>(ordinal);
+}
+
+/// Fills staged, blocks and slots for entries [begin, end) of `count`.
+HWY_INLINE void stage_batch(const TileJob& job, const std::uint32_t* entries, std::uint32_t begin,
+                            std::uint32_t end, std::uint32_t count, TileScratch& scratch) {
   constexpr std::uint32_t kAhead = 32;
+  const auto x0 = static_cast<float>(job.tile_x * kTileSide);
+  const auto y0 = static_cast<float>(job.tile_y * kTileSide);
+  Staged* staged = scratch.staged.data();
   for (std::uint32_t i = begin; i < end; i += kLanes) {
     const std::uint32_t n = end - i < kLanes ? end - i : kLanes;
     const float* rows[kLanes];
     for (std::uint32_t l = 0; l < kLanes; ++l) {
-      rows[l] = &records[entries[i + (l < n ? l : 0)]].x;
-      if (i + kAhead + l < count) __builtin_prefetch(&records[entries[i + kAhead + l]]);
+      rows[l] = &job.records[entries[i + (l < n ? l : 0)]].x;
+      if (i + kAhead + l < count) __builtin_prefetch(&job.records[entries[i + kAhead + l]]);
     }
     F s[16];
     load_columns(rows, s);
-    block_masks(s, tile_x0, tile_y0, blocks + i);
+    block_masks(s, x0, y0, scratch.blocks.data() + i);
     for (std::uint32_t l = 0; l < n; ++l) {
       float* to = &staged[i + l].x;
       for (int part = 0; part < kParts; ++part) {
         store(load(rows[l] + part * kLanes), to + part * kLanes);
       }
-      to[0] = tile_x0 - rows[l][0];
-      to[1] = tile_y0 - rows[l][1];
+      to[0] = x0 - rows[l][0];
+      to[1] = y0 - rows[l][1];
+      if (job.target != nullptr) scratch.slots.data()[i + l] = slot_of(job, entries[i + l]);
     }
   }
 }
