@@ -20,7 +20,7 @@ void check_same_size(const ColorFloatImage& a, const ColorFloatImage& b) {
   SGS_CHECK(a.width() == b.width() && a.height() == b.height(), "pictures differ in size");
 }
 
-std::array<float, kWindow> gaussian_window() {
+std::array<double, kWindow> gaussian_window() {
   constexpr double kSigma = 1.5;
   std::array<double, kWindow> w{};
   double sum = 0;
@@ -29,30 +29,31 @@ std::array<float, kWindow> gaussian_window() {
         std::exp(-0.5 * (i - kRadius) * (i - kRadius) / (kSigma * kSigma));
     sum += w[static_cast<std::size_t>(i)];
   }
-  std::array<float, kWindow> result{};
-  for (std::size_t i = 0; i < kWindow; ++i) result[i] = static_cast<float>(w[i] / sum);
+  std::array<double, kWindow> result{};
+  for (std::size_t i = 0; i < kWindow; ++i) result[i] = w[i] / sum;
   return result;
 }
 
-/// Weighted means of x, y, x^2, y^2 and xy over the window's columns, for one row.
+/// In double, as small variances are differences of large moments. Weighted means of x, y, x^2, y^2
+/// and xy over the window's columns, for one row.
 struct Moments {
   static constexpr int kCount = 5;
-  std::array<std::vector<float>, kCount> row;
-  explicit Moments(std::size_t width) { row.fill(std::vector<float>(width)); }
+  std::array<std::vector<double>, kCount> row;
+  explicit Moments(std::size_t width) { row.fill(std::vector<double>(width)); }
 };
 
 /// Vertical pass of the five moments for the window of rows starting at `top`.
-void vertical_pass(const std::vector<float>& x, const std::vector<float>& y, int width, int top,
-                   const std::array<float, kWindow>& weight, Moments& out) {
-  for (auto& row : out.row) std::fill(row.begin(), row.end(), 0.0f);
+void vertical_pass(const std::vector<double>& x, const std::vector<double>& y, int width, int top,
+                   const std::array<double, kWindow>& weight, Moments& out) {
+  for (auto& row : out.row) std::fill(row.begin(), row.end(), 0.0);
   for (int k = 0; k < kWindow; ++k) {
-    const float w = weight[static_cast<std::size_t>(k)];
+    const double w = weight[static_cast<std::size_t>(k)];
     const std::size_t offset = static_cast<std::size_t>(top + k) * static_cast<std::size_t>(width);
-    const float *px = x.data() + offset, *py = y.data() + offset;
-    float *mx = out.row[0].data(), *my = out.row[1].data(), *mxx = out.row[2].data(),
-          *myy = out.row[3].data(), *mxy = out.row[4].data();
+    const double *px = x.data() + offset, *py = y.data() + offset;
+    double *mx = out.row[0].data(), *my = out.row[1].data(), *mxx = out.row[2].data(),
+           *myy = out.row[3].data(), *mxy = out.row[4].data();
     for (int i = 0; i < width; ++i) {
-      const float wx = w * px[i], wy = w * py[i];
+      const double wx = w * px[i], wy = w * py[i];
       mx[i] += wx;
       my[i] += wy;
       mxx[i] += wx * px[i];
@@ -62,11 +63,11 @@ void vertical_pass(const std::vector<float>& x, const std::vector<float>& y, int
   }
 }
 
-void horizontal_pass(const std::vector<float>& in, int width, const std::array<float, kWindow>& w,
-                     std::vector<float>& out) {
-  std::fill(out.begin(), out.end(), 0.0f);
+void horizontal_pass(const std::vector<double>& in, int width, const std::array<double, kWindow>& w,
+                     std::vector<double>& out) {
+  std::fill(out.begin(), out.end(), 0.0);
   for (int k = 0; k < kWindow; ++k) {
-    const float* p = in.data() + k;
+    const double* p = in.data() + k;
     for (int i = 0; i < width - 2 * kRadius; ++i) {
       out[static_cast<std::size_t>(i)] += w[static_cast<std::size_t>(k)] * p[i];
     }
@@ -74,10 +75,10 @@ void horizontal_pass(const std::vector<float>& in, int width, const std::array<f
 }
 
 /// Mean of the SSIM map over the interior of one channel (Wang et al. 2004, eq. 13).
-double channel_ssim(const std::vector<float>& x, const std::vector<float>& y, int width,
+double channel_ssim(const std::vector<double>& x, const std::vector<double>& y, int width,
                     int height) {
-  constexpr float kC1 = 0.01f * 0.01f, kC2 = 0.03f * 0.03f;
-  static const std::array<float, kWindow> weight = gaussian_window();
+  constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;
+  static const std::array<double, kWindow> weight = gaussian_window();
   Moments column(static_cast<std::size_t>(width)), full(static_cast<std::size_t>(width));
   double sum = 0;
   for (int top = 0; top + kWindow <= height; ++top) {
@@ -86,11 +87,11 @@ double channel_ssim(const std::vector<float>& x, const std::vector<float>& y, in
       horizontal_pass(column.row[m], width, weight, full.row[m]);
     }
     for (std::size_t i = 0; i < static_cast<std::size_t>(width - 2 * kRadius); ++i) {
-      const float ux = full.row[0][i], uy = full.row[1][i];
-      const float vx = full.row[2][i] - ux * ux, vy = full.row[3][i] - uy * uy;
-      const float vxy = full.row[4][i] - ux * uy;
-      sum += static_cast<double>(((2 * ux * uy + kC1) * (2 * vxy + kC2)) /
-                                 ((ux * ux + uy * uy + kC1) * (vx + vy + kC2)));
+      const double ux = full.row[0][i], uy = full.row[1][i];
+      const double vx = full.row[2][i] - ux * ux, vy = full.row[3][i] - uy * uy;
+      const double vxy = full.row[4][i] - ux * uy;
+      sum +=
+          (((2 * ux * uy + kC1) * (2 * vxy + kC2)) / ((ux * ux + uy * uy + kC1) * (vx + vy + kC2)));
     }
   }
   return sum / (static_cast<double>(width - 2 * kRadius) * (height - 2 * kRadius));
@@ -146,7 +147,7 @@ double psnr_db(const ColorFloatImage& truth, const ColorFloatImage& image) {
 std::optional<double> ssim(const ColorFloatImage& truth, const ColorFloatImage& image) {
   check_same_size(truth, image);
   if (truth.width() < kWindow || truth.height() < kWindow) return std::nullopt;
-  std::vector<float> x(truth.size()), y(truth.size());
+  std::vector<double> x(truth.size()), y(truth.size());
   double sum = 0;
   for (const auto channel : kChannels) {
     for (std::size_t i = 0; i < truth.size(); ++i) {

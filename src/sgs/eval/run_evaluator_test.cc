@@ -20,7 +20,11 @@ class GreyRasterizer : public render::Rasterizer {
     out.depth_sum = Image<float>(camera.width, camera.height, 2.0f);
     out.alpha = Image<float>(camera.width, camera.height, 1.0f);
   }
-  void evaluate(std::span<const map::Gaussian>, const render::TrainingImage&, const SE3&,
+  std::shared_ptr<const render::PreparedTarget> prepare(
+      const render::TrainingImage&) const override {
+    return nullptr;
+  }
+  void evaluate(std::span<const map::Gaussian>, const render::PreparedTarget&, const SE3&,
                 const render::LossConfig&, render::Gradients&, render::Rendering*) override {}
   int calls = 0;
 };

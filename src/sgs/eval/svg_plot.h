@@ -24,7 +24,7 @@ struct PlotOptions {
   bool from_zero = false;                                  ///< y starts at 0
   bool fixed_unit_y = false;                               ///< y is 0..1
   std::vector<std::pair<double, std::string>> thresholds;  ///< horizontal dashed lines with a name
-  int width = 720, height = 230;
+  int width = 1000, height = 240;
 };
 
 /// Inline SVG with axes, grid, legend (for two lines or more); "" when there is nothing to draw.
@@ -33,6 +33,6 @@ std::string plot_svg(const std::vector<PlotSeries>& series, const PlotOptions& o
 
 /// Coloured strip over time: one CSS class name per value; equal neighbours are joined.
 std::string strip_svg(const std::vector<double>& x, const std::vector<double>& value,
-                      const std::vector<std::string>& classes, int width = 720, int height = 26);
+                      const std::vector<std::string>& classes, int width = 1000, int height = 30);
 
 }  // namespace sgs::eval
