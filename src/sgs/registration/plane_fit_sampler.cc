@@ -115,6 +115,18 @@ bool PlaneFitSampler::fit_plane(int column, int row, float sigma_q, Fit& fit) co
   return fit.gamma > 0.02f;
 }
 
+float PlaneFitSampler::smooth_depth(int u, int v) const {
+  const int column = u / kStride, row = v / kStride;
+  if (inverse_depth_.empty() || row >= inverse_depth_.height()) return 0;
+  const float q0 = inverse_depth_(column + kPad, row);
+  if (!(q0 > 0)) return 0;
+  Fit fit;
+  if (!fit_plane(column, row, depth_sigma_m(1 / q0) * q0 * q0, fit)) return 0;
+  const float q = fit.gamma + fit.alpha * static_cast<float>(u - kStride * column) +
+                  fit.beta * static_cast<float>(v - kStride * row);
+  return q > 0.02f ? 1 / q : 0.0f;
+}
+
 void PlaneFitSampler::sample(const DepthImage& depth, SourceCloud& cloud) {
   SGS_CHECK(depth.width() == camera_.width && depth.height() == camera_.height,
             "depth image and camera differ in size");

@@ -27,6 +27,9 @@ class PlaneFitSampler {
   PlaneFitSampler(const SamplingConfig& config, const PinholeCamera& camera);
   /// Replaces the contents of `cloud`. `depth` must have the camera's size.
   void sample(const DepthImage& depth, SourceCloud& cloud);
+  /// Depth of the plane fitted around any pixel of the image last sampled, metres; 0 where there is
+  /// no measurement or no plane.
+  float smooth_depth(int u, int v) const;
 
  private:
   struct Fit;

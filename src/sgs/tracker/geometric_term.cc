@@ -9,7 +9,8 @@ GeometricTerm::GeometricTerm(const TrackerConfig& config, const PinholeCamera& c
     : config_(config),
       search_(registration::make_search(config.search, camera)),
       targets_(make_target_map(config, T_map_world, camera.fx)),
-      cost_(config.factor) {
+      cost_(config.factor),
+      coarse_cost_(config.factor) {
   if (config.points.method == "neighbours") {
     neighbour_sampler_ = std::make_unique<registration::NeighbourSampler>(config.points, camera);
   } else {
@@ -32,6 +33,8 @@ void GeometricTerm::set_frame(const RgbdFrame& frame, const map::SnapshotPtr& sn
   }
   targets_->update(snapshot);
   prepared_ = false;
+  coarse_source_.points.clear();
+  coarse_source_.covariances.clear();
 }
 
 void GeometricTerm::prepare(const SE3& T_map_predicted) {
@@ -44,6 +47,24 @@ void GeometricTerm::prepare(const SE3& T_map_predicted) {
 registration::Linearization GeometricTerm::linearize(const SE3& T_map_camera) {
   SGS_CHECK(prepared_, "prepare() comes first");
   return cost_.linearize(source_, *search_, in_reference(T_map_camera));
+}
+
+registration::Linearization GeometricTerm::linearize_coarse(const SE3& T_map_camera, int stride) {
+  SGS_CHECK(prepared_, "prepare() comes first");
+  if (coarse_source_.points.empty()) {
+    for (std::size_t i = 0; i < source_.points.size(); i += static_cast<std::size_t>(stride)) {
+      coarse_source_.points.push_back(source_.points[i]);
+      if (!source_.covariances.empty()) {
+        coarse_source_.covariances.push_back(source_.covariances[i]);
+      }
+    }
+  }
+  auto sum = coarse_cost_.linearize(coarse_source_, *search_, in_reference(T_map_camera));
+  sum.H *= stride;
+  sum.b *= stride;
+  sum.error *= stride;
+  sum.inliers *= stride;
+  return sum;
 }
 
 double GeometricTerm::error(const SE3& T_map_camera) const {

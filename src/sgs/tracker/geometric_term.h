@@ -32,6 +32,8 @@ class GeometricTerm {
   /// Searches and linearises at `T_map_camera`; error() then uses the same matches.
   registration::Linearization linearize(const SE3& T_map_camera);
   double error(const SE3& T_map_camera) const;
+  /// The same from every `stride`-th point, scaled up: for the first, coarse steps.
+  registration::Linearization linearize_coarse(const SE3& T_map_camera, int stride);
   /// Share of the frame's points the map explains, with the matches of the last linearize().
   double overlap(const SE3& T_map_camera) const;
   /// What the frame's own surfaces could tell about its motion, whatever the map holds.
@@ -40,6 +42,11 @@ class GeometricTerm {
   void insert_keyframe(const SE3& T_map_camera);
 
   const registration::SourceCloud& source() const { return source_; }
+  /// Depth smoothed by the plane fit at a pixel of the frame, 0 = none (always with the paper's
+  /// sampling, which fits no planes).
+  float smooth_depth(int u, int v) const {
+    return plane_sampler_ ? plane_sampler_->smooth_depth(u, v) : 0.0f;
+  }
   const TargetMap& targets() const { return *targets_; }
 
  private:
@@ -52,6 +59,8 @@ class GeometricTerm {
   std::unique_ptr<TargetMap> targets_;
   registration::GeometricCost cost_;
   registration::SourceCloud source_;
+  registration::GeometricCost coarse_cost_;
+  registration::SourceCloud coarse_source_;  // every n-th point of source_, made on demand
   SE3 T_reference_map_;
   bool prepared_ = false;
   std::vector<Eigen::Vector3f> sample_points_, sample_normals_;  // scratch of surface_information()

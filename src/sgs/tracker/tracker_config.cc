@@ -41,6 +41,34 @@ void TargetConfig::declare(ParameterList& p) {
         "sampling steps", {0, 10});
 }
 
+void SpectralConfig::declare(ParameterList& p) {
+  p.add("coarse_stride", coarse_stride, "Geometry at coarse levels uses every n-th point.", "",
+        {1, 1000});
+  p.add("max_iterations", max_iterations, "Gauss-Newton steps per pyramid level.", "", {1, 100});
+  p.add("keyframe_translation", keyframe_translation,
+        "Distance from the last visual keyframe that makes a new one.", "mean depths", {0, 10});
+  p.add("keyframe_rotation_deg", keyframe_rotation_deg,
+        "Rotation from the last visual keyframe that makes a new one.", "deg", {0, 180});
+  p.add("keyframe_visible", keyframe_visible,
+        "A smaller usable share of the keyframe's pixels makes a new one.", "", {0, 1});
+  p.add("min_pixels", min_pixels, "Fewer photometric pixels are no measurement.", "", {8, 10000});
+  p.add("max_mean_cost", max_mean_cost, "A larger mean photometric cost is no alignment.", "",
+        {0, 100});
+  p.add(
+      "min_information", min_information,
+      "Information vision must give on an axis that geometry does not see, else the frame is lost.",
+      "1/m^2", {0, 1e12});
+  p.add("bridge_s", bridge_s, "Longest stretch carried on at constant velocity when lost.", "s",
+        {0, 10});
+  p.add("max_references", max_references, "Keyframes a frame is aligned to.", "", {1, 8});
+  p.add("revisit_distance", revisit_distance,
+        "How far the view of an older keyframe may be off to serve again.", "image widths", {0, 2});
+  p.add("relocalise_interval", relocalise_interval,
+        "Frames between relocalisation attempts while lost.", "frames", {1, 1000});
+  p.add("relocalise_keyframes", relocalise_keyframes,
+        "Newest visual keyframes kept for relocalisation.", "", {1, 1000});
+}
+
 void TrackerConfig::declare(ParameterList& p) {
   p.add("type", type, "Tracker.", {"gicp", "spectral", "orb", "cvm"});
   const auto in_group = [&p](const char* name, auto& config) {
@@ -56,6 +84,8 @@ void TrackerConfig::declare(ParameterList& p) {
   in_group("loss", loss);
   in_group("target", target);
   in_group("degeneracy", degeneracy);
+  in_group("photometric", photometric);
+  in_group("spectral", spectral);
 }
 
 TrackerConfig paper_tracker_config() {

@@ -6,6 +6,8 @@
 
 #include "sgs/core/config.h"
 #include "sgs/degeneracy/degeneracy_config.h"
+#include "sgs/features/features_config.h"
+#include "sgs/registration/photometric.h"
 #include "sgs/registration/registration_config.h"
 
 namespace sgs::tracker {
@@ -46,6 +48,25 @@ struct TargetConfig {
   void declare(ParameterList& p);
 };
 
+/// The joint geometric and photometric tracker (TRACKING section 2).
+struct SpectralConfig {
+  int coarse_stride = 9;               ///< geometry at coarse levels uses every n-th point
+  int max_iterations = 10;             ///< per pyramid level
+  double keyframe_translation = 0.12;  ///< in mean depths, from the last visual keyframe
+  double keyframe_rotation_deg = 8;
+  double keyframe_visible = 0.75;  ///< a smaller share of the keyframe's pixels makes a new one
+  int min_pixels = 40;             ///< fewer photometric pixels are no measurement
+  double max_mean_cost = 1.5;      ///< of the photometric residuals; more is no alignment
+  double min_information = 2e4;    ///< vision must give on an unseen axis, 1/m^2
+  double bridge_s = 0.5;           ///< longest stretch carried on at constant velocity when lost
+  int max_references = 2;          ///< keyframes aligned to: the last one and older ones near by
+  double revisit_distance = 0.45;  ///< how far an older keyframe's view may be off
+  int relocalise_interval = 5;     ///< frames between relocalisation attempts while lost
+  int relocalise_keyframes = 20;   ///< newest visual keyframes kept for relocalisation
+
+  void declare(ParameterList& p);
+};
+
 /// Settings of the tracker; the defaults are the `default` preset.
 struct TrackerConfig {
   std::string type = "gicp";  ///< gicp | spectral | orb | cvm
@@ -58,6 +79,8 @@ struct TrackerConfig {
   LossConfig loss;
   TargetConfig target;
   degeneracy::DegeneracyConfig degeneracy;
+  registration::PhotometricConfig photometric;
+  SpectralConfig spectral;
 
   void declare(ParameterList& p);
 };
