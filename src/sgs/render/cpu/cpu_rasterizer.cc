@@ -141,20 +141,20 @@ double CpuRasterizer::add_dssim(const CpuTarget& target, const LossConfig& loss)
   for (std::size_t c = 0; c < 3; ++c) {
     const float gain = loss.gain[c], weight = loss.dssim_weight / 3 * gain;
     const std::size_t channel = c * kBlockPixels;
-    const auto for_pixels = [&](const auto& body) {
-      pool_->run(grid.tiles_y, [&](int band, int) {
-        for (int y = band * kTileSide; y < std::min(grid.height, (band + 1) * kTileSide); ++y) {
-          for (int x = 0; x < grid.width; ++x) body(x, y);
-        }
+    pool_->run(grid.tiles_y, [&](int row, int) {
+      for_each_run(grid, row, kImageChannels, [&](int x, int y, int n, std::size_t index) {
+        const float* from = image_.data() + index + channel;
+        float* to = plane_.row(y) + x;
+        for (int i = 0; i < n; ++i) to[i] = gain * from[i];
       });
-    };
-    for_pixels([&](int x, int y) {
-      plane_.row(y)[x] = gain * image_[grid.index(x, y, kImageChannels) + channel];
     });
     sum += dssim_.evaluate(plane_, target.moments()[c], plane_gradient_, *pool_);
-    for_pixels([&](int x, int y) {
-      color_gradient_[grid.index(x, y, kGradientChannels) + channel] =
-          weight * plane_gradient_.row(y)[x];
+    pool_->run(grid.tiles_y, [&](int row, int) {
+      for_each_run(grid, row, kGradientChannels, [&](int x, int y, int n, std::size_t index) {
+        const float* from = plane_gradient_.row(y) + x;
+        float* to = color_gradient_.data() + index + channel;
+        for (int i = 0; i < n; ++i) to[i] = weight * from[i];
+      });
     });
   }
   return sum * static_cast<double>(loss.dssim_weight) / 3;
@@ -217,15 +217,16 @@ void CpuRasterizer::store(const TileGrid& grid, Rendering& out) {
   match_size(out.color, grid);
   match_size(out.depth_sum, grid);
   match_size(out.alpha, grid);
-  pool_->run(grid.tiles_y, [&](int band, int) {
-    for (int y = band * kTileSide; y < std::min(grid.height, (band + 1) * kTileSide); ++y) {
-      for (int x = 0; x < grid.width; ++x) {
-        const float* p = image_.data() + grid.index(x, y, kImageChannels);
-        out.color(x, y) = {p[0], p[kBlockPixels], p[2 * kBlockPixels]};
-        out.depth_sum(x, y) = p[3 * kBlockPixels];
-        out.alpha(x, y) = p[4 * kBlockPixels];
+  pool_->run(grid.tiles_y, [&](int row, int) {
+    for_each_run(grid, row, kImageChannels, [&](int x, int y, int n, std::size_t index) {
+      const float* from = image_.data() + index;
+      Rgbf* color = out.color.row(y) + x;
+      for (int i = 0; i < n; ++i) {
+        color[i] = {from[i], from[i + kBlockPixels], from[i + 2 * kBlockPixels]};
       }
-    }
+      std::copy_n(from + 3 * kBlockPixels, n, out.depth_sum.row(y) + x);
+      std::copy_n(from + 4 * kBlockPixels, n, out.alpha.row(y) + x);
+    });
   });
 }
 

@@ -87,8 +87,7 @@ Scene make_edge_scene(int width, int height, std::uint64_t seed) {
 }
 
 std::vector<map::Gaussian> dense(const Gradients& g, std::size_t count) {
-  std::vector<map::Gaussian> rows(count);
-  std::memset(static_cast<void*>(rows.data()), 0, count * sizeof(map::Gaussian));
+  std::vector<map::Gaussian> rows(count, map::Gaussian{});
   for (std::size_t i = 0; i < g.visible.size(); ++i) rows[g.visible[i]] = g.gradient[i];
   return rows;
 }

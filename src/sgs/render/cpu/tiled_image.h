@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+
 #include "sgs/core/error.h"
 #include "sgs/render/cpu/layout.h"
 
@@ -32,5 +34,23 @@ struct TileGrid {
            static_cast<std::size_t>(block * channels * kBlockPixels + lane);
   }
 };
+
+/// Calls `body(x, y, n, index)` for every run of n <= 4 pixels from (x, y) rightwards in one row of
+/// tiles; they lie at `index`, index + 1, ... of each channel.
+template <class Body>
+void for_each_run(const TileGrid& grid, int tile_row, int channels, const Body& body) {
+  const int y1 = std::min(grid.height, (tile_row + 1) * kTileSide);
+  for (int y = tile_row * kTileSide; y < y1; ++y) {
+    for (int tile_x = 0; tile_x < grid.tiles_x; ++tile_x) {
+      const int x0 = tile_x * kTileSide;
+      std::size_t index = grid.index(x0, y, channels);
+      const int x1 = std::min(grid.width, x0 + kTileSide);
+      for (int x = x0; x < x1; x += kBlockSide) {
+        body(x, y, std::min(kBlockSide, grid.width - x), index);
+        index += static_cast<std::size_t>(channels * kBlockPixels);
+      }
+    }
+  }
+}
 
 }  // namespace sgs::render::cpu
