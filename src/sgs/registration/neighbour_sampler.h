@@ -2,10 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "sgs/camera/pinhole.h"
-#include "sgs/core/image.h"
-#include "sgs/registration/clouds.h"
-#include "sgs/registration/registration_config.h"
+#include "sgs/registration/cloud_sampler.h"
 
 namespace sgs::registration {
 
@@ -15,11 +12,10 @@ namespace sgs::registration {
 ///
 /// Neighbours come from the 5x5 samples around a point instead of a tree over the whole cloud:
 /// the same ones on surfaces that are not steep or torn. Not thread-safe; deterministic.
-class NeighbourSampler {
+class NeighbourSampler : public CloudSampler {
  public:
   NeighbourSampler(const SamplingConfig& config, const PinholeCamera& camera);
-  /// Replaces the contents of `cloud`, covariances included.
-  void sample(const DepthImage& depth, SourceCloud& cloud);
+  void sample(const DepthImage& depth, SourceCloud& cloud) override;
 
  private:
   bool covariance_at(int column, int row, Eigen::Matrix3f& covariance) const;

@@ -31,9 +31,11 @@ struct PlaneFitSampler::Fit {
   float rms = 0;
 };
 
-PlaneFitSampler::PlaneFitSampler(const SamplingConfig& config, const PinholeCamera& camera)
+PlaneFitSampler::PlaneFitSampler(const SamplingConfig& config, const PinholeCamera& camera,
+                                 bool with_ellipses)
     : config_(config),
       camera_(camera),
+      with_ellipses_(with_ellipses),
       half_(std::clamp(config.window_px / 2 / kStride, 1, kPad - 1)) {
   SGS_CHECK(camera.valid(), "the sampler needs a usable camera");
 }
@@ -172,6 +174,10 @@ void PlaneFitSampler::sample(const DepthImage& depth, SourceCloud& cloud) {
       p.u = static_cast<std::uint16_t>(u);
       p.v = static_cast<std::uint16_t>(v);
       cloud.points.push_back(p);
+      if (with_ellipses_) {
+        cloud.covariances.push_back(
+            plane_ellipse(p.normal, static_cast<float>(config_.covariance_floor)));
+      }
     }
   }
 }

@@ -2,10 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "sgs/camera/pinhole.h"
-#include "sgs/core/image.h"
-#include "sgs/registration/clouds.h"
-#include "sgs/registration/registration_config.h"
+#include "sgs/registration/cloud_sampler.h"
 
 namespace sgs::registration {
 
@@ -22,14 +19,15 @@ namespace sgs::registration {
 /// Points across depth edges, at flat incidence and without support are dropped.
 ///
 /// Not thread-safe (keeps a scratch image); deterministic.
-class PlaneFitSampler {
+class PlaneFitSampler : public CloudSampler {
  public:
-  PlaneFitSampler(const SamplingConfig& config, const PinholeCamera& camera);
-  /// Replaces the contents of `cloud`. `depth` must have the camera's size.
-  void sample(const DepthImage& depth, SourceCloud& cloud);
+  /// `with_ellipses` adds the planar ellipse of each normal for G-ICP.
+  PlaneFitSampler(const SamplingConfig& config, const PinholeCamera& camera,
+                  bool with_ellipses = false);
+  void sample(const DepthImage& depth, SourceCloud& cloud) override;
   /// Depth of the plane fitted around any pixel of the image last sampled, metres; 0 where there is
   /// no measurement or no plane.
-  float smooth_depth(int u, int v) const;
+  float smooth_depth(int u, int v) const override;
 
  private:
   struct Fit;
@@ -38,6 +36,7 @@ class PlaneFitSampler {
 
   SamplingConfig config_;
   PinholeCamera camera_;
+  bool with_ellipses_;
   int half_ = 3;                // samples on either side of the centre, at most 3
   Image<float> inverse_depth_;  // every second pixel, padded with zeros on the left and right
 };

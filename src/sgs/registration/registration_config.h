@@ -27,7 +27,7 @@ struct SamplingConfig {
 /// How source points find their targets.
 struct SearchConfig {
   std::string method = "projective";  ///< projective | nearest
-  int cell_px = 6;                    ///< cell size of the index image
+  int cell_px = 4;                    ///< cell size of the index image
   double max_distance_m = 0.05;       ///< gate between a source point and its target
   double min_normal_cosine = 0.8;     ///< gate between normals; -1 accepts all
 

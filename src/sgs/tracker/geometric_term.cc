@@ -4,34 +4,25 @@
 
 namespace sgs::tracker {
 
+using registration::make_sampler;
+
 GeometricTerm::GeometricTerm(const TrackerConfig& config, const PinholeCamera& camera,
                              const SE3& T_map_world)
     : config_(config),
+      source_sampler_(make_sampler(config.points, camera, config.factor.type == "gicp")),
       search_(registration::make_search(config.search, camera)),
       targets_(make_target_map(config, T_map_world, camera.fx)),
       cost_(config.factor),
       coarse_cost_(config.factor) {
-  if (config.points.method == "neighbours") {
-    neighbour_sampler_ = std::make_unique<registration::NeighbourSampler>(config.points, camera);
-  } else {
-    SGS_CHECK(config.points.method == "plane_fit", "unknown sampling " + config.points.method);
-    plane_sampler_ = std::make_unique<registration::PlaneFitSampler>(config.points, camera);
-  }
+  registration::SamplingConfig target_points = config.points;
+  target_points.step_px = config.target.step_px;
+  target_sampler_ = make_sampler(target_points, camera, config.factor.type == "gicp");
 }
 
 void GeometricTerm::set_frame(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) {
-  if (neighbour_sampler_) {
-    neighbour_sampler_->sample(frame.depth, source_);
-  } else {
-    plane_sampler_->sample(frame.depth, source_);
-    if (config_.factor.type == "gicp") {
-      const float floor = static_cast<float>(config_.points.covariance_floor);
-      for (const registration::SourcePoint& p : source_.points) {
-        source_.covariances.push_back(registration::plane_ellipse(p.normal, floor));
-      }
-    }
-  }
+  source_sampler_->sample(frame.depth, source_);
   targets_->update(snapshot);
+  depth_ = &frame.depth;
   prepared_ = false;
   coarse_source_.points.clear();
   coarse_source_.covariances.clear();
@@ -92,7 +83,11 @@ degeneracy::SurfaceInformation GeometricTerm::surface_information() {
 }
 
 void GeometricTerm::insert_keyframe(const SE3& T_map_camera) {
-  targets_->insert(source_, T_map_camera, prepared_ ? search_.get() : nullptr);
+  if (!targets_->wants_keyframes()) return;
+  // Denser than the source points: keyframes are rare, and a dense map leaves less of a curved
+  // surface between a point and its target.
+  target_sampler_->sample(*depth_, keyframe_source_);
+  targets_->insert(keyframe_source_, T_map_camera, prepared_ ? search_.get() : nullptr);
 }
 
 }  // namespace sgs::tracker

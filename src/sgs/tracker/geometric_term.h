@@ -6,9 +6,9 @@
 
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/degeneracy/observability.h"
+#include "sgs/registration/cloud_sampler.h"
+#include "sgs/registration/correspondence_search.h"
 #include "sgs/registration/geometric_cost.h"
-#include "sgs/registration/neighbour_sampler.h"
-#include "sgs/registration/plane_fit_sampler.h"
 #include "sgs/tracker/target_map.h"
 #include "sgs/tracker/track_result.h"
 
@@ -38,29 +38,27 @@ class GeometricTerm {
   double overlap(const SE3& T_map_camera) const;
   /// What the frame's own surfaces could tell about its motion, whatever the map holds.
   degeneracy::SurfaceInformation surface_information();
-  /// Extends the targets by this frame.
+  /// Extends the targets by the frame last given to set_frame(), which must still exist.
   void insert_keyframe(const SE3& T_map_camera);
 
   const registration::SourceCloud& source() const { return source_; }
   /// Depth smoothed by the plane fit at a pixel of the frame, 0 = none (always with the paper's
   /// sampling, which fits no planes).
-  float smooth_depth(int u, int v) const {
-    return plane_sampler_ ? plane_sampler_->smooth_depth(u, v) : 0.0f;
-  }
+  float smooth_depth(int u, int v) const { return source_sampler_->smooth_depth(u, v); }
   const TargetMap& targets() const { return *targets_; }
 
  private:
   SE3 in_reference(const SE3& T_map_camera) const { return T_reference_map_ * T_map_camera; }
 
   TrackerConfig config_;
-  std::unique_ptr<registration::PlaneFitSampler> plane_sampler_;  // one of these
-  std::unique_ptr<registration::NeighbourSampler> neighbour_sampler_;
+  std::unique_ptr<registration::CloudSampler> source_sampler_, target_sampler_;
   std::unique_ptr<registration::CorrespondenceSearch> search_;
   std::unique_ptr<TargetMap> targets_;
   registration::GeometricCost cost_;
-  registration::SourceCloud source_;
+  registration::SourceCloud source_, keyframe_source_;
   registration::GeometricCost coarse_cost_;
   registration::SourceCloud coarse_source_;  // every n-th point of source_, made on demand
+  const DepthImage* depth_ = nullptr;        // of the current frame
   SE3 T_reference_map_;
   bool prepared_ = false;
   std::vector<Eigen::Vector3f> sample_points_, sample_normals_;  // scratch of surface_information()

@@ -24,6 +24,7 @@ class SnapshotTargets : public TargetMap {
   void insert(const registration::SourceCloud& source, const SE3& T_map_camera,
               const registration::CorrespondenceSearch* search) override;
   const registration::TargetCloud& cloud() const override;
+  bool wants_keyframes() const override { return !has_snapshot_; }
   bool follows_map() const override { return true; }
 
  private:

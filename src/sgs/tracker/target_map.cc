@@ -17,6 +17,7 @@ class GridTargets : public TargetMap {
     points_.insert(source, T_map_camera, search);
   }
   const registration::TargetCloud& cloud() const override { return points_.cloud(); }
+  bool wants_keyframes() const override { return true; }
   bool follows_map() const override { return false; }
 
  private:
@@ -28,7 +29,7 @@ class GridTargets : public TargetMap {
 std::unique_ptr<TargetMap> make_target_map(const TrackerConfig& config, const SE3& T_map_world,
                                            double focal_px) {
   const TrackablePoints::Spacing spacing{
-      static_cast<float>(config.target.spacing * config.points.step_px / focal_px),
+      static_cast<float>(config.target.spacing * config.target.step_px / focal_px),
       static_cast<float>(config.keyframe.overlap_distance_m)};
   if (config.target.source == "grid") return std::make_unique<GridTargets>(spacing);
   SGS_CHECK(config.target.source == "anchor" || config.target.source == "optimised",

@@ -22,6 +22,8 @@ class TargetMap {
   /// prepared for this frame, or null for the first one.
   virtual void insert(const registration::SourceCloud& source, const SE3& T_map_camera,
                       const registration::CorrespondenceSearch* search) = 0;
+  /// Whether insert() does anything now.
+  virtual bool wants_keyframes() const = 0;
   virtual const registration::TargetCloud& cloud() const = 0;
   /// Whether the targets move with the Gaussians.
   virtual bool follows_map() const = 0;

@@ -37,8 +37,10 @@ void TargetConfig::declare(ParameterList& p) {
         {"optimised", "anchor", "grid"});
   p.add("min_opacity", min_opacity, "Least opacity of Gaussians that serve as targets.", "",
         {0, 1});
-  p.add("spacing", spacing, "No own point is added nearer than this to another one.",
-        "sampling steps", {0, 10});
+  p.add("step_px", step_px, "Spacing of the pixels that a keyframe adds as own points.", "px",
+        {2, 64});
+  p.add("spacing", spacing, "No own point is added nearer than this to another one.", "steps",
+        {0, 10});
 }
 
 void SpectralConfig::declare(ParameterList& p) {
@@ -108,6 +110,7 @@ TrackerConfig paper_tracker_config() {
               .stop_m = 5e-4};
   c.motion.start = "previous";
   c.target.source = "optimised";
+  c.target.step_px = c.points.step_px;
   return c;
 }
 

@@ -43,7 +43,8 @@ struct LossConfig {
 struct TargetConfig {
   std::string source = "grid";  ///< optimised | anchor | grid
   double min_opacity = 0.09;    ///< of Gaussians that serve as targets
-  double spacing = 1.0;         ///< grid: nothing is inserted nearer than this many sampling steps
+  int step_px = 4;              ///< grid: spacing of the pixels a keyframe contributes
+  double spacing = 1.0;         ///< grid: nothing is inserted nearer than this many of its steps
 
   void declare(ParameterList& p);
 };
