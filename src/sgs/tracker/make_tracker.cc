@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/tracker/cvm_tracker.h"
 #include "sgs/tracker/gicp_tracker.h"
+#include "sgs/tracker/spectral_tracker.h"
 #include "sgs/tracker/tracker.h"
 
 namespace sgs::tracker {
@@ -14,6 +15,9 @@ Result<std::unique_ptr<Tracker>> make_tracker(const TrackerConfig& config,
                 "check the sequence's calibration");
   }
   if (config.type == "gicp") return std::make_unique<GicpTracker>(config, camera, T_world_first);
+  if (config.type == "spectral" && config.fusion != "prior") {
+    return std::make_unique<SpectralTracker>(config, camera, T_world_first);
+  }
   if (config.type == "cvm") return std::make_unique<CvmTracker>(config, T_world_first);
   if (config.type == "spectral" || config.type == "orb") {
     return fail(ErrorCode::kUnsupported,

@@ -71,8 +71,35 @@ void SpectralConfig::declare(ParameterList& p) {
         "Newest visual keyframes kept for relocalisation.", "", {1, 1000});
 }
 
+void PriorConfig::declare(ParameterList& p) {
+  p.add("source", source,
+        "Prior of the paper's fusion: ORB to the last frame, or constant velocity.",
+        {"orb", "cvm"});
+  p.add("first_frame", first_frame, "Number of the first frame with a prior, from 0.", "frames",
+        {1, 1000});
+  p.add("planarity", planarity,
+        "Let planarity gate the prior; off = eigenvalues alone, included axes have weight 1.");
+  p.add("only", only, "Take the prior's pose as it is and register nothing.");
+}
+
+void OrbTrackingConfig::declare(ParameterList& p) {
+  p.add("keyframe_translation", keyframe_translation,
+        "Distance from the last keyframe that makes a new one.", "mean depths", {0, 10});
+  p.add("keyframe_rotation_deg", keyframe_rotation_deg,
+        "Rotation from the last keyframe that makes a new one.", "deg", {0, 180});
+  p.add("keyframe_matches", keyframe_matches,
+        "A smaller share of the matches there were right after the last keyframe makes a new one.",
+        "", {0, 1});
+  p.add("relocalise_interval", relocalise_interval,
+        "Frames between relocalisation attempts while lost.", "frames", {1, 1000});
+}
+
 void TrackerConfig::declare(ParameterList& p) {
   p.add("type", type, "Tracker.", {"gicp", "spectral", "orb", "cvm"});
+  p.add("fusion", fusion,
+        "How `spectral` joins geometry and vision: geometry removed from its unseen axes, plain "
+        "sum, or the paper's prior on degenerate axes.",
+        {"remove", "joint", "prior"});
   const auto in_group = [&p](const char* name, auto& config) {
     const auto group = p.group(name);
     config.declare(p);
@@ -88,6 +115,10 @@ void TrackerConfig::declare(ParameterList& p) {
   in_group("degeneracy", degeneracy);
   in_group("photometric", photometric);
   in_group("spectral", spectral);
+  in_group("orb", orb);
+  in_group("visual_pose", visual_pose);
+  in_group("prior", prior);
+  in_group("orb_tracking", orb_tracking);
 }
 
 TrackerConfig paper_tracker_config() {
@@ -108,6 +139,7 @@ TrackerConfig paper_tracker_config() {
               .max_step_m = 0.03,
               .stop_rad = 2e-3,
               .stop_m = 5e-4};
+  c.fusion = "prior";
   c.motion.start = "previous";
   c.target.source = "optimised";
   c.target.step_px = c.points.step_px;

@@ -68,9 +68,31 @@ struct SpectralConfig {
   void declare(ParameterList& p);
 };
 
+/// The paper's visual prior, `fusion = prior` (METHOD sections 4 to 6); its ablations are here, in
+/// `degeneracy.soft_gate` and in `degeneracy.condition_threshold`.
+struct PriorConfig {
+  std::string source = "orb";  ///< orb | cvm (constant velocity, an ablation)
+  int first_frame = 4;         ///< number, from 0, of the first frame with a prior
+  bool planarity = true;       ///< off: eigenvalues alone decide, included axes have weight 1
+  bool only = false;           ///< pose = prior, nothing is registered
+
+  void declare(ParameterList& p);
+};
+
+/// When the `orb` tracker extends its visual map, and how often it looks for itself when lost.
+struct OrbTrackingConfig {
+  double keyframe_translation = 0.12;  ///< in mean depths, from the last keyframe
+  double keyframe_rotation_deg = 8;
+  double keyframe_matches = 0.6;  ///< a smaller share of the first matches makes a new keyframe
+  int relocalise_interval = 5;    ///< frames between relocalisation attempts while lost
+
+  void declare(ParameterList& p);
+};
+
 /// Settings of the tracker; the defaults are the `default` preset.
 struct TrackerConfig {
-  std::string type = "gicp";  ///< gicp | spectral | orb | cvm
+  std::string type = "gicp";      ///< gicp | spectral | orb | cvm
+  std::string fusion = "remove";  ///< of `spectral`: remove | joint | prior (the paper)
   registration::SamplingConfig points;
   registration::SearchConfig search;
   registration::FactorConfig factor;
@@ -82,6 +104,10 @@ struct TrackerConfig {
   degeneracy::DegeneracyConfig degeneracy;
   registration::PhotometricConfig photometric;
   SpectralConfig spectral;
+  features::OrbConfig orb;
+  features::VisualPoseConfig visual_pose;
+  PriorConfig prior;
+  OrbTrackingConfig orb_tracking;
 
   void declare(ParameterList& p);
 };

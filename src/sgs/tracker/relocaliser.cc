@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/tracker/relocaliser.h"
+
+namespace sgs::tracker {
+
+Relocaliser::Relocaliser(const SpectralConfig& config, const features::OrbConfig& orb,
+                         const features::VisualPoseConfig& pose)
+    : config_(config), orb_(orb), pose_(pose) {}
+
+void Relocaliser::add_keyframe(const RgbdFrame& frame, const SE3& T_map_camera) {
+  keyframes_.push_back({frame, T_map_camera});
+  if (static_cast<int>(keyframes_.size()) > config_.relocalise_keyframes) keyframes_.pop_front();
+}
+
+std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame) const {
+  features::OrbExtractor extractor(orb_);
+  const features::OrbFrame current = extractor.extract(frame);
+  if (static_cast<int>(current.keypoints.size()) < pose_.min_matches) return std::nullopt;
+  // An even choice over time bounds the cost; the newest is always among them.
+  constexpr std::size_t kCompared = 6;
+  features::VisualMap map(pose_);
+  const std::size_t step = std::max<std::size_t>(1, keyframes_.size() / kCompared);
+  for (std::size_t back = 0; back < keyframes_.size(); back += step) {
+    const Keyframe& keyframe = keyframes_[keyframes_.size() - 1 - back];
+    map.insert(extractor.extract(keyframe.frame), keyframe.T_map_camera);
+  }
+  const features::VisualPose found = map.relocalise(current);
+  if (found.verdict != features::Verdict::kOk) return std::nullopt;
+  return found.T_world_camera;
+}
+
+}  // namespace sgs::tracker

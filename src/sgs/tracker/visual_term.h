@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "sgs/camera/pyramid.h"
+#include "sgs/camera/rgbd_frame.h"
+#include "sgs/degeneracy/fusion.h"
+#include "sgs/registration/photometric.h"
+#include "sgs/tracker/tracker_config.h"
+
+namespace sgs::tracker {
+
+/// The photometric half of tracking, without a policy of its own: the current frame's pyramid, the
+/// keyframes it is aligned to, and their summed normal equations. Poses are camera to map.
+///
+/// References are the last keyframe and, when the camera looks again at a place it has left, the
+/// older keyframe that saw it best: that one carries no drift of the way in between.
+class VisualTerm {
+ public:
+  VisualTerm(const registration::PhotometricConfig& photometric, const SpectralConfig& config);
+
+  /// Builds the pyramid of a frame; keeps a reference to its depth, which must outlive its use.
+  void set_frame(const RgbdFrame& frame);
+  /// Chooses the keyframes for a frame expected at `T_map_predicted`.
+  void choose_references(const SE3& T_map_predicted);
+  bool has_references() const { return !references_.empty(); }
+  int levels() const { return levels_; }
+
+  /// Normal equations of all references at a level; needs references.
+  degeneracy::NormalEquations linearize(int level, const SE3& T_map_camera);
+  /// Back-substitutes gains and offsets after the pose has moved by `xi`.
+  void move_brightness(const Vector6d& xi);
+
+  /// Of the last linearize(): pixels used, mean cost per pixel, and the newest reference's share of
+  /// its pixels that were used.
+  int used() const { return used_; }
+  double mean_cost() const { return used_ > 0 ? cost_ / used_ : 0.0; }
+  double newest_share() const { return newest_share_; }
+
+  /// Whether the frame at `T_map_camera` is far enough from the newest keyframe to become one.
+  bool wants_keyframe(const SE3& T_map_camera) const;
+  /// Makes the current frame a keyframe, unless an old one that sees the same takes its place.
+  void insert_keyframe(const SE3& T_map_camera, const registration::DepthLookup& smooth_depth);
+  int keyframes() const { return static_cast<int>(keyframes_.size()); }
+
+ private:
+  struct Keyframe {
+    registration::PhotometricReference reference;
+    double mean_depth_m;
+  };
+  struct Reference {
+    std::size_t keyframe;
+    registration::AffineBrightness brightness;
+    registration::PhotometricLinearization last;
+  };
+  double view_distance(const Keyframe& keyframe, const SE3& T_map_camera) const;
+  bool is_near(const Keyframe& keyframe, const SE3& T_map_camera, double share) const;
+
+  registration::PhotometricConfig photometric_;
+  SpectralConfig config_;
+  GrayPyramid pyramid_;
+  const RgbdFrame* frame_ = nullptr;
+  int levels_ = 0;
+  std::vector<Keyframe> keyframes_;
+  std::size_t newest_ = 0;  // the keyframe the camera was last at: not always the last made
+  std::vector<Reference> references_;
+  int used_ = 0;
+  double cost_ = 0, newest_share_ = 0;
+};
+
+}  // namespace sgs::tracker
