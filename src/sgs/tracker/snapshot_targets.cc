@@ -14,7 +14,7 @@ bool same_birth(const map::Anchor& a, const map::Anchor& b) {
 }
 
 // Targets that were removed may make up this share of the list before it is compacted.
-constexpr double kMaxDeadShare = 0.5;
+constexpr double kMaxDeadShare = 0.3;
 
 }  // namespace
 

@@ -1,0 +1,402 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include "sgs/registration/cloud_sampler.h"
+#include "sgs/tracker/motion_model.h"
+#include "sgs/tracker/target_map.h"
+#include "sgs/tracker/tracker.h"
+#include "sgs/tracker/tracker_config.h"
+
+namespace sgs::tracker {
+namespace {
+
+const PinholeCamera kCamera{320, 240, 270, 268, 159.3, 121.1};
+
+struct Plane {
+  Eigen::Vector3d normal;  // of n.p = d, towards the free side
+  double d;
+};
+
+// A room of 4 x 3 x 4 m around the origin with a box standing in it.
+std::vector<Plane> room() {
+  return {{{-1, 0, 0}, -2},  {{1, 0, 0}, -2},  {{0, -1, 0}, -1.2},
+          {{0, 1, 0}, -1.8}, {{0, 0, -1}, -2}, {{0, 0, 1}, -2}};
+}
+
+bool hit_box(const Eigen::Vector3d& from, const Eigen::Vector3d& ray, double& distance) {
+  const Eigen::Vector3d low(0.7, 0.75, 0.8), high(1.1, 1.2, 1.3);
+  double enter = 0, leave = 1e9;
+  for (int k = 0; k < 3; ++k) {
+    const double a = (low[k] - from[k]) / ray[k], b = (high[k] - from[k]) / ray[k];
+    enter = std::max(enter, std::min(a, b));
+    leave = std::min(leave, std::max(a, b));
+  }
+  if (!(enter < leave && enter > 0)) return false;
+  distance = enter;
+  return true;
+}
+
+// Depth image of planes (and the box, if asked for) from a pose, quantised like a 16-bit file.
+RgbdFrame render(const std::vector<Plane>& planes, bool box, const SE3& T_world_camera, int index) {
+  RgbdFrame frame;
+  frame.index = index;
+  frame.timestamp_s = index / 30.0;
+  frame.camera = kCamera;
+  frame.color = ColorImage(kCamera.width, kCamera.height);
+  frame.depth = DepthImage(kCamera.width, kCamera.height);
+  for (int v = 0; v < kCamera.height; ++v) {
+    for (int u = 0; u < kCamera.width; ++u) {
+      const Eigen::Vector3d ray = T_world_camera.R * kCamera.back_project(u, v, 1.0);
+      double z = 1e9, distance = 0;
+      for (const Plane& p : planes) {
+        const double hit = (p.d - p.normal.dot(T_world_camera.t)) / p.normal.dot(ray);
+        if (hit > 0) z = std::min(z, hit);
+      }
+      if (box && hit_box(T_world_camera.t, ray, distance)) z = std::min(z, distance);
+      frame.depth(u, v) = z < 10 ? static_cast<float>(std::round(z * 5000) / 5000) : 0.0f;
+    }
+  }
+  return frame;
+}
+
+// Hand-held-like path before a corner of the room: about 1 cm and half a degree per frame.
+SE3 pose_at(int index) {
+  const double s = index / 30.0;
+  const SE3 into_the_corner(so3_exp({0, 0.78, 0}) * so3_exp({-0.45, 0, 0}), {0, 0, 0});
+  const SE3 motion(
+      so3_exp({0.12 * std::sin(0.9 * s), 0.45 * std::sin(0.5 * s), 0.08 * std::sin(1.3 * s)}),
+      {0.35 * std::sin(0.8 * s), 0.12 * std::sin(1.1 * s), 0.25 * std::sin(0.6 * s)});
+  return into_the_corner * motion;
+}
+
+struct RoomRun {
+  std::vector<TrackResult> results;
+  double worst_m = 0;
+  int lost = 0, keyframes = 0;
+};
+
+std::unique_ptr<Tracker> must_make(const TrackerConfig& config, const SE3& T_world_first) {
+  auto made = make_tracker(config, kCamera, T_world_first);
+  EXPECT_TRUE(made.has_value());
+  return std::move(*made);
+}
+
+RoomRun run_room(const TrackerConfig& config, int frames, const SE3& T_world_room = {}) {
+  RoomRun run;
+  const auto tracker = must_make(config, T_world_room * pose_at(0));
+  for (int i = 0; i < frames; ++i) {
+    run.results.push_back(tracker->track(render(room(), true, pose_at(i), i), nullptr));
+    const TrackResult& r = run.results.back();
+    run.worst_m =
+        std::max(run.worst_m, (r.T_world_camera.t - (T_world_room * pose_at(i)).t).norm());
+    run.lost += r.status == TrackingStatus::kLost;
+    run.keyframes += r.keyframe;
+  }
+  return run;
+}
+
+TrackerConfig paper_on_own_points() {
+  TrackerConfig config = paper_tracker_config();
+  config.points.max_depth_m = 5;
+  return config;
+}
+
+TEST(GicpTracker, DefaultPresetStaysWithinFiveMillimetresInARoom) {
+  const RoomRun run = run_room(TrackerConfig{}, 60);
+  EXPECT_LT(run.worst_m, 0.005);
+  EXPECT_EQ(run.lost, 0);
+  EXPECT_TRUE(run.results[0].keyframe);
+  EXPECT_LT(run.keyframes, 20);
+  const Diagnostics& d = run.results.back().diagnostics;
+  EXPECT_GT(d.source_points, 700);
+  EXPECT_GT(d.inliers, d.source_points / 2);
+  EXPECT_GT(d.overlap, 0.5);
+  EXPECT_GE(d.iterations, 1);
+  EXPECT_GT(d.condition_number, 1);
+  EXPECT_EQ(run.results.back().status, TrackingStatus::kOk);
+}
+
+TEST(GicpTracker, PaperPresetStaysWithinFiveMillimetresInARoom) {
+  const RoomRun run = run_room(paper_on_own_points(), 40);
+  EXPECT_LT(run.worst_m, 0.005);
+  EXPECT_EQ(run.lost, 0);
+}
+
+TEST(GicpTracker, MovingTheWorldByAHundredMetresChangesNoDecision) {
+  const SE3 T_world_room(so3_exp({0.4, 1.1, -0.3}), {100, -70, 40});
+  const RoomRun here = run_room(TrackerConfig{}, 25),
+                there = run_room(TrackerConfig{}, 25, T_world_room);
+  for (std::size_t i = 0; i < here.results.size(); ++i) {
+    const TrackResult &a = here.results[i], &b = there.results[i];
+    EXPECT_EQ(a.status, b.status);
+    EXPECT_EQ(a.keyframe, b.keyframe);
+    EXPECT_EQ(a.diagnostics.inliers, b.diagnostics.inliers);
+    EXPECT_EQ(a.diagnostics.iterations, b.diagnostics.iterations);
+    EXPECT_LT((T_world_room * a.T_world_camera.t - b.T_world_camera.t).norm(), 1e-9);
+  }
+}
+
+TEST(GicpTracker, SameInputGivesTheSameBits) {
+  for (const TrackerConfig& config : {TrackerConfig{}, paper_on_own_points()}) {
+    const RoomRun a = run_room(config, 12), b = run_room(config, 12);
+    for (std::size_t i = 0; i < a.results.size(); ++i) {
+      EXPECT_EQ(a.results[i].T_world_camera.R, b.results[i].T_world_camera.R);
+      EXPECT_EQ(a.results[i].T_world_camera.t, b.results[i].T_world_camera.t);
+    }
+  }
+}
+
+TEST(GicpTracker, HoldsThePoseWithoutDepthAndRecoversWhenItReturns) {
+  const auto tracker = must_make(TrackerConfig{}, pose_at(0));
+  TrackResult last;
+  for (int i = 0; i < 10; ++i) last = tracker->track(render(room(), true, pose_at(i), i), nullptr);
+  ASSERT_NE(last.status, TrackingStatus::kLost);
+  for (int i = 10; i < 15; ++i) {
+    RgbdFrame dark = render(room(), true, pose_at(i), i);
+    dark.depth.fill(0);
+    const TrackResult held = tracker->track(dark, nullptr);
+    EXPECT_EQ(held.status, TrackingStatus::kLost);
+    EXPECT_FALSE(held.keyframe);
+    EXPECT_EQ(held.diagnostics.source_points, 0);
+    EXPECT_EQ(held.T_world_camera.t, last.T_world_camera.t);
+  }
+  for (int i = 15; i < 20; ++i) {
+    const TrackResult r = tracker->track(render(room(), true, pose_at(i), i), nullptr);
+    EXPECT_NE(r.status, TrackingStatus::kLost) << i;
+    EXPECT_LT((r.T_world_camera.t - pose_at(i).t).norm(), 0.005) << i;
+  }
+}
+
+TEST(GicpTracker, StartsWithTheFirstFrameThatHasDepth) {
+  const auto tracker = must_make(TrackerConfig{}, pose_at(3));
+  RgbdFrame dark = render(room(), true, pose_at(0), 0);
+  dark.depth.fill(0);
+  EXPECT_EQ(tracker->track(dark, nullptr).status, TrackingStatus::kLost);
+  const TrackResult r = tracker->track(render(room(), true, pose_at(3), 3), nullptr);
+  EXPECT_TRUE(r.keyframe);
+  EXPECT_EQ(r.status, TrackingStatus::kOk);
+  EXPECT_EQ(r.T_world_camera.t, pose_at(3).t);
+}
+
+TEST(GicpTracker, RefusesAFrameFromElsewhere) {
+  const auto tracker = must_make(TrackerConfig{}, pose_at(0));
+  SE3 last;
+  for (int i = 0; i < 6; ++i) {
+    last = tracker->track(render(room(), true, pose_at(i), i), nullptr).T_world_camera;
+  }
+  const SE3 elsewhere = pose_at(5) * SE3(so3_exp({0, 1.2, 0}), {0.5, 0, 0});
+  const TrackResult r = tracker->track(render(room(), true, elsewhere, 6), nullptr);
+  EXPECT_EQ(r.status, TrackingStatus::kLost);
+  EXPECT_EQ(r.T_world_camera.t, last.t);
+  const TrackResult back = tracker->track(render(room(), true, pose_at(7), 7), nullptr);
+  EXPECT_NE(back.status, TrackingStatus::kLost);
+  EXPECT_LT((back.T_world_camera.t - pose_at(7).t).norm(), 0.005);
+}
+
+TEST(GicpTracker, ReportsAPlaneAsDegenerate) {
+  const auto tracker = must_make(TrackerConfig{}, SE3{});
+  const std::vector<Plane> wall = {{{0, 0, -1}, -1.5}};
+  tracker->track(render(wall, false, SE3{}, 0), nullptr);
+  for (int i = 1; i < 4; ++i) {
+    const SE3 T(Eigen::Matrix3d::Identity(), {0.01 * i, 0, 0});
+    const TrackResult r = tracker->track(render(wall, false, T, i), nullptr);
+    EXPECT_EQ(r.status, TrackingStatus::kDegenerate);
+    EXPECT_EQ(std::popcount(r.diagnostics.degenerate_mask), 3);  // two shifts and a turn
+    EXPECT_TRUE(r.T_world_camera.all_finite());
+  }
+}
+
+TEST(GicpTracker, IgnoresGroundTruth) {
+  const auto a = must_make(TrackerConfig{}, pose_at(0)), b = must_make(TrackerConfig{}, pose_at(0));
+  for (int i = 0; i < 4; ++i) {
+    RgbdFrame frame = render(room(), true, pose_at(i), i);
+    const TrackResult plain = a->track(frame, nullptr);
+    frame.truth_T_world_camera = SE3(so3_exp({1, 2, 3}), {4, 5, 6});
+    EXPECT_EQ(b->track(frame, nullptr).T_world_camera.t, plain.T_world_camera.t);
+  }
+}
+
+// Gaussians as a mapper would make them from a frame: one per n-th pixel, flat along the surface.
+std::shared_ptr<map::Snapshot> snapshot_of(const SE3& T, const SE3& T_world_room, int step) {
+  auto snapshot = std::make_shared<map::Snapshot>();
+  const RgbdFrame frame = render(room(), true, T, 0);
+  const auto sampler = registration::make_sampler({.step_px = step}, kCamera, false);
+  registration::SourceCloud cloud;
+  sampler->sample(frame.depth, cloud);
+  const SE3 T_world_camera = T_world_room * T;
+  for (const auto& p : cloud.points) {
+    map::Anchor anchor;
+    anchor.point = (T_world_camera * p.point.cast<double>().eval()).cast<float>();
+    anchor.normal = T_world_camera.R.cast<float>() * p.normal;
+    anchor.sigma_n_m = std::sqrt(p.variance_m2);
+    anchor.keyframe = 0;
+    map::Gaussian g{};
+    const Eigen::Quaternionf q =
+        Eigen::Quaternionf::FromTwoVectors(Eigen::Vector3f::UnitZ(), -anchor.normal);
+    for (int k = 0; k < 3; ++k) g.mean[k] = anchor.point[k];
+    g.log_scale[0] = g.log_scale[1] = std::log(0.01f);
+    g.log_scale[2] = std::log(0.001f);
+    g.rotation[0] = q.w();
+    g.rotation[1] = q.x();
+    g.rotation[2] = q.y();
+    g.rotation[3] = q.z();
+    g.opacity_logit = 2;
+    snapshot->anchors.push_back(anchor);
+    snapshot->gaussians.push_back(g);
+  }
+  snapshot->version = 1;
+  return snapshot;
+}
+
+class SnapshotTargetsTest : public testing::TestWithParam<std::tuple<std::string, bool>> {
+ protected:
+  TrackerConfig config() const {
+    TrackerConfig c = std::get<1>(GetParam()) ? paper_on_own_points() : TrackerConfig{};
+    c.target.source = std::get<0>(GetParam());
+    return c;
+  }
+};
+
+TEST_P(SnapshotTargetsTest, TracksAgainstTheGaussiansOfASnapshot) {
+  const SE3 T_world_room(so3_exp({0.3, -0.2, 0.5}), {3, 1, -2});
+  const auto tracker = must_make(config(), T_world_room * pose_at(0));
+  EXPECT_TRUE(tracker->follows_map());
+  const auto snapshot = snapshot_of(pose_at(0), T_world_room, 4);
+  for (int i = 0; i < 12; ++i) {
+    // The first frames come before any map exists.
+    const map::SnapshotPtr seen = i < 3 ? nullptr : snapshot;
+    const TrackResult r = tracker->track(render(room(), true, pose_at(i), i), seen);
+    EXPECT_NE(r.status, TrackingStatus::kLost);
+    EXPECT_LT((r.T_world_camera.t - (T_world_room * pose_at(i)).t).norm(), 0.005) << i;
+  }
+}
+
+TEST_P(SnapshotTargetsTest, SurvivorsKeepTheirIndexAndPrunedOnesDie) {
+  const auto targets = make_target_map(config(), SE3{}, kCamera.fx);
+  auto first = snapshot_of(pose_at(0), SE3{}, 16);
+  const std::size_t n = first->anchors.size();
+  targets->update(first);
+  ASSERT_EQ(targets->cloud().points.size(), n);
+  const std::uint64_t layout = targets->cloud().layout;
+
+  auto second = std::make_shared<map::Snapshot>(*first);
+  second->version = 2;
+  second->anchors.erase(second->anchors.begin() + 7);
+  second->gaussians.erase(second->gaussians.begin() + 7);
+  second->gaussians[20].opacity_logit = -5;  // too transparent
+  map::Anchor added = second->anchors[0];
+  added.point.x() += 0.5f;
+  added.keyframe = 1;
+  second->anchors.push_back(added);
+  second->gaussians.push_back(second->gaussians[0]);
+  targets->update(second);
+  const registration::TargetCloud& cloud = targets->cloud();
+  EXPECT_EQ(cloud.layout, layout);
+  ASSERT_EQ(cloud.points.size(), n + 1);
+  EXPECT_FALSE(cloud.points[7].alive());
+  EXPECT_FALSE(cloud.points[21].alive());
+  EXPECT_TRUE(cloud.points[8].alive());
+  EXPECT_LT((cloud.points[8].point - second->anchors[7].point).norm(), 1e-6f);
+
+  // Another order is a new map.
+  auto third = std::make_shared<map::Snapshot>(*second);
+  third->version = 3;
+  std::reverse(third->anchors.begin(), third->anchors.end());
+  std::reverse(third->gaussians.begin(), third->gaussians.end());
+  targets->update(third);
+  EXPECT_NE(targets->cloud().layout, layout);
+  EXPECT_EQ(targets->cloud().points.size(), n);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sources, SnapshotTargetsTest,
+                         testing::Combine(testing::Values("anchor", "optimised"), testing::Bool()));
+
+TEST(TrackablePoints, AddsOnlyWhereNothingIsAndFollowsKeyframes) {
+  registration::SourceCloud source;
+  registration::make_sampler({}, kCamera, false)
+      ->sample(render(room(), true, pose_at(0), 0).depth, source);
+  TrackablePoints points({0.03f, 0.03f});
+  const int all = points.insert(source, pose_at(0), nullptr);
+  EXPECT_EQ(all, static_cast<int>(source.points.size()));
+  const auto search = registration::make_search({}, kCamera);
+  search->prepare(points.cloud(), pose_at(0));
+  EXPECT_EQ(points.insert(source, pose_at(0), search.get()), 0);
+
+  const registration::TargetPoint before = points.cloud().points[5];
+  const SE3 shift(Eigen::Matrix3d::Identity(), {0.1, 0, 0});
+  points.move_keyframe(0, shift * pose_at(0));
+  EXPECT_LT((points.cloud().points[5].point - before.point - Eigen::Vector3f(0.1f, 0, 0)).norm(),
+            1e-5f);
+  EXPECT_THROW(points.move_keyframe(9, SE3{}), ContractViolation);
+}
+
+TEST(MotionModel, RepeatsTheDecayedMotionScaledWithTime) {
+  MotionModel motion(MotionConfig{}, SE3{});
+  Vector6d xi;
+  xi << 0.01, 0, 0.02, 0.03, -0.01, 0;
+  motion.accept(SE3{}, 0.0);
+  EXPECT_EQ(motion.predict(0.1).t.norm(), 0);
+  motion.accept(SE3::exp(xi), 0.1);
+  const SE3 expected = SE3::exp(xi) * SE3::exp(0.95 * xi);
+  EXPECT_LT((motion.predict(0.2).t - expected.t).norm(), 1e-12);
+  const SE3 dropped_one = SE3::exp(xi) * SE3::exp(2 * 0.95 * xi);
+  EXPECT_LT((motion.predict(0.3).t - dropped_one.t).norm(), 1e-12);
+  motion.hold();
+  EXPECT_EQ(motion.predict(0.3).t, SE3::exp(xi).t);
+  EXPECT_EQ(motion.frames_held(), 1);
+}
+
+TEST(MotionModel, RefusesImpossibleMotions) {
+  MotionModel motion(MotionConfig{}, SE3{});
+  const auto shifted = [](double x) { return SE3(Eigen::Matrix3d::Identity(), {x, 0, 0}); };
+  EXPECT_TRUE(motion.plausible(shifted(0.2)));
+  EXPECT_FALSE(motion.plausible(shifted(0.3)));
+  EXPECT_FALSE(motion.plausible(SE3(so3_exp({0, 0.6, 0}), {0, 0, 0})));
+  EXPECT_FALSE(motion.plausible(shifted(std::nan(""))));
+  motion.hold();  // twice the time, twice the way
+  EXPECT_TRUE(motion.plausible(shifted(0.3)));
+  for (int i = 0; i < 100; ++i) motion.hold();
+  EXPECT_FALSE(motion.plausible(shifted(1.1)));
+}
+
+TEST(MakeTracker, ConstantVelocityNeverLooks) {
+  TrackerConfig config;
+  config.type = "cvm";
+  const auto tracker = must_make(config, pose_at(0));
+  for (int i = 0; i < 3; ++i) {
+    const TrackResult r = tracker->track(render(room(), true, pose_at(i), i), nullptr);
+    EXPECT_EQ(r.T_world_camera.t, pose_at(0).t);
+    EXPECT_EQ(r.diagnostics.prior_source, "cvm");
+  }
+}
+
+TEST(MakeTracker, NamesWhatIsWrong) {
+  TrackerConfig config;
+  config.type = "magic";
+  const auto unknown = make_tracker(config, kCamera, SE3{});
+  ASSERT_FALSE(unknown.has_value());
+  EXPECT_THAT(unknown.error().message, testing::HasSubstr("magic"));
+  EXPECT_FALSE(make_tracker(TrackerConfig{}, PinholeCamera{}, SE3{}).has_value());
+}
+
+TEST(TrackerConfig, EveryKeyIsDeclaredOnceAndPresetsAreInRange) {
+  for (TrackerConfig config : {TrackerConfig{}, paper_tracker_config()}) {
+    ParameterList list;
+    config.declare(list);
+    EXPECT_GT(list.parameters().size(), 30u);
+    for (const Parameter& p : list.parameters()) {
+      EXPECT_TRUE(p.set_from_text(p.value_text()).has_value()) << p.key;
+      EXPECT_FALSE(p.doc.empty()) << p.key;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sgs::tracker
