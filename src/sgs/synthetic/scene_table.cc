@@ -59,14 +59,14 @@ Result<SceneInfo> find_scene(const std::string& name) {
     if (info.name == name) return info;
     names.push_back(info.name);
   }
-  return fail(ErrorCode::kNotFound, fmt::format("no synthetic scene is called '{}'", name),
+  return fail(ErrorCode::kInvalidArgument, fmt::format("no synthetic scene is called '{}'", name),
               "known scenes, the nearest first: " + nearest_first(names, name));
 }
 
 Status check_level(const std::string& level) {
   if (level == "clean" || level == "kinect" || level == "hard") return {};
   return fail(
-      ErrorCode::kNotFound, fmt::format("no sensor level is called '{}'", level),
+      ErrorCode::kInvalidArgument, fmt::format("no sensor level is called '{}'", level),
       "known levels, the nearest first: " + nearest_first({"clean", "kinect", "hard"}, level));
 }
 
