@@ -29,6 +29,7 @@ struct TargetPoint {
   Eigen::Vector3f point;
   Eigen::Vector3f normal;  ///< unit, towards the camera that saw it
   float variance_m2 = 0;   ///< along the normal; 0 marks a point that has been removed
+  float opacity = 1;       ///< of the Gaussian it stands for, 0..1; 1 for other points
   bool alive() const { return variance_m2 > 0; }
 };
 

@@ -61,7 +61,7 @@ void ProjectiveSearch::prepare(const TargetCloud& cloud, const SE3& T_map_predic
     const auto i = static_cast<std::size_t>(cell);
     const TargetPoint& p = cloud.points[i];
     cell = static_cast<int>(targets_.size());
-    targets_.push_back({R * p.point + t, R * p.normal, p.variance_m2});
+    targets_.push_back({R * p.point + t, R * p.normal, p.variance_m2, p.opacity});
     if (!cloud.covariances.empty()) {
       covariances_.push_back(R * cloud.covariances[i] * R.transpose());
     }

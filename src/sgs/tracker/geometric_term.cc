@@ -67,6 +67,19 @@ double GeometricTerm::overlap(const SE3& T_map_camera) const {
                        config_.keyframe.overlap_distance_m);
 }
 
+GeometricTerm::MatchedTargets GeometricTerm::matched_targets() const {
+  MatchedTargets out;
+  const auto targets = search_->targets();
+  for (int k : cost_.matches()) {
+    if (k < 0) continue;
+    const registration::TargetPoint& target = targets[static_cast<std::size_t>(k)];
+    out.indices.push_back(k);
+    out.normals.push_back(target.normal);
+    out.opacities.push_back(target.opacity);
+  }
+  return out;
+}
+
 degeneracy::SurfaceInformation GeometricTerm::surface_information() {
   sample_points_.clear();
   sample_normals_.clear();

@@ -36,6 +36,13 @@ class GeometricTerm {
   registration::Linearization linearize_coarse(const SE3& T_map_camera, int stride);
   /// Share of the frame's points the map explains, with the matches of the last linearize().
   double overlap(const SE3& T_map_camera) const;
+  /// Targets matched in the last linearize(): their numbers in the search, normals and opacities.
+  struct MatchedTargets {
+    std::vector<int> indices;
+    std::vector<Eigen::Vector3f> normals;  ///< towards the camera that saw them
+    std::vector<float> opacities;
+  };
+  MatchedTargets matched_targets() const;
   /// What the frame's own surfaces could tell about its motion, whatever the map holds.
   degeneracy::SurfaceInformation surface_information();
   /// Extends the targets by the frame last given to set_frame(), which must still exist.

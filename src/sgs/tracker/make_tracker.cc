@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/tracker/cvm_tracker.h"
 #include "sgs/tracker/gicp_tracker.h"
+#include "sgs/tracker/orb_tracker.h"
+#include "sgs/tracker/prior_tracker.h"
 #include "sgs/tracker/spectral_tracker.h"
 #include "sgs/tracker/tracker.h"
 
@@ -19,13 +21,12 @@ Result<std::unique_ptr<Tracker>> make_tracker(const TrackerConfig& config,
     return std::make_unique<SpectralTracker>(config, camera, T_world_first);
   }
   if (config.type == "cvm") return std::make_unique<CvmTracker>(config, T_world_first);
-  if (config.type == "spectral" || config.type == "orb") {
-    return fail(ErrorCode::kUnsupported,
-                fmt::format("the tracker '{}' is not part of this version", config.type),
-                "use --tracker gicp");
+  if (config.type == "orb") return std::make_unique<OrbTracker>(config, T_world_first);
+  if (config.type == "spectral" && config.fusion == "prior") {
+    return std::make_unique<PriorTracker>(config, camera, T_world_first);
   }
   return fail(ErrorCode::kInvalidArgument, fmt::format("unknown tracker '{}'", config.type),
-              "use --tracker gicp or --tracker cvm");
+              "use --tracker spectral, gicp, orb or cvm");
 }
 
 }  // namespace sgs::tracker

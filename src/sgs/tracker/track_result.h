@@ -29,7 +29,7 @@ struct Diagnostics {
   unsigned degenerate_mask = 0;                        ///< bit k set where w_k > 0.5
   double condition_number = kNone;    ///< lambda_max / lambda_min of the registration Hessian
   double planarity = kNone;           ///< eta of the Gaussians' normals, 0..1
-  std::string prior_source = "none";  ///< none | cvm | orb | photometric
+  std::string prior_source = "none";  ///< none | zero (motion) | cvm | orb | photometric
   bool prior_active = false;
   int source_points = 0;   ///< sampled points of the frame
   int inliers = 0;         ///< matched ones at the final pose
