@@ -7,13 +7,12 @@ Usage: cli_test.py SGS_EXECUTABLE [unittest arguments]
 import json
 import os
 import pathlib
-import re
+import pty
 import shutil
 import signal
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 
 SGS = pathlib.Path(sys.argv.pop(1)).resolve()
@@ -125,9 +124,30 @@ class Contract(Case):
         self.assertEqual(len(list((self.folder / "pictures").glob("render_*.png"))), 2)
         self.assertEqual(len(list((self.folder / "pictures").glob("depth_*.png"))), 2)
 
+    def test_progress_on_a_terminal_and_plain_lines_elsewhere(self):
+        command = [str(SGS), "run", str(self.master), "--no-eval", "-o"]
+        ours, theirs = pty.openpty()
+        process = subprocess.Popen([*command, "terminal"], cwd=self.folder, stderr=theirs,
+                                   stdout=subprocess.DEVNULL)
+        os.close(theirs)
+        shown = b""
+        try:
+            while chunk := os.read(ours, 4096):
+                shown += chunk
+        except OSError:  # Linux ends a terminal nobody holds open any more with EIO
+            pass
+        os.close(ours)
+        self.assertEqual(process.wait(timeout=240), 0)
+        self.assertRegex(shown.decode(), r"\r\x1b\[K\[#+\.*\] \d+/16 frames +[\d.]+/s +ETA \d+ s +"
+                                         r"tracking +\d+ Gaussians")
+        self.assertIn("16/16 frames", shown.decode())
+        plain = self.sgs(*command[1:], "plain").stderr
+        self.assertIn("16/16 frames", plain)
+        self.assertNotRegex(plain, r"[\r\x1b]")
+
     def test_every_subcommand_has_help(self):
         self.sgs("--help")
-        for name in ("run", "eval", "render", "synth", "export", "info"):
+        for name in ("run", "eval", "render", "synth", "export", "info", "bench"):
             self.assertIn("--help", self.sgs(name, "--help").stdout)
         self.assertRegex(self.sgs("--version").stdout, r"\d+\.\d+\.\d+")
 
@@ -169,6 +189,16 @@ class BadInput(Case):
         self.fails(sequence, code=1, saying=["calibration", "--camera", "sgs.toml"])
         self.sgs("run", sequence, "--camera", "535.4,539.2,320.1,247.6", "--depth-scale", "5000", "-o",
                  self.folder / "given", "--quiet", "--no-eval")
+
+    def test_damaged_calibration(self):
+        sequence = self.sequence()
+        (sequence / "sgs.toml").unlink(missing_ok=True)
+        for line in ("nan 539 320 247 640 480 5000", "535 539 320 247 640 480", "0 0 0 0 0 0 0", ""):
+            (sequence / "camera.txt").write_text(line + "\n")
+            self.fails(sequence, code=1, saying=["camera.txt", "fx fy cx cy"])
+        self.fails(sequence, "--camera", "535,nan,320,247", code=2, saying=["--camera"])
+        self.fails(sequence, "--camera", "535,535,320,247", "--depth-scale", "-1", code=2,
+                   saying=["depth-scale"])
 
     def test_missing_image(self):
         sequence = self.sequence()
@@ -228,6 +258,36 @@ class BadInput(Case):
                         check_contrast=False)
         self.fails(sequence, code=1, saying=["640", "320"])
 
+    def test_size_changes_on_the_way(self):
+        import numpy
+        from skimage import io as skio
+        sequence = self.sequence()
+        small = [sequence / self.lists(sequence, name)[row].split()[1]
+                 for name, row in (("depth.txt", 5), ("rgb.txt", 9), ("depth.txt", 9))]
+        for path in small:
+            shape, kind = ((240, 320, 3), numpy.uint8) if path.parent.name == "rgb" else (
+                (240, 320), numpy.uint16)
+            skio.imsave(path, numpy.full(shape, 90, kind), check_contrast=False)
+        self.assertEqual(self.survives(sequence)["frames_tracked"], FRAMES - 2)
+        log = (self.folder / "out" / "log.txt").read_text()
+        self.assertIn(small[0].name, log)  # colour and depth differ
+        self.assertIn(small[1].name, log)  # both differ from the calibration
+        self.assertIn("320x240", log)
+
+    def test_truncated_jpeg(self):
+        import numpy
+        from skimage import io as skio
+        sequence = self.sequence()
+        rows = self.lists(sequence, "rgb.txt")
+        name = rows[4].split()[1].replace(".png", ".jpg")
+        skio.imsave(sequence / name, numpy.random.default_rng(1).integers(
+            0, 255, (480, 640, 3), numpy.uint8), check_contrast=False)
+        (sequence / name).write_bytes((sequence / name).read_bytes()[:-2000])
+        rows[4] = f"{rows[4].split()[0]} {name}"
+        (sequence / "rgb.txt").write_text("\n".join(rows) + "\n")
+        self.assertEqual(self.survives(sequence)["frames_tracked"], FRAMES - 1)
+        self.assertIn(name, (self.folder / "out" / "log.txt").read_text())
+
     def test_nan_and_non_unit_truth(self):
         sequence = self.sequence()
         rows = self.lists(sequence, "groundtruth.txt")
@@ -256,7 +316,16 @@ class BadInput(Case):
         sequence = self.sequence()
         rows = [f"{float(r.split()[0]) + 500:.6f} {r.split()[1]}" for r in self.lists(sequence, "depth.txt")]
         (sequence / "depth.txt").write_text("\n".join(rows) + "\n")
-        self.fails(sequence, code=1, saying=["time"])
+        self.fails(sequence, code=1, saying=["clock", "depth.txt"])
+
+    def test_no_overlap_with_truth(self):
+        sequence = self.sequence()
+        rows = [f"{float(r.split()[0]) + 500:.6f} {r.split(maxsplit=1)[1]}"
+                for r in self.lists(sequence, "groundtruth.txt")]
+        (sequence / "groundtruth.txt").write_text("\n".join(rows) + "\n")
+        metrics = self.survives(sequence, "--no-eval")
+        self.assertIsNone(metrics["ate_rmse_m"])
+        self.assertIn("ground truth", (self.folder / "out" / "log.txt").read_text())
 
     def test_one_frame_only(self):
         metrics = self.survives(self.master, "--frames", "0:1")
@@ -266,9 +335,15 @@ class BadInput(Case):
         self.fails(self.master, "--set", "slam.keyframe_intervall=3", code=2,
                    saying=["keyframe_interval"])
         self.fails(self.master, "--set", "slam.keyframe_interval=0", code=2, saying=["1 .. 1000"])
+        self.fails(self.master, "--set", "slam.keyframe_interval=nan", code=2,
+                   saying=["slam.keyframe_interval"])
         self.fails(self.master, "--set", "nonsense", code=2, saying=["key=value"])
         self.fails(self.master, "--frames", "9:3", code=2, saying=["a:b"])
         self.fails("synth:no_such_scene", code=2, saying=["room_desk"])
+        self.fails("synth:room_desk:kinetc", code=2, saying=["kinect"])
+        self.fails(self.master, "--preset", "defualt", code=2, saying=["default"])
+        self.fails(self.master, "--tracker", "gicpp", code=2, saying=["gicp"])
+        self.fails(self.master, "--config", self.folder / "none.toml", code=1, saying=["none.toml"])
         self.sgs("run", code=2)
         self.sgs("run", self.master, "--no-such-flag", code=2)
         (self.folder / "c.toml").write_text("[slam]\nkeyframe_interval = 3\nkeyframe_inteval = 4\n")
@@ -289,6 +364,35 @@ class BadInput(Case):
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertIn("map.ply", done.stderr)
         self.assertEqual(len(self.lists(self.folder / "out", "trajectory.txt")), FRAMES)
+
+    def test_no_room_in_the_run_folder(self):
+        # A private file system with room for the small files; the others go to TMPDIR.
+        (self.folder / "out").mkdir()
+        (self.folder / "elsewhere").mkdir()
+        script = (f"mount -t tmpfs -o size=128k none out || exit 77; '{SGS}' run '{self.master}' -o "
+                  "out --quiet --no-eval; code=$?; cp -r out seen; exit $code")
+        done = subprocess.run(["unshare", "--map-root-user", "--mount", "bash", "-c", script],
+                              capture_output=True, text=True, cwd=self.folder, timeout=240,
+                              env=dict(os.environ, TMPDIR=str(self.folder / "elsewhere")))
+        if done.returncode == 77 or "unshare" in done.stderr:
+            self.skipTest("mounting in a private name space is not allowed here")
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertRegex(done.stderr, "map.ply.*No space left")
+        rescued = list((self.folder / "elsewhere").glob("sgs-rescue-*/map.ply"))
+        self.assertEqual(len(rescued), 1)
+        self.assertIn(str(rescued[0].parent), done.stderr)
+        self.assertEqual(len(self.lists(self.folder / "seen", "trajectory.txt")), FRAMES)
+
+    def test_second_interrupt_ends_at_once(self):
+        process = subprocess.Popen([SGS, "run", "synth:room_desk", "-o", self.folder / "out"],
+                                   cwd=self.folder, stderr=subprocess.PIPE,
+                                   stdout=subprocess.DEVNULL, text=True)
+        self.assertTrue(process.stderr.readline())
+        # Both requests are pending when the program wakes up, so neither can win a race.
+        for request in (signal.SIGSTOP, signal.SIGINT, signal.SIGTERM, signal.SIGCONT):
+            process.send_signal(request)
+        process.communicate(timeout=120)
+        self.assertIn(process.returncode, (-signal.SIGINT, -signal.SIGTERM))
 
     def test_interrupt_keeps_what_was_done(self):
         out = self.folder / "out"
