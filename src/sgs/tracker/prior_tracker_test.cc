@@ -1,0 +1,135 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/tracker/prior_tracker.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+
+#include "sgs/tracker/textured_wall.h"
+
+namespace sgs::tracker {
+namespace {
+
+constexpr int kFrames = 24;
+
+struct WallRun {
+  std::vector<TrackResult> results;
+  double end_error_m = 0;
+};
+
+WallRun run_wall(const TrackerConfig& config, bool papered = true) {
+  WallRun run;
+  auto made = make_tracker(config, kWallCamera, wall_pose(0));
+  EXPECT_TRUE(made.has_value());
+  for (int i = 0; i < kFrames; ++i) {
+    run.results.push_back((*made)->track(see_wall(wall_pose(i), i, papered), nullptr));
+  }
+  run.end_error_m = (run.results.back().T_world_camera.t - wall_pose(kFrames - 1).t).norm();
+  return run;
+}
+
+TrackerConfig paper_config() {
+  TrackerConfig config = paper_tracker_config();
+  config.type = "spectral";
+  config.orb.features = 400;
+  return config;
+}
+
+TEST(PriorTracker, FollowsATexturedWallAlongWhichRegistrationSlides) {
+  TrackerConfig gicp = paper_config();
+  gicp.type = "gicp";
+  const double sliding = run_wall(gicp).end_error_m;
+  // The camera moves 16 cm before the eyes of the prior (and 3 cm before they open).
+  EXPECT_GT(sliding, 0.10);
+  const WallRun run = run_wall(paper_config());
+  EXPECT_LT(run.end_error_m, 0.05);
+  const Diagnostics& d = run.results.back().diagnostics;
+  EXPECT_EQ(run.results.back().status, TrackingStatus::kDegenerate);
+  EXPECT_EQ(d.prior_source, "orb");
+  EXPECT_TRUE(d.prior_active);
+  EXPECT_EQ(d.planarity, 1);
+  EXPECT_GT(d.condition_number, 200);
+  EXPECT_GE(std::popcount(d.degenerate_mask), 2);
+  EXPECT_EQ(d.weights[0], 1);  // all of Omega
+}
+
+TEST(PriorTracker, HasNoPriorBeforeItsFirstFrame) {
+  TrackerConfig config = paper_config();
+  config.prior.first_frame = 7;
+  const WallRun run = run_wall(config);
+  for (int i = 0; i < kFrames; ++i) {
+    const Diagnostics& d = run.results[static_cast<std::size_t>(i)].diagnostics;
+    EXPECT_EQ(d.prior_active, i >= 7) << i;
+    EXPECT_EQ(d.prior_source, i >= 7 ? "orb" : "none") << i;
+  }
+}
+
+TEST(PriorTracker, RejectedPriorStandsForNoMotion) {
+  TrackerConfig config = paper_config();
+  config.prior.first_frame = 1;
+  const WallRun run = run_wall(config, false);
+  EXPECT_EQ(run.results.back().diagnostics.prior_source, "zero");
+  // Along the wall the pose is locked; off it the wall itself is still seen.
+  EXPECT_NEAR(run.results.back().T_world_camera.t.x(), 0, 0.02);
+  EXPECT_NEAR(run.results.back().T_world_camera.t.z(), wall_pose(kFrames - 1).t.z(), 0.01);
+}
+
+TEST(PriorTracker, AnUnreachableThresholdSwitchesThePriorOff) {
+  TrackerConfig config = paper_config(), gicp = config;
+  config.degeneracy.condition_threshold = 1e12;
+  gicp.type = "gicp";
+  const WallRun a = run_wall(config), b = run_wall(gicp);
+  for (std::size_t i = 0; i < a.results.size(); ++i) {
+    EXPECT_FALSE(a.results[i].diagnostics.prior_active);
+    EXPECT_EQ(a.results[i].T_world_camera.t, b.results[i].T_world_camera.t);
+  }
+}
+
+TEST(PriorTracker, AblationsChangeWhatTheySay) {
+  TrackerConfig no_planarity = paper_config();
+  no_planarity.prior.planarity = false;
+  const Diagnostics axes = run_wall(no_planarity).results.back().diagnostics;
+  for (unsigned k = 0; k < 6; ++k) {
+    EXPECT_EQ(axes.weights[k], ((axes.degenerate_mask >> k) & 1u) != 0 ? 1.0 : 0.0);
+  }
+  EXPECT_GT(std::popcount(axes.degenerate_mask), 0);
+  EXPECT_LT(std::popcount(axes.degenerate_mask), 6);
+
+  TrackerConfig only = paper_config();
+  only.prior.only = true;
+  const WallRun prior_only = run_wall(only);
+  EXPECT_LT(prior_only.end_error_m, 0.05);
+  EXPECT_EQ(prior_only.results.back().diagnostics.iterations, 0);
+
+  TrackerConfig constant = paper_config();
+  constant.prior.source = "cvm";
+  const WallRun cvm = run_wall(constant);
+  EXPECT_EQ(cvm.results.back().diagnostics.prior_source, "cvm");
+  EXPECT_EQ(cvm.results.back().diagnostics.visual_inliers, 0);
+}
+
+TEST(PriorTracker, HoldsThePoseWithoutDepth) {
+  auto made = make_tracker(paper_config(), kWallCamera, wall_pose(0));
+  SE3 last;
+  for (int i = 0; i < 6; ++i)
+    last = (*made)->track(see_wall(wall_pose(i), i), nullptr).T_world_camera;
+  RgbdFrame dark = see_wall(wall_pose(6), 6);
+  dark.depth.fill(0);
+  const TrackResult held = (*made)->track(dark, nullptr);
+  EXPECT_EQ(held.status, TrackingStatus::kLost);
+  EXPECT_FALSE(held.keyframe);
+  EXPECT_EQ(held.T_world_camera.t, last.t);
+  EXPECT_NE((*made)->track(see_wall(wall_pose(7), 7), nullptr).status, TrackingStatus::kLost);
+}
+
+TEST(PriorTracker, SameInputGivesTheSameBits) {
+  const WallRun a = run_wall(paper_config()), b = run_wall(paper_config());
+  for (std::size_t i = 0; i < a.results.size(); ++i) {
+    EXPECT_EQ(a.results[i].T_world_camera.t, b.results[i].T_world_camera.t);
+    EXPECT_EQ(a.results[i].T_world_camera.R, b.results[i].T_world_camera.R);
+  }
+}
+
+}  // namespace
+}  // namespace sgs::tracker
