@@ -53,7 +53,7 @@ Result<CameraOption> parse_camera_option(std::string_view text) {
 
 Status check_calibration(const Calibration& c, std::string_view source) {
   const auto bad = [&](std::string what) {
-    return fail(ErrorCode::kInvalidArgument,
+    return fail(ErrorCode::kInvalidFormat,
                 fmt::format("camera calibration from {}: {}", source, what),
                 "correct it there, or give --camera fx,fy,cx,cy[,k1,k2,p1,p2,k3] and "
                 "--depth-scale S");
