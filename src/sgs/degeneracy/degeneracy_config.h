@@ -18,7 +18,7 @@ struct DegeneracyConfig {
   double planarity_alpha = 5;         ///< of the soft gate exp(-alpha (1 - eta))
   double planarity_full_prior = 0.5;  ///< above it the paper adds all of Omega
   bool soft_gate = true;              ///< off: included axes have weight 1
-  double geometry_weight = 0.1;       ///< wg: points share windows and noise
+  double geometry_weight = 0.3;       ///< wg: points share windows and noise (docs/accuracy.md)
   double damping = 1e-3;              ///< on the diagonal
 
   void declare(ParameterList& p) {

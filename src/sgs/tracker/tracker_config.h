@@ -57,7 +57,7 @@ struct SpectralConfig {
   double keyframe_rotation_deg = 8;
   double keyframe_visible = 0.75;  ///< a smaller share of the keyframe's pixels makes a new one
   int min_pixels = 40;             ///< fewer photometric pixels are no measurement
-  double max_mean_cost = 1.5;      ///< of the photometric residuals; more is no alignment
+  double max_mean_cost = 3;        ///< of the photometric residuals; more is no alignment
   double min_information = 2e4;    ///< vision must give on an unseen axis, 1/m^2
   double bridge_s = 0.5;           ///< longest stretch carried on at constant velocity when lost
   int max_references = 2;          ///< keyframes aligned to: the last one and older ones near by
@@ -91,7 +91,7 @@ struct OrbTrackingConfig {
 
 /// Settings of the tracker; the defaults are the `default` preset.
 struct TrackerConfig {
-  std::string type = "gicp";      ///< gicp | spectral | orb | cvm
+  std::string type = "spectral";  ///< gicp | spectral | orb | cvm
   std::string fusion = "remove";  ///< of `spectral`: remove | joint | prior (the paper)
   registration::SamplingConfig points;
   registration::SearchConfig search;
