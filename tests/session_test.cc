@@ -108,21 +108,37 @@ TEST(Session, NeverMapsHeldOutFrames) {
   EXPECT_EQ(heldout, 2);
 }
 
-TEST(Session, SurvivesFramesWithoutDepth) {
+/// Statuses of a run in which two frames in the middle have no depth.
+std::vector<tracker::TrackingStatus> statuses_with_blind_frames(const std::string& tracker) {
   auto frames = small_sequence(10);
-  for (int i = 4; i < 6; ++i) {
+  for (std::size_t i = 4; i < 6; ++i) {
     auto blind = std::make_shared<RgbdFrame>(*frames[i]);
     blind->depth.fill(0);
     frames[i] = blind;
   }
-  auto session = slam::Session::create(config_for_test(), frames.front()->camera, {});
-  ASSERT_TRUE(session);
+  auto config = config_for_test();
+  config.tracker.type = tracker;
+  auto session = slam::Session::create(config, frames.front()->camera, {});
+  EXPECT_TRUE(session);
   for (const auto& frame : frames) (*session)->feed(frame);
   (*session)->finish();
-  const auto& records = (*session)->records();
-  EXPECT_EQ(records[4].status, tracker::TrackingStatus::kLost);
-  EXPECT_EQ(records[5].status, tracker::TrackingStatus::kLost);
-  EXPECT_NE(records.back().status, tracker::TrackingStatus::kLost);
+  std::vector<tracker::TrackingStatus> statuses;
+  for (const auto& record : (*session)->records()) statuses.push_back(record.status);
+  return statuses;
+}
+
+TEST(Session, GeometryAloneIsLostWithoutDepthAndComesBack) {
+  const auto statuses = statuses_with_blind_frames("gicp");
+  EXPECT_EQ(statuses[4], tracker::TrackingStatus::kLost);
+  EXPECT_EQ(statuses[5], tracker::TrackingStatus::kLost);
+  EXPECT_NE(statuses.back(), tracker::TrackingStatus::kLost);
+}
+
+TEST(Session, VisionCarriesTheSpectralTrackerThroughMissingDepth) {
+  const auto statuses = statuses_with_blind_frames("spectral");
+  EXPECT_EQ(statuses[4], tracker::TrackingStatus::kDegenerate);
+  EXPECT_EQ(statuses[5], tracker::TrackingStatus::kDegenerate);
+  EXPECT_NE(statuses.back(), tracker::TrackingStatus::kLost);
 }
 
 TEST(Session, RefusesFramesOfAnotherSize) {

@@ -102,14 +102,21 @@ RoomRun run_room(const TrackerConfig& config, int frames, const SE3& T_world_roo
   return run;
 }
 
+TrackerConfig gicp_config() {
+  TrackerConfig config;
+  config.type = "gicp";
+  return config;
+}
+
 TrackerConfig paper_on_own_points() {
   TrackerConfig config = paper_tracker_config();
+  config.type = "gicp";
   config.points.max_depth_m = 5;
   return config;
 }
 
 TEST(GicpTracker, DefaultPresetStaysWithinFiveMillimetresInARoom) {
-  const RoomRun run = run_room(TrackerConfig{}, 60);
+  const RoomRun run = run_room(gicp_config(), 60);
   EXPECT_LT(run.worst_m, 0.005);
   EXPECT_EQ(run.lost, 0);
   EXPECT_TRUE(run.results[0].keyframe);
@@ -131,8 +138,8 @@ TEST(GicpTracker, PaperPresetStaysWithinFiveMillimetresInARoom) {
 
 TEST(GicpTracker, MovingTheWorldByAHundredMetresChangesNoDecision) {
   const SE3 T_world_room(so3_exp({0.4, 1.1, -0.3}), {100, -70, 40});
-  const RoomRun here = run_room(TrackerConfig{}, 25),
-                there = run_room(TrackerConfig{}, 25, T_world_room);
+  const RoomRun here = run_room(gicp_config(), 25),
+                there = run_room(gicp_config(), 25, T_world_room);
   for (std::size_t i = 0; i < here.results.size(); ++i) {
     const TrackResult &a = here.results[i], &b = there.results[i];
     EXPECT_EQ(a.status, b.status);
@@ -144,7 +151,7 @@ TEST(GicpTracker, MovingTheWorldByAHundredMetresChangesNoDecision) {
 }
 
 TEST(GicpTracker, SameInputGivesTheSameBits) {
-  for (const TrackerConfig& config : {TrackerConfig{}, paper_on_own_points()}) {
+  for (const TrackerConfig& config : {gicp_config(), paper_on_own_points()}) {
     const RoomRun a = run_room(config, 12), b = run_room(config, 12);
     for (std::size_t i = 0; i < a.results.size(); ++i) {
       EXPECT_EQ(a.results[i].T_world_camera.R, b.results[i].T_world_camera.R);
@@ -154,7 +161,7 @@ TEST(GicpTracker, SameInputGivesTheSameBits) {
 }
 
 TEST(GicpTracker, HoldsThePoseWithoutDepthAndRecoversWhenItReturns) {
-  const auto tracker = must_make(TrackerConfig{}, pose_at(0));
+  const auto tracker = must_make(gicp_config(), pose_at(0));
   TrackResult last;
   for (int i = 0; i < 10; ++i) last = tracker->track(render(room(), true, pose_at(i), i), nullptr);
   ASSERT_NE(last.status, TrackingStatus::kLost);
@@ -175,7 +182,7 @@ TEST(GicpTracker, HoldsThePoseWithoutDepthAndRecoversWhenItReturns) {
 }
 
 TEST(GicpTracker, StartsWithTheFirstFrameThatHasDepth) {
-  const auto tracker = must_make(TrackerConfig{}, pose_at(3));
+  const auto tracker = must_make(gicp_config(), pose_at(3));
   RgbdFrame dark = render(room(), true, pose_at(0), 0);
   dark.depth.fill(0);
   EXPECT_EQ(tracker->track(dark, nullptr).status, TrackingStatus::kLost);
@@ -186,7 +193,7 @@ TEST(GicpTracker, StartsWithTheFirstFrameThatHasDepth) {
 }
 
 TEST(GicpTracker, RefusesAFrameFromElsewhere) {
-  const auto tracker = must_make(TrackerConfig{}, pose_at(0));
+  const auto tracker = must_make(gicp_config(), pose_at(0));
   SE3 last;
   for (int i = 0; i < 6; ++i) {
     last = tracker->track(render(room(), true, pose_at(i), i), nullptr).T_world_camera;
@@ -201,7 +208,7 @@ TEST(GicpTracker, RefusesAFrameFromElsewhere) {
 }
 
 TEST(GicpTracker, ReportsAPlaneAsDegenerate) {
-  const auto tracker = must_make(TrackerConfig{}, SE3{});
+  const auto tracker = must_make(gicp_config(), SE3{});
   const std::vector<Plane> wall = {{{0, 0, -1}, -1.5}};
   tracker->track(render(wall, false, SE3{}, 0), nullptr);
   for (int i = 1; i < 4; ++i) {
@@ -214,7 +221,7 @@ TEST(GicpTracker, ReportsAPlaneAsDegenerate) {
 }
 
 TEST(GicpTracker, IgnoresGroundTruth) {
-  const auto a = must_make(TrackerConfig{}, pose_at(0)), b = must_make(TrackerConfig{}, pose_at(0));
+  const auto a = must_make(gicp_config(), pose_at(0)), b = must_make(gicp_config(), pose_at(0));
   for (int i = 0; i < 4; ++i) {
     RgbdFrame frame = render(room(), true, pose_at(i), i);
     const TrackResult plain = a->track(frame, nullptr);
@@ -258,7 +265,7 @@ std::shared_ptr<map::Snapshot> snapshot_of(const SE3& T, const SE3& T_world_room
 class SnapshotTargetsTest : public testing::TestWithParam<std::tuple<std::string, bool>> {
  protected:
   TrackerConfig config() const {
-    TrackerConfig c = std::get<1>(GetParam()) ? paper_on_own_points() : TrackerConfig{};
+    TrackerConfig c = std::get<1>(GetParam()) ? paper_on_own_points() : gicp_config();
     c.target.source = std::get<0>(GetParam());
     return c;
   }

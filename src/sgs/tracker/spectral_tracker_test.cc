@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/tracker/spectral_tracker.h"
+
+#include <gtest/gtest.h>
+
+#include "sgs/tracker/textured_wall.h"
+
+namespace sgs::tracker {
+namespace {
+
+std::unique_ptr<Tracker> must_make(const TrackerConfig& config, const SE3& T_world_first) {
+  auto made = make_tracker(config, kWallCamera, T_world_first);
+  EXPECT_TRUE(made.has_value());
+  return std::move(*made);
+}
+
+double distance_m(const SE3& a, const SE3& b) { return (a.t - b.t).norm(); }
+
+struct WallRun {
+  std::vector<TrackResult> results;
+  double worst_m = 0;
+  int lost = 0;
+};
+
+WallRun run_wall(const TrackerConfig& config, int frames, const SE3& T_shift = {}) {
+  WallRun run;
+  const auto tracker = must_make(config, T_shift * wall_pose(0));
+  for (int i = 0; i < frames; ++i) {
+    run.results.push_back(tracker->track(see_wall(wall_pose(i), i), nullptr));
+    const TrackResult& r = run.results.back();
+    run.worst_m = std::max(run.worst_m, distance_m(r.T_world_camera, T_shift * wall_pose(i)));
+    run.lost += r.status == TrackingStatus::kLost ? 1 : 0;
+  }
+  return run;
+}
+
+TEST(SpectralTracker, HoldsOnToAPaperedWallWhereGeometrySlides) {
+  TrackerConfig config;
+  const WallRun spectral = run_wall(config, 40);
+  EXPECT_EQ(spectral.lost, 0);
+  EXPECT_LT(spectral.worst_m, 0.01);
+  for (std::size_t i = 1; i < spectral.results.size(); ++i) {
+    const Diagnostics& d = spectral.results[i].diagnostics;
+    EXPECT_EQ(spectral.results[i].status, TrackingStatus::kDegenerate) << i;
+    EXPECT_TRUE(d.prior_active);
+    EXPECT_EQ(d.prior_source, "photometric");
+    // A plane leaves two translations and the rotation about its normal open.
+    EXPECT_EQ(__builtin_popcount(d.degenerate_mask), 3) << i;
+    EXPECT_GT(d.planarity, 0.9);
+  }
+  config.type = "gicp";
+  EXPECT_GT(run_wall(config, 40).worst_m, 0.1);
+}
+
+TEST(SpectralTracker, DoesNotDependOnTheWorldOrigin) {
+  SE3 shift(so3_exp({0.3, -1.0, 0.5}), {100, -100, 50});
+  const WallRun here = run_wall({}, 12), there = run_wall({}, 12, shift);
+  for (std::size_t i = 0; i < here.results.size(); ++i) {
+    EXPECT_EQ(here.results[i].diagnostics.degenerate_mask,
+              there.results[i].diagnostics.degenerate_mask);
+    EXPECT_LT(distance_m(shift * here.results[i].T_world_camera, there.results[i].T_world_camera),
+              1e-6);
+  }
+}
+
+TEST(SpectralTracker, GivesTheSameBitsAgain) {
+  const WallRun a = run_wall({}, 10), b = run_wall({}, 10);
+  for (std::size_t i = 0; i < a.results.size(); ++i) {
+    EXPECT_EQ(a.results[i].T_world_camera.t, b.results[i].T_world_camera.t);
+    EXPECT_EQ(a.results[i].T_world_camera.R, b.results[i].T_world_camera.R);
+  }
+}
+
+TEST(SpectralTracker, SaysLostBeforeABarePlaneAndComesBack) {
+  const auto tracker = must_make({}, wall_pose(0));
+  for (int i = 0; i < 12; ++i) tracker->track(see_wall(wall_pose(i), i), nullptr);
+  // The camera stops before a wall without paper: neither source sees the two sideways directions.
+  int lost = 0;
+  SE3 last;
+  for (int i = 12; i < 42; ++i) {
+    const auto r = tracker->track(see_wall(wall_pose(11), i, false), nullptr);
+    lost += r.status == TrackingStatus::kLost ? 1 : 0;
+    EXPECT_LT(distance_m(r.T_world_camera, wall_pose(11)), 0.15) << i;
+    last = r.T_world_camera;
+  }
+  EXPECT_GE(lost, 29);
+  // Features return: tracking is back within half a second, where it was.
+  TrackResult r;
+  for (int i = 42; i < 57; ++i) r = tracker->track(see_wall(wall_pose(i - 31), i), nullptr);
+  EXPECT_NE(r.status, TrackingStatus::kLost);
+  EXPECT_LT(distance_m(r.T_world_camera, wall_pose(25)), 0.015);
+}
+
+TEST(SpectralTracker, NeverJumps) {
+  const auto tracker = must_make({}, wall_pose(0));
+  for (int i = 0; i < 5; ++i) tracker->track(see_wall(wall_pose(i), i), nullptr);
+  SE3 elsewhere = wall_pose(5);
+  elsewhere.t.x() += 3;
+  const auto r = tracker->track(see_wall(elsewhere, 5), nullptr);
+  EXPECT_EQ(r.status, TrackingStatus::kLost);
+  EXPECT_LT(distance_m(r.T_world_camera, wall_pose(5)), 0.1);
+}
+
+TEST(SpectralTracker, WaitsForDepth) {
+  const auto tracker = must_make({}, wall_pose(0));
+  RgbdFrame blind = see_wall(wall_pose(0), 0);
+  blind.depth.fill(0);
+  EXPECT_EQ(tracker->track(blind, nullptr).status, TrackingStatus::kLost);
+  EXPECT_NE(tracker->track(see_wall(wall_pose(0), 1), nullptr).status, TrackingStatus::kLost);
+  EXPECT_NE(tracker->track(see_wall(wall_pose(1), 2), nullptr).status, TrackingStatus::kLost);
+}
+
+TEST(SpectralTracker, SurvivesBrightnessChanges) {
+  const auto tracker = must_make({}, wall_pose(0));
+  for (int i = 0; i < 20; ++i) {
+    RgbdFrame frame = see_wall(wall_pose(i), i);
+    const double gain = 1 + 0.2 * std::sin(0.8 * i);
+    for (std::size_t k = 0; k < frame.color.size(); ++k) {
+      Rgb8& c = frame.color.data()[k];
+      c.r = c.g = c.b = static_cast<std::uint8_t>(std::min(255.0, gain * c.r));
+    }
+    const auto r = tracker->track(frame, nullptr);
+    EXPECT_NE(r.status, TrackingStatus::kLost) << i;
+    EXPECT_LT(distance_m(r.T_world_camera, wall_pose(i)), 0.01) << i;
+  }
+}
+
+}  // namespace
+}  // namespace sgs::tracker
