@@ -382,6 +382,8 @@ struct RealCase {
   std::int64_t frames;
   const char* layout;
 };
+// Without this the test's name would be the addresses of the strings.
+void PrintTo(const RealCase& real, std::ostream* out) { *out << real.folder; }
 class RealSequences : public testing::TestWithParam<RealCase> {};
 
 TEST_P(RealSequences, OpenAndLookPlausible) {

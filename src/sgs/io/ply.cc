@@ -23,6 +23,11 @@ static_assert(std::endian::native == std::endian::little, "PLY bodies are copied
 
 constexpr double kSh0 = 0.28209479177387814;  // 1 / (2 sqrt(pi)): SH basis function of degree 0
 
+// The sigmoid of this differs from 1 by one float step; tools that store opacity in eight bits
+// write the logit of 0 and 1 as infinities.
+constexpr float kMaxLogit = 16;
+constexpr std::size_t kOpacity = 6;
+
 // Needed properties, in the order in which Row holds them.
 constexpr std::array<const char*, 14> kNames = {
     "x",       "y",       "z",       "f_dc_0", "f_dc_1", "f_dc_2", "opacity",
@@ -38,13 +43,14 @@ map::Gaussian gaussian_from(const Row& v) {
   const auto f = [&](std::size_t i) { return static_cast<float>(v[i]); };
   const auto rgb = [&](std::size_t i) { return static_cast<float>(0.5 + kSh0 * v[i]); };
   return {{f(0), f(1), f(2)},           {f(7), f(8), f(9)},
-          {f(10), f(11), f(12), f(13)}, f(6),
+          {f(10), f(11), f(12), f(13)}, std::clamp(f(kOpacity), -kMaxLogit, kMaxLogit),
           {rgb(3), rgb(4), rgb(5)},     {0, 0}};
 }
 
 Status check_row(const fs::path& path, const Row& row, std::size_t vertex) {
   for (std::size_t i = 0; i < row.size(); ++i) {
-    if (!std::isfinite(static_cast<float>(row[i]))) {
+    const auto value = static_cast<float>(row[i]);
+    if (!std::isfinite(value) && !(i == kOpacity && std::isinf(value))) {
       return bad_file(path, fmt::format("vertex {}: {} is {}", vertex, kNames[i], row[i]));
     }
   }

@@ -18,7 +18,8 @@ namespace sgs::io {
 /// scale_0..2 as logarithms, rot_0..3 as w x y z. Properties are found by name, so any order, any
 /// scalar type and any further properties (normals, f_rest_*) are accepted, in ascii or
 /// binary_little_endian. Missing properties, a truncated body and values that are not finite are
-/// errors that name the file. Colour beyond degree 0 is dropped.
+/// errors that name the file, but for an infinite opacity, which is 0 or 1. Opacity logits are
+/// clamped to +-16. Colour beyond degree 0 is dropped.
 Result<std::vector<map::Gaussian>> load_splats(const std::filesystem::path& path);
 
 /// Writes splats in that layout: binary little endian, all float, normals zero, quaternions

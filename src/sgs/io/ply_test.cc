@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <limits>
 #include <string>
 
@@ -106,6 +107,22 @@ TEST(Ply, BadFilesAreErrorsThatNameThem) {
   EXPECT_THAT(error_of(std::string(kShuffledHeader) + "0 0 0 0 9 7 -3 -2 -1 1 0 0 1 30 20 10\n"),
               HasSubstr("rotation is zero"));
   EXPECT_THAT(error_of(std::string(kShuffledHeader) + "1 0 0\n"), HasSubstr("16 numbers"));
+}
+
+TEST(Ply, InfiniteOpacityIsClampedAndFinite) {
+  const TemporaryFolder folder;
+  const auto path = folder / "opaque.ply";
+  const std::vector<map::Gaussian> splats = test_splats();
+  ASSERT_TRUE(save_splats(path, splats));
+  std::string bytes = read_file(path).value();
+  const std::size_t body = bytes.find("end_header\n") + 11;
+  const float infinite = std::numeric_limits<float>::infinity();
+  std::memcpy(bytes.data() + body + 9 * sizeof(float), &infinite, sizeof infinite);
+  ASSERT_TRUE(write_file(path, bytes));
+  const auto back = load_splats(path);
+  ASSERT_TRUE(back) << back.error().text();
+  EXPECT_EQ((*back)[0].opacity_logit, 16);
+  EXPECT_EQ((*back)[1].opacity_logit, splats[1].opacity_logit);
 }
 
 TEST(Ply, NotFiniteIsNotWritten) {
