@@ -9,4 +9,4 @@ cd "$(dirname "$0")"
 scripts/install_packages.sh
 cmake --preset release -DSGS_BUILD_TESTS=OFF >/dev/null
 cmake --build --preset release
-build/release/apps/sgs/sgs run synth:corridor --frames 0:300 "$@"
+build/release/apps/sgs/sgs run synth:nostructure_texture_near --frames 0:300 "$@"

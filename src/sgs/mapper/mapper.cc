@@ -150,6 +150,7 @@ int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE
   }
   m.schedule.add_keyframe(static_cast<std::size_t>(index));
   m.changed = true;
+  if (index == 0) iterate(m.config.first_keyframe_iterations);
   return index;
 }
 

@@ -45,6 +45,10 @@ void OptimizerConfig::declare(ParameterList& p) {
         {0, 0.9999});
   p.add("max_axis_ratio", max_axis_ratio, "Cap of the largest to the middle axis; 0 = free.", "",
         {0, 1000});
+  p.add("max_flatness", max_flatness,
+        "Cap of the middle to the smallest axis: thinner plates show as needles when seen edge-on; "
+        "0 = free.",
+        "", {0, 1000});
   p.add("max_growth", max_growth, "Cap of the largest axis over its value at birth; 0 = free.", "",
         {0, 1000});
 }
@@ -93,6 +97,10 @@ void MapperConfig::declare(ParameterList& p) {
   p.add("iterations_per_frame", iterations_per_frame,
         "Optimisation steps per input frame in offline mode; fractions accumulate.", "1/frame",
         {0, 1000});
+  p.add("first_keyframe_iterations", first_keyframe_iterations,
+        "Optimisation steps spent on the first keyframe at once, so that a young map is not a raw "
+        "one.",
+        "", {0, 100000});
   const auto declare_group = [&p](const char* name, auto& config) {
     const auto group = p.group(name);
     config.declare(p);
@@ -107,6 +115,7 @@ void MapperConfig::declare(ParameterList& p) {
 MapperConfig paper_mapper_config() {
   MapperConfig c;
   c.iterations_per_frame = 1;
+  c.first_keyframe_iterations = 0;
   c.insertion.method = "grid";
   c.insertion.opacity = 0.1;
   c.insertion.fill_missing_depth = false;
@@ -118,6 +127,7 @@ MapperConfig paper_mapper_config() {
   c.optimizer.rate_color = 2.5e-3 * 0.28209;
   c.optimizer.average = 0;
   c.optimizer.max_axis_ratio = 0;
+  c.optimizer.max_flatness = 0;
   c.optimizer.max_growth = 0;
   c.objective.dssim_weight = 0.2;
   c.objective.depth_weight = 0.01;

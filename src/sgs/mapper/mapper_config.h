@@ -40,6 +40,7 @@ struct OptimizerConfig {
   double beta2 = 0.999;
   double average = 0.97;        ///< ceiling of the averaging factor; 0 = no averaging
   double max_axis_ratio = 2.5;  ///< largest to middle axis; 0 = free
+  double max_flatness = 0;      ///< middle to smallest axis; 0 = free
   double max_growth = 3;        ///< largest axis over the one it was born with; 0 = free
 
   void declare(ParameterList& p);
@@ -84,7 +85,8 @@ struct KeyframeRefinementConfig {
 
 /// Settings of the mapper; the defaults are the `default` preset (docs/accuracy.md).
 struct MapperConfig {
-  double iterations_per_frame = 2.0;  ///< offline budget; fractions accumulate
+  double iterations_per_frame = 2.0;   ///< offline budget; fractions accumulate
+  int first_keyframe_iterations = 30;  ///< spent at once when the map begins
   InsertionConfig insertion;
   OptimizerConfig optimizer;
   ObjectiveConfig objective;

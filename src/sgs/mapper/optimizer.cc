@@ -43,6 +43,12 @@ void Optimizer::cap(map::GaussianStore& store, std::size_t i) const {
     for (int k = 0; k < 3; ++k) s[k] = std::min(s[k], limit);
   }
   for (int k = 0; k < 3; ++k) s[k] = std::min(s[k], store.max_log_scale[i]);
+  if (config_.max_flatness > 0) {
+    const float low = std::min({s[0], s[1], s[2]}), high = std::max({s[0], s[1], s[2]});
+    const float middle = s[0] + s[1] + s[2] - low - high;
+    const float limit = middle - static_cast<float>(std::log(config_.max_flatness));
+    for (int k = 0; k < 3; ++k) s[k] = std::max(s[k], limit);
+  }
 }
 
 void Optimizer::step(const render::Gradients& gradients, map::GaussianStore& store) const {

@@ -40,6 +40,7 @@ Result<SessionConfig> make_session_config(const std::string& preset) {
   if (preset == "paper") {
     config.tracker = tracker::paper_tracker_config();
     config.mapper = mapper::paper_mapper_config();
+    config.keyframe_interval = 10;
     return config;
   }
   return fail(ErrorCode::kInvalidArgument, fmt::format("unknown preset '{}'", preset),

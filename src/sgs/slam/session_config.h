@@ -16,7 +16,7 @@ namespace sgs::slam {
 struct SessionConfig {
   std::string preset = "default";  ///< where the values came from; set by make_session_config()
   std::uint64_t seed = 0;          ///< of every random choice
-  int keyframe_interval = 10;      ///< a mapping keyframe at least every so many frames
+  int keyframe_interval = 8;       ///< a mapping keyframe at least every so many frames
   int heldout_interval =
       kHeldoutInterval;        ///< every n-th frame is never used by the mapper; 0 = none
   int snapshot_lag = 2;        ///< k: frame t is tracked against the map after frame t - k
