@@ -44,7 +44,7 @@ struct ReportData {
   Column planarity;
   double condition_threshold = 0;  ///< drawn as a line when > 0
   double planarity_threshold = 0;
-  std::array<Column, 6> weights;  ///< 0 seen .. 1 unseen, rotation x y z, translation x y z
+  std::array<Column, 6> weights;  ///< 0 seen .. 1 unseen, by principal axis
 
   std::vector<FramePictures> pictures;
   std::string config_toml;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/eval/report_plots.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -148,8 +150,6 @@ std::string degeneracy_section(const ReportData& data) {
     planarity.thresholds = {{data.planarity_threshold, "threshold"}};
   html += over_time(data, data.planarity, "Planarity of the observed normals", planarity, 2);
   std::string rows;
-  const std::string names[] = {"rotation x",    "rotation y",    "rotation z",
-                               "translation x", "translation y", "translation z"};
   for (std::size_t k = 0; k < data.weights.size(); ++k) {
     if (!has_data(data.weights[k])) continue;
     PlotOptions o;
@@ -159,13 +159,14 @@ std::string degeneracy_section(const ReportData& data) {
     o.width = 480;
     o.height = 130;
     rows +=
-        figure(names[k],
+        figure(fmt::format("Axis {}{}", k + 1, k == 0 ? ", seen least" : ""),
                plot_svg({{"", static_cast<int>(k), data.time_s, data.weights[k], false, true}}, o));
   }
   if (!rows.empty()) {
     html +=
-        "<p class='lead'>Weight of the prior per axis of the camera: 0 seen by geometry, 1 "
-        "unseen and filled by vision.</p><div class='pair'>" +
+        "<p class='lead'>Weight of vision along the six principal axes of what geometry sees, the "
+        "least seen first: 0 seen by geometry, 1 unseen and filled by vision.</p><div "
+        "class='pair'>" +
         rows + "</div>";
   }
   return section_html("Degeneracy", "", html);
