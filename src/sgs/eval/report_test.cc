@@ -76,7 +76,7 @@ TEST(Report, ShowsEverySectionWithoutOutsideAddresses) {
   const std::string html = report_html(data);
   for (const char* text : {"room_desk", "Trajectory", "Tracking", "Degeneracy", "Pictures",
                            "Timing", "Scores", "Comparison", "Configuration", "1.23 cm", "26.50 dB",
-                           "51234", "window = 8", "(held out)", "translation z", "threshold"}) {
+                           "51234", "window = 8", "(held out)", "Axis 6", "threshold"}) {
     EXPECT_THAT(html, HasSubstr(text));
   }
   for (const char* text :
