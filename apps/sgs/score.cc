@@ -119,10 +119,6 @@ void set_paths(const FinishedRun& run, const eval::TrajectoryMetrics& scores,
       report.truth_m.push_back(pose.T_world_camera.t);
     }
   }
-  // Cameras look roughly level, so minus their mean y axis points roughly upwards.
-  for (const StampedPose& pose : run.trajectory.poses()) {
-    report.up -= T_truth_world.R * pose.T_world_camera.R.col(1);
-  }
 }
 
 eval::ReportData make_report(const FinishedRun& run, const FrameTable& table,
