@@ -40,7 +40,7 @@ struct OptimizerConfig {
   double beta2 = 0.999;
   double average = 0.97;        ///< ceiling of the averaging factor; 0 = no averaging
   double max_axis_ratio = 2.5;  ///< largest to middle axis; 0 = free
-  double max_flatness = 0;      ///< middle to smallest axis; 0 = free
+  double max_flatness = 4;      ///< middle to smallest axis; 0 = free
   double max_growth = 3;        ///< largest axis over the one it was born with; 0 = free
 
   void declare(ParameterList& p);

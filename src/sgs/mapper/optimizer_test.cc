@@ -74,6 +74,26 @@ TEST(Optimizer, CapsNeedlesAndGrowth) {
   EXPECT_NEAR(store.raw[1].log_scale[1], -2, 1e-5);
 }
 
+TEST(Optimizer, KeepsPlatesThickEnoughNotToShowAsNeedles) {
+  map::Gaussian g = row(0);
+  g.log_scale[0] = -3;
+  g.log_scale[1] = -9;
+  g.log_scale[2] = -2.5f;
+  render::Gradients gradients;
+  gradients.visible = {0};
+  gradients.gradient = {row(0)};
+  for (const double flatness : {4.0, 0.0}) {
+    map::GaussianStore store;
+    store.append(g, {}, 1e6f);
+    OptimizerConfig config;
+    config.max_flatness = flatness;
+    Optimizer(config).step(gradients, store);
+    EXPECT_NEAR(store.raw[0].log_scale[0], -3, 1e-5);
+    EXPECT_NEAR(store.raw[0].log_scale[1], flatness > 0 ? -3 - std::log(4.0) : -9, 1e-5);
+    EXPECT_NEAR(store.raw[0].log_scale[2], -2.5, 1e-5);
+  }
+}
+
 TEST(GaussianStore, RemovesInOrder) {
   map::GaussianStore store;
   for (int i = 0; i < 6; ++i) store.append(row(static_cast<float>(i)), {}, static_cast<float>(i));
