@@ -2,28 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/tracker/gicp_tracker.h"
 
-#include "sgs/core/stopwatch.h"
 #include "sgs/degeneracy/spectrum.h"
 #include "sgs/registration/pose_solver.h"
+#include "sgs/tracker/cpu_timer.h"
 
 namespace sgs::tracker {
-namespace {
-
-// Adds the CPU time of a scope to a diagnostic.
-class CpuTimer {
- public:
-  explicit CpuTimer(double& total_ms) : total_ms_(total_ms), start_s_(thread_cpu_time_s()) {}
-  ~CpuTimer() { total_ms_ += 1e3 * (thread_cpu_time_s() - start_s_); }
-  CpuTimer(const CpuTimer&) = delete;
-  CpuTimer& operator=(const CpuTimer&) = delete;
-
- private:
-  double& total_ms_;
-  double start_s_;
-};
-
-}  // namespace
-
 GicpTracker::GicpTracker(const TrackerConfig& config, const PinholeCamera& camera,
                          const SE3& T_world_first)
     : config_(config),
