@@ -48,6 +48,7 @@ std::unique_ptr<Mapper> trained(const MapperConfig& config, ThreadPool* pool, in
 TEST(Mapper, TrainingExplainsThePictures) {
   MapperConfig config = config_for_test();
   config.refinement.pose = false;
+  config.first_keyframe_iterations = 0;
   const auto untrained = trained(config, nullptr, 0), mapper = trained(config, nullptr, 40);
   const SE3 between = translated(0.15, 0.03, 0.02);  // a view that was never trained
   const auto view = wall_frame(small_camera(), between);
@@ -56,6 +57,12 @@ TEST(Mapper, TrainingExplainsThePictures) {
   EXPECT_GT(after, 30.0);
   EXPECT_GT(after, before + 2);
   EXPECT_EQ(mapper->iterations(), 200);
+}
+
+TEST(Mapper, SpendsStepsOnTheFirstKeyframeOnly) {
+  MapperConfig config = config_for_test();
+  config.first_keyframe_iterations = 7;
+  EXPECT_EQ(trained(config, nullptr, 0)->iterations(), 7);
 }
 
 TEST(Mapper, GivesTheSameBitsForAnyNumberOfThreads) {
