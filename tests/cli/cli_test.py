@@ -138,7 +138,10 @@ class Contract(Case):
 
     def test_progress_on_a_terminal_and_plain_lines_elsewhere(self):
         command = [str(SGS), "run", str(self.master), "--no-eval", "-o"]
-        ours, theirs = pty.openpty()
+        try:
+            ours, theirs = pty.openpty()
+        except OSError as error:  # a bare chroot has none
+            self.skipTest(f"no pseudo-terminals here: {error}")
         process = subprocess.Popen([*command, "terminal"], cwd=self.folder, stderr=theirs,
                                    stdout=subprocess.DEVNULL)
         os.close(theirs)
