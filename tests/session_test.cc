@@ -141,6 +141,25 @@ TEST(Session, VisionCarriesTheSpectralTrackerThroughMissingDepth) {
   EXPECT_NE(statuses.back(), tracker::TrackingStatus::kLost);
 }
 
+TEST(Session, ReportsEveryFrameAndSavesItsResults) {
+  const auto frames = small_sequence(6);
+  auto session = slam::Session::create(config_for_test(), frames.front()->camera, {});
+  ASSERT_TRUE(session);
+  std::vector<std::int64_t> seen;
+  (*session)->on_frame([&](const slam::FrameRecord& record) { seen.push_back(record.index); });
+  for (const auto& frame : frames) (*session)->feed(frame);
+  (*session)->finish();
+  EXPECT_EQ(seen, (std::vector<std::int64_t>{0, 1, 2, 3, 4, 5}));
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / "sgs_session_save";
+  ASSERT_TRUE((*session)->save(folder));
+  for (const char* name : {"trajectory.txt", "keyframes.txt", "frames.csv", "map.ply"}) {
+    EXPECT_GT(std::filesystem::file_size(folder / name), 100u) << name;
+  }
+  EXPECT_FALSE((*session)->save(folder / "map.ply" / "below_a_file"));
+  std::filesystem::remove_all(folder);
+}
+
 TEST(Session, RefusesFramesOfAnotherSize) {
   auto session = slam::Session::create(config_for_test(), {320, 240, 260, 260, 160, 120}, {});
   ASSERT_TRUE(session);

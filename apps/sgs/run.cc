@@ -11,7 +11,6 @@
 #include "run_request.h"
 #include "score.h"
 #include "sgs/core/log.h"
-#include "sgs/io/ply.h"
 #include "sgs/io/trajectory_io.h"
 #include "timings.h"
 #include "version.h"
@@ -51,16 +50,12 @@ eval::Metrics run_metrics(const RunRequest& request, const slam::SessionConfig& 
 
 /// Files that need nothing but the session; written before any score is computed.
 void save_session(const slam::Session& session, const FinishedRun& run, RunFolder& folder) {
-  const auto save_poses = [&](const char* name, const Trajectory& trajectory) {
-    folder.save(name, [&](const fs::path& path) { return io::save_trajectory(path, trajectory); });
-  };
-  save_poses("trajectory.txt", run.trajectory);
-  save_poses("keyframes.txt", session.keyframe_trajectory());
-  save_poses("groundtruth.txt", run.truth);
-  folder.save_text("frames.csv", run.frames_csv);
+  session.save([&](const std::string& name, const slam::Session::FileWriter& write) {
+    folder.save(name, write);
+  });
+  folder.save("groundtruth.txt",
+              [&](const fs::path& path) { return io::save_trajectory(path, run.truth); });
   folder.save_text("timings.json", timings_json(session.times()));
-  folder.save("map.ply",
-              [&](const fs::path& path) { return io::save_splats(path, run.gaussians); });
 }
 
 /// Lost at the end, or for more than half of the frames: the result is not what was asked for.

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <deque>
+#include <filesystem>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -43,6 +45,9 @@ class Session {
   /// Tracks one frame and hands it to the mapper; offline it waits when the mapper is more than
   /// snapshot_lag frames behind. The record stays valid until the session dies.
   const FrameRecord& feed(const std::shared_ptr<const RgbdFrame>& frame);
+  /// Event: called in feed(), on its thread, after each frame has been tracked and handed on.
+  using FrameEvent = std::function<void(const FrameRecord&)>;
+  void on_frame(FrameEvent event) { on_frame_ = std::move(event); }
   /// Notes a frame that could not be read.
   void feed_bad(std::int64_t index, double timestamp_s, const std::string& reason);
   /// Waits for the mapper to complete what was fed. Call once, then read the results below.
@@ -60,6 +65,14 @@ class Session {
   std::int64_t iterations() const { return worker_->iterations(); }
   /// Seconds the mapper has been busy so far (any thread).
   double mapper_busy_s() const { return worker_->busy_s(); }
+  /// Writes one file to the path it is given.
+  using FileWriter = std::function<Status(const std::filesystem::path&)>;
+  /// Hands out the session's results (after finish()): trajectory.txt, keyframes.txt, frames.csv
+  /// and map.ply, each with its writer, so that the caller decides where files go when a disk is
+  /// full.
+  void save(const std::function<void(const std::string& name, const FileWriter&)>& sink) const;
+  /// Writes those files into a folder; the first failure is returned, the others are still tried.
+  Status save(const std::filesystem::path& folder) const;
   /// Durations of tracking and mapping stages (after finish()).
   StageTimes times() const;
 
@@ -78,6 +91,7 @@ class Session {
   std::int64_t last_mapping_keyframe_ = -1;  // in frames fed
   bool keyframe_pending_ = true;  // a tracking keyframe waits for a frame the mapper may use
   StageTimes track_times_;
+  FrameEvent on_frame_;
 };
 
 }  // namespace sgs::slam
