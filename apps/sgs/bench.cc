@@ -202,7 +202,9 @@ void add_bench(CLI::App& app, Action& action) {
   sub->add_option("--jobs", command->jobs, "Runs at a time")->check(CLI::Range(1, 64));
   sub->add_flag("--rendering", command->rendering, "Also compute the rendering scores");
   sub->add_flag("--again", command->again, "Repeat runs that are already done");
-  sub->callback([command, &action] { action = [command] { return run_bench(*command); }; });
+  sub->callback([command, sub, &action] {
+    if (sub->get_subcommands().empty()) action = [command] { return run_bench(*command); };
+  });
 }
 
 }  // namespace sgs::app

@@ -47,6 +47,7 @@ int main(int argc, char** argv) {
   add_export(app, action);
   add_info(app, action);
   add_bench(app, action);
+  add_bench_raster(app, action);
   install_interrupt_handler();
   try {
     app.parse(argc, argv);
