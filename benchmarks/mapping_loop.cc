@@ -33,8 +33,8 @@ MappingLoop::MappingLoop(const MappingLoopOptions& options)
 }
 
 void MappingLoop::iterate() {
-  rasterizer_->evaluate(store_.raw, *target_, pose_, loss_, gradients_);
-  optimizer_.step(gradients_, store_);
+  mapper::StepWithBackward step(optimizer_, store_);
+  rasterizer_->evaluate(store_.raw, *target_, pose_, loss_, gradients_, {nullptr, &step});
 }
 
 std::size_t MappingLoop::visible() const { return gradients_.visible.size(); }

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -88,6 +90,18 @@ TEST(ThreadPool, RethrowsAndStaysUsable) {
     std::atomic<int> count{0};
     pool.run(10, [&](int, int) { ++count; });
     EXPECT_EQ(count, 10);
+  }
+}
+
+TEST(ThreadPool, SurvivesManyShortLoopsAndPausesBetweenThem) {
+  ThreadPool pool(3);
+  for (int loop = 0; loop < 20000; ++loop) {
+    const int chunks = 2 + loop % 5;
+    std::array<int, 6> seen{};  // plain integers: each chunk is one thread's alone
+    pool.run(chunks, [&](int chunk, int) { seen[static_cast<std::size_t>(chunk)] += loop + 1; });
+    for (int i = 0; i < chunks; ++i) ASSERT_EQ(seen[static_cast<std::size_t>(i)], loop + 1);
+    // Long enough for the workers to fall asleep.
+    if (loop % 5000 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
 }
 

@@ -3,55 +3,119 @@
 #include "sgs/core/thread_pool.h"
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <exception>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "sgs/core/error.h"
 
 namespace sgs {
+namespace {
+
+/// How long a thread looks for work before it sleeps: longer than the serial stretches between the
+/// loops of one computation, so that those cost no system calls, and far shorter than a frame, so
+/// that an idle pool burns nothing.
+constexpr std::chrono::microseconds kSpin{100};
+
+inline void relax() {
+#if defined(__x86_64__) || defined(__i386__)
+  __builtin_ia32_pause();
+#elif defined(__aarch64__)
+  asm volatile("yield");
+#endif
+}
+
+/// Polls `ready` for a bounded time; returns its last value.
+template <class Ready>
+bool spin_until(const Ready& ready) {
+  constexpr int kPollsPerLook = 64;
+  const auto end = std::chrono::steady_clock::now() + kSpin;
+  do {
+    for (int i = 0; i < kPollsPerLook; ++i) {
+      if (ready()) return true;
+      relax();
+    }
+  } while (std::chrono::steady_clock::now() < end);
+  return ready();
+}
+
+/// What there is to do, in one word, so that taking a chunk is one compare-and-swap which fails
+/// whenever anything about the loop has changed: a thread that comes late can do no harm, and no
+/// loop has to wait for threads that slept through it.
+struct Work {
+  static constexpr int kBits = 24;
+  static constexpr std::uint64_t kMask = (std::uint64_t{1} << kBits) - 1;
+
+  static std::uint64_t pack(std::uint64_t loop, std::uint64_t chunks) {
+    return loop << 2 * kBits | chunks << kBits;
+  }
+  static std::uint64_t chunks(std::uint64_t word) { return word >> kBits & kMask; }
+  static std::uint64_t next(std::uint64_t word) { return word & kMask; }
+  static bool any(std::uint64_t word) { return next(word) < chunks(word); }
+};
+
+}  // namespace
 
 struct ThreadPool::State {
   int threads = 1;
   std::vector<std::thread> workers;
 
+  std::atomic<std::uint64_t> work{0};
+  std::uint64_t loop = 0;  // number of the present loop; only run() touches it
+  // Written before `work` announces them, read only by threads that hold a chunk.
+  const std::function<void(int, int)>* body = nullptr;
+  std::atomic<int> unfinished{0};
+  std::atomic<bool> failed{false};
+
   std::mutex mutex;
   std::condition_variable wake, finished;
-  // Everything below is guarded by `mutex`, except `next`, which only needs to hand out each chunk
-  // once.
-  std::uint64_t generation = 0;
-  int running = 0;
-  bool stop = false;
-  int chunks = 0;
-  const std::function<void(int, int)>* body = nullptr;
-  std::exception_ptr error;
-  std::atomic<int> next{0};
+  std::atomic<int> sleepers{0};
+  std::atomic<bool> caller_sleeps{false};
+  bool stop = false;         // guarded by mutex
+  std::exception_ptr error;  // guarded by mutex
 
-  void work(int worker) {
-    for (int chunk = next.fetch_add(1); chunk < chunks; chunk = next.fetch_add(1)) {
+  void run_chunk(int chunk, int worker) {
+    if (!failed.load(std::memory_order_relaxed)) {
       try {
         (*body)(chunk, worker);
       } catch (...) {
         const std::scoped_lock lock(mutex);
         if (!error) error = std::current_exception();
-        next = chunks;
+        failed = true;  // the chunks that are left are taken, but not run
       }
+    }
+    if (unfinished.fetch_sub(1) == 1 && caller_sleeps) {
+      const std::scoped_lock lock(mutex);
+      finished.notify_one();
     }
   }
 
-  void loop(int worker) {
-    std::uint64_t seen = 0;
-    std::unique_lock lock(mutex);
+  /// Runs chunks until there are none left to take.
+  void take_all(int worker) {
+    std::uint64_t word = work.load();
+    while (Work::any(word)) {
+      if (!work.compare_exchange_weak(word, word + 1)) continue;
+      run_chunk(static_cast<int>(Work::next(word)), worker);
+      word = work.load();
+    }
+  }
+
+  void worker_loop(int worker) {
+    const auto has_work = [this] { return Work::any(work.load()); };
     while (true) {
-      wake.wait(lock, [&] { return stop || generation != seen; });
-      if (stop) return;
-      seen = generation;
-      lock.unlock();
-      work(worker);
-      lock.lock();
-      if (--running == 0) finished.notify_one();
+      if (!spin_until(has_work)) {
+        std::unique_lock lock(mutex);
+        ++sleepers;
+        wake.wait(lock, [&] { return stop || has_work(); });
+        --sleepers;
+        if (stop) return;
+      }
+      take_all(worker);
     }
   }
 };
@@ -60,7 +124,7 @@ ThreadPool::ThreadPool(int threads) : state_(std::make_unique<State>()) {
   SGS_CHECK(threads >= 1, "a thread pool needs at least one thread");
   state_->threads = threads;
   for (int i = 1; i < threads; ++i) {
-    state_->workers.emplace_back([s = state_.get(), i] { s->loop(i); });
+    state_->workers.emplace_back([s = state_.get(), i] { s->worker_loop(i); });
   }
 }
 
@@ -81,20 +145,29 @@ void ThreadPool::run(int chunks, const std::function<void(int, int)>& body) {
     for (int chunk = 0; chunk < chunks; ++chunk) body(chunk, 0);
     return;
   }
-  {
+  SGS_CHECK(static_cast<std::uint64_t>(chunks) < Work::kMask, "too many chunks");
+  s.body = &body;
+  s.failed = false;
+  s.unfinished = chunks;
+  s.work = Work::pack(++s.loop, static_cast<std::uint64_t>(chunks));
+  // A worker counts itself as sleeping before it looks at `work` for the last time, so one of the
+  // two sees the other.
+  if (s.sleepers > 0) {
     const std::scoped_lock lock(s.mutex);
-    s.chunks = chunks;
-    s.body = &body;
-    s.error = nullptr;
-    s.next = 0;
-    s.running = s.threads - 1;
-    ++s.generation;
+    s.wake.notify_all();
   }
-  s.wake.notify_all();
-  s.work(0);
-  std::unique_lock lock(s.mutex);
-  s.finished.wait(lock, [&] { return s.running == 0; });
-  if (s.error) std::rethrow_exception(s.error);
+  s.take_all(0);
+  const auto done = [&s] { return s.unfinished.load() == 0; };
+  if (!spin_until(done)) {
+    std::unique_lock lock(s.mutex);
+    s.caller_sleeps = true;
+    s.finished.wait(lock, done);
+    s.caller_sleeps = false;
+  }
+  if (s.failed) {
+    const std::scoped_lock lock(s.mutex);
+    std::rethrow_exception(std::exchange(s.error, nullptr));
+  }
 }
 
 }  // namespace sgs

@@ -25,7 +25,8 @@ class GreyRasterizer : public render::Rasterizer {
     return nullptr;
   }
   void evaluate(std::span<const map::Gaussian>, const render::PreparedTarget&, const SE3&,
-                const render::LossConfig&, render::Gradients&, render::Rendering*) override {}
+                const render::LossConfig&, render::Gradients&,
+                const render::EvaluateOptions&) override {}
   int calls = 0;
 };
 

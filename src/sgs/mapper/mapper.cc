@@ -81,8 +81,9 @@ void Mapper::Impl::step() {
   loss.dssim_weight = structural ? static_cast<float>(config.objective.dssim_weight) : 0.0f;
   loss.gain = keyframe.gain;
   const auto target = targets.get(keyframe, index, level);
-  rasterizer->evaluate(store.raw, *target, keyframe.T_world_camera, loss, gradients);
-  optimizer.step(gradients, store);
+  StepWithBackward step_with_backward(optimizer, store);
+  rasterizer->evaluate(store.raw, *target, keyframe.T_world_camera, loss, gradients,
+                       {nullptr, &step_with_backward});
   const PinholeCamera view = camera.halved(level);
   last_loss = gradients.loss / (static_cast<double>(view.width) * view.height);
 

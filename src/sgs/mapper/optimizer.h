@@ -2,7 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "sgs/map/gaussian_store.h"
+#include "sgs/mapper/adam.h"
 #include "sgs/mapper/mapper_config.h"
 #include "sgs/render/rasterizer.h"
 
@@ -11,20 +15,35 @@ namespace sgs::mapper {
 /// Adam on the Gaussians that took part in a rendering, each with its own step count (Kingma & Ba
 /// 2015; bias correction with the Gaussian's own t), followed by the caps and the average
 ///   avg <- d avg + (1 - d) value,  d = min(average, (t + 1) / (t + 10)).
-/// Gaussians out of view cost nothing and keep their moments.
+/// Gaussians out of view cost nothing and keep their moments. Thread-safe for disjoint Gaussians.
 class Optimizer {
  public:
   explicit Optimizer(const OptimizerConfig& config);
+  Optimizer(const Optimizer&) = delete;
+  Optimizer& operator=(const Optimizer&) = delete;
 
-  /// One step along `gradients` (whose indices refer to `store`).
-  void step(const render::Gradients& gradients, map::GaussianStore& store) const;
+  /// One step of the Gaussians `indices` of `store` along `rows`, one gradient each.
+  void step(std::span<const std::uint32_t> indices, const map::Gaussian* rows,
+            map::GaussianStore& store) const;
 
  private:
-  void cap(map::GaussianStore& store, std::size_t i) const;
-
-  OptimizerConfig config_;
-  float rates_[16];
+  AdamSettings settings_{};
   std::vector<float> correction1_, correction2_;  ///< 1/(1-b1^t), 1/sqrt(1-b2^t)
+};
+
+/// Steps the Gaussians while a rasterizer's backward pass still has their gradients in the cache.
+class StepWithBackward final : public render::GradientSink {
+ public:
+  /// Both must outlive this; `store` keeps its size during the evaluation.
+  StepWithBackward(const Optimizer& optimizer, map::GaussianStore& store)
+      : optimizer_(optimizer), store_(store) {}
+  void accept(std::span<const std::uint32_t> indices, const map::Gaussian* rows) override {
+    optimizer_.step(indices, rows, store_);
+  }
+
+ private:
+  const Optimizer& optimizer_;
+  map::GaussianStore& store_;
 };
 
 }  // namespace sgs::mapper

@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+#include "sgs/render/instruction_set.h"
+
 namespace sgs::mapper {
 namespace {
 
@@ -19,7 +21,21 @@ map::Gaussian row(float value) {
   return g;
 }
 
-TEST(Optimizer, FollowsTheScalarFormulaOfAdam) {
+void step(const Optimizer& optimizer, const std::vector<std::uint32_t>& indices,
+          const std::vector<map::Gaussian>& gradient, map::GaussianStore& store) {
+  optimizer.step(indices, gradient.data(), store);
+}
+
+/// Runs its body once per instruction set that this machine has.
+class EachInstructionSet : public ::testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override { ASSERT_TRUE(render::use_instruction_set(GetParam())); }
+  void TearDown() override { ASSERT_TRUE(render::use_instruction_set("best")); }
+};
+INSTANTIATE_TEST_SUITE_P(Cpu, EachInstructionSet, ::testing::ValuesIn(render::instruction_sets()),
+                         [](const auto& p) { return p.param; });
+
+TEST_P(EachInstructionSet, FollowsTheScalarFormulaOfAdam) {
   OptimizerConfig config;
   config.average = 0.9;
   map::GaussianStore store;
@@ -28,10 +44,7 @@ TEST(Optimizer, FollowsTheScalarFormulaOfAdam) {
   double value = 1, m = 0, v = 0, average = 1;
   for (int t = 1; t <= 30; ++t) {
     const double g = std::sin(0.7 * t);
-    render::Gradients gradients;
-    gradients.visible = {0};
-    gradients.gradient = {row(static_cast<float>(g))};
-    optimizer.step(gradients, store);
+    step(optimizer, {0}, {row(static_cast<float>(g))}, store);
     m = 0.9 * m + 0.1 * g;
     v = 0.999 * v + 0.001 * g * g;
     value -= 5e-3 * (m / (1 - std::pow(0.9, t))) / std::sqrt(v / (1 - std::pow(0.999, t)));
@@ -44,20 +57,17 @@ TEST(Optimizer, FollowsTheScalarFormulaOfAdam) {
   EXPECT_EQ(store.raw[0].unused[0], 0.0f);
 }
 
-TEST(Optimizer, TouchesOnlyVisibleGaussians) {
+TEST_P(EachInstructionSet, TouchesOnlyVisibleGaussians) {
   map::GaussianStore store;
   for (int i = 0; i < 3; ++i) store.append(row(1), {}, 1e6f);
-  render::Gradients gradients;
-  gradients.visible = {1};
-  gradients.gradient = {row(1)};
-  Optimizer({}).step(gradients, store);
+  step(Optimizer({}), {1}, {row(1)}, store);
   EXPECT_EQ(store.raw[0].rgb[0], 1.0f);
   EXPECT_LT(store.raw[1].rgb[0], 1.0f);
   EXPECT_EQ(store.raw[2].rgb[0], 1.0f);
   EXPECT_EQ(store.steps[2], 0u);
 }
 
-TEST(Optimizer, CapsNeedlesAndGrowth) {
+TEST_P(EachInstructionSet, CapsNeedlesAndGrowth) {
   map::GaussianStore store;
   map::Gaussian g = row(0);
   g.log_scale[0] = 2;
@@ -65,32 +75,37 @@ TEST(Optimizer, CapsNeedlesAndGrowth) {
   g.log_scale[2] = -3;
   store.append(g, {}, 1e6f);
   store.append(g, {}, -2.0f);
-  render::Gradients gradients;
-  gradients.visible = {0, 1};
-  gradients.gradient = {row(0), row(0)};
-  Optimizer({}).step(gradients, store);
+  step(Optimizer({}), {0, 1}, {row(0), row(0)}, store);
   EXPECT_NEAR(store.raw[0].log_scale[0], -1 + std::log(2.5), 1e-5);
   EXPECT_NEAR(store.raw[1].log_scale[0], -2, 1e-5);
   EXPECT_NEAR(store.raw[1].log_scale[1], -2, 1e-5);
 }
 
-TEST(Optimizer, KeepsPlatesThickEnoughNotToShowAsNeedles) {
+TEST_P(EachInstructionSet, KeepsPlatesThickEnoughNotToShowAsNeedles) {
   map::Gaussian g = row(0);
   g.log_scale[0] = -3;
   g.log_scale[1] = -9;
   g.log_scale[2] = -2.5f;
-  render::Gradients gradients;
-  gradients.visible = {0};
-  gradients.gradient = {row(0)};
   for (const double flatness : {4.0, 0.0}) {
     map::GaussianStore store;
     store.append(g, {}, 1e6f);
     OptimizerConfig config;
     config.max_flatness = flatness;
-    Optimizer(config).step(gradients, store);
+    step(Optimizer(config), {0}, {row(0)}, store);
     EXPECT_NEAR(store.raw[0].log_scale[0], -3, 1e-5);
     EXPECT_NEAR(store.raw[0].log_scale[1], flatness > 0 ? -3 - std::log(4.0) : -9, 1e-5);
     EXPECT_NEAR(store.raw[0].log_scale[2], -2.5, 1e-5);
+  }
+}
+
+TEST_P(EachInstructionSet, TakesTinyAndHugeGradients) {
+  // Steps of Adam do not depend on the gradient's size; a gradient of zero moves nothing.
+  for (const float size : {1e-9f, 1e6f, 0.0f}) {
+    map::GaussianStore store;
+    store.append(row(1), {}, 1e6f);
+    step(Optimizer({}), {0}, {row(size)}, store);
+    EXPECT_NEAR(store.raw[0].rgb[0], size > 0 ? 1 - 5e-3 : 1, 1e-6);
+    EXPECT_NEAR(store.raw[0].opacity_logit, size > 0 ? 1 - 0.05 : 1, 1e-5);
   }
 }
 

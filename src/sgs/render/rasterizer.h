@@ -86,6 +86,22 @@ struct Gradients {
   std::array<double, 3> exposure_rendered = {0, 0, 0};
 };
 
+/// Takes gradient rows while they are still in the cache, instead of Gradients::gradient.
+class GradientSink {
+ public:
+  virtual ~GradientSink() = default;
+  /// `rows[k]` is the gradient of Gaussian `indices[k]`; indices increase. Called from the pool's
+  /// threads, at once for disjoint ranges of Gaussians and in no particular order; the Gaussians
+  /// of `indices` are not read any more by this evaluation, so that they may be changed.
+  virtual void accept(std::span<const std::uint32_t> indices, const map::Gaussian* rows) = 0;
+};
+
+/// What an evaluation may do beside filling Gradients.
+struct EvaluateOptions {
+  Rendering* rendering = nullptr;  ///< where to store the forward images
+  GradientSink* sink = nullptr;    ///< takes the gradient rows; Gradients::gradient stays empty
+};
+
 /// A differentiable Gaussian rasterizer: EWA projection with 0.3 px^2 low-pass, alpha clamped to
 /// 0.99, contributions below 1/255 dropped, compositing stops at transmittance 1e-4. Gaussians
 /// nearer than 0.1 m, far outside the view or with non-finite or absurd parameters are left out.
@@ -103,10 +119,14 @@ class Rasterizer {
   virtual std::shared_ptr<const PreparedTarget> prepare(const TrainingImage& image) const = 0;
 
   /// One training evaluation: forward, loss against `target`, backward. Reuses `out`'s memory.
-  /// With `rendering` non-null the forward images are also stored there.
   virtual void evaluate(std::span<const map::Gaussian> gaussians, const PreparedTarget& target,
                         const SE3& T_world_camera, const LossConfig& loss, Gradients& out,
-                        Rendering* rendering = nullptr) = 0;
+                        const EvaluateOptions& options) = 0;
+  void evaluate(std::span<const map::Gaussian> gaussians, const PreparedTarget& target,
+                const SE3& T_world_camera, const LossConfig& loss, Gradients& out,
+                Rendering* rendering = nullptr) {
+    evaluate(gaussians, target, T_world_camera, loss, out, EvaluateOptions{rendering, nullptr});
+  }
 
   /// The same with the preparation done here each time.
   void evaluate(std::span<const map::Gaussian> gaussians, const TrainingImage& target,

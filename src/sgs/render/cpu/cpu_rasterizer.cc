@@ -51,7 +51,7 @@ std::shared_ptr<const PreparedTarget> CpuRasterizer::prepare(const TrainingImage
 
 void CpuRasterizer::evaluate(std::span<const map::Gaussian> gaussians, const PreparedTarget& target,
                              const SE3& T_world_camera, const LossConfig& loss, Gradients& out,
-                             Rendering* rendering) {
+                             const EvaluateOptions& options) {
   const auto* own = dynamic_cast<const CpuTarget*>(&target);
   SGS_CHECK(own != nullptr, "the target was prepared by another kind of rasterizer");
   const View<float> view = make_view<float>(target.camera(), T_world_camera);
@@ -59,7 +59,7 @@ void CpuRasterizer::evaluate(std::span<const map::Gaussian> gaussians, const Pre
   out.loss = 0;
   has_color_gradient_ = loss.dssim_weight != 0.0f;
   if (has_color_gradient_) out.loss += add_dssim(*own, loss);
-  visit_tiles(*own, loss, rendering != nullptr);
+  visit_tiles(*own, loss, options.rendering != nullptr);
   out.exposure_measured = out.exposure_rendered = {0, 0, 0};
   for (const TileResult& r : results_) {
     out.loss += r.loss;
@@ -68,8 +68,8 @@ void CpuRasterizer::evaluate(std::span<const map::Gaussian> gaussians, const Pre
       out.exposure_rendered[c] += r.exposure_rendered[c];
     }
   }
-  splat_backward(gaussians, view, out);
-  if (rendering != nullptr) store(own->grid(), *rendering);
+  splat_backward(gaussians, view, out, options.sink);
+  if (options.rendering != nullptr) store(own->grid(), *options.rendering);
 }
 
 void CpuRasterizer::arrange(std::span<const map::Gaussian> gaussians, const View<float>& view,
@@ -188,24 +188,32 @@ void CpuRasterizer::visit_tiles(const CpuTarget& target, const LossConfig& loss,
 }
 
 void CpuRasterizer::splat_backward(std::span<const map::Gaussian> gaussians,
-                                   const View<float>& view, Gradients& out) {
+                                   const View<float>& view, Gradients& out, GradientSink* sink) {
+  constexpr std::uint32_t kRowsAtOnce = 64;  // 4 KiB, still in the first cache when the sink reads
   const std::size_t chunks = visible_.size(), visible = first_visible_[chunks];
   out.visible.resize(visible);
-  out.gradient.resize(visible);
+  out.gradient.resize(sink == nullptr ? visible : 0);
   twists_.resize(chunks);
   pool_->run(static_cast<int>(chunks), [&](int chunk, int) {
     const auto c = static_cast<std::size_t>(chunk);
+    const std::uint32_t count = visible_[c];
+    const std::span indices(out.visible.data() + first_visible_[c], count);
+    std::copy_n(sources_.data() + c * kChunk, count, indices.begin());
+    twists_[c].fill(0);
     SplatBackwardJob job;
     job.gaussians = gaussians.data();
-    job.sources = sources_.data() + c * kChunk;
-    job.records = records_.data() + c * kChunk;
-    job.visible = visible_[c];
     job.slots = slots_.data() + slot_base_[c];
     job.slot_used = slot_used_.data() + slot_base_[c];
-    job.gradient = out.gradient.data() + first_visible_[c];
     job.twist = twists_[c].data();
-    std::copy_n(job.sources, visible_[c], out.visible.begin() + first_visible_[c]);
-    splat_backward_chunk(view, job);
+    std::array<map::Gaussian, kRowsAtOnce> rows;
+    for (std::uint32_t i = 0; i < count; i += kRowsAtOnce) {
+      job.sources = indices.data() + i;
+      job.records = records_.data() + c * kChunk + i;
+      job.visible = std::min(kRowsAtOnce, count - i);
+      job.gradient = sink == nullptr ? out.gradient.data() + first_visible_[c] + i : rows.data();
+      splat_backward_chunk(view, job);
+      if (sink != nullptr) sink->accept(indices.subspan(i, job.visible), rows.data());
+    }
   });
   out.camera_twist.setZero();
   for (const auto& twist : twists_) {

@@ -32,7 +32,7 @@ class CpuRasterizer final : public Rasterizer {
   std::shared_ptr<const PreparedTarget> prepare(const TrainingImage& image) const override;
   void evaluate(std::span<const map::Gaussian> gaussians, const PreparedTarget& target,
                 const SE3& T_world_camera, const LossConfig& loss, Gradients& out,
-                Rendering* rendering) override;
+                const EvaluateOptions& options) override;
 
  private:
   /// Projection, sorting and binning.
@@ -43,7 +43,7 @@ class CpuRasterizer final : public Rasterizer {
   double add_dssim(const CpuTarget& target, const LossConfig& loss);
   void visit_tiles(const CpuTarget& target, const LossConfig& loss, bool keep_image);
   void splat_backward(std::span<const map::Gaussian> gaussians, const View<float>& view,
-                      Gradients& out);
+                      Gradients& out, GradientSink* sink);
   void store(const TileGrid& grid, Rendering& out);
 
   ThreadPool own_pool_;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
+#include <mutex>
 
 #include "sgs/render/test_scene.h"
 
@@ -267,6 +269,36 @@ TEST_P(EachTarget, SameBitsForAnyNumberOfThreads) {
     EXPECT_EQ(
         std::memcmp(image_one.color.data(), image.color.data(), image.color.size() * sizeof(Rgbf)),
         0);
+  }
+}
+
+TEST_P(EachTarget, SinkGetsEveryRowOnce) {
+  struct Collect final : GradientSink {
+    std::mutex mutex;
+    std::map<std::uint32_t, map::Gaussian> rows;
+    void accept(std::span<const std::uint32_t> indices, const map::Gaussian* gradient) override {
+      const std::scoped_lock lock(mutex);
+      for (std::size_t k = 0; k < indices.size(); ++k) {
+        EXPECT_TRUE(rows.emplace(indices[k], gradient[k]).second);
+      }
+    }
+  };
+  const Scene s = make_scene(200, 150, 6000, 3, 16);
+  ThreadPool pool(3);
+  for (auto& rasterizer : {make_cpu_rasterizer(&pool), make_reference_rasterizer()}) {
+    if (rasterizer->name() == "reference" && GetParam() != compiled_targets().front()) continue;
+    const auto target = rasterizer->prepare(s.target);
+    Gradients expected, out;
+    rasterizer->evaluate(s.gaussians, *target, s.pose, {}, expected);
+    Collect sink;
+    rasterizer->evaluate(s.gaussians, *target, s.pose, {}, out, {nullptr, &sink});
+    EXPECT_EQ(out.visible, expected.visible);
+    EXPECT_TRUE(out.gradient.empty());
+    EXPECT_EQ(out.camera_twist, expected.camera_twist);
+    ASSERT_EQ(sink.rows.size(), expected.visible.size());
+    for (std::size_t i = 0; i < expected.visible.size(); ++i) {
+      EXPECT_EQ(std::memcmp(&sink.rows.at(expected.visible[i]), &expected.gradient[i], 64), 0);
+    }
   }
 }
 

@@ -29,7 +29,8 @@ HWY_INLINE void sum_slots(const SplatBackwardJob& job, const Record& r, float* o
 }
 
 void SplatBackwardChunk(const View<float>& view, const SplatBackwardJob& job) {
-  for (int k = 0; k < 6; ++k) job.twist[k] = 0;
+  F twist[6];
+  for (F& t : twist) t = F(0.0f);
   for (std::uint32_t i = 0; i < job.visible; i += kLanes) {
     const std::uint32_t n = job.visible - i < kLanes ? job.visible - i : kLanes;
     const float* parameter_rows[kLanes];
@@ -85,13 +86,13 @@ void SplatBackwardChunk(const View<float>& view, const SplatBackwardJob& job) {
         store(load(rows[l] + part * kLanes), to + part * kLanes);
       }
     }
-    for (int k = 0; k < 6; ++k) {
-      alignas(64) float lanes[16];
-      store(g.twist[k], lanes);
-      double sum = 0;
-      for (std::uint32_t l = 0; l < n; ++l) sum += static_cast<double>(lanes[l]);
-      job.twist[k] += sum;
-    }
+    const Mask counts = hn::FirstN(kF, n);
+    for (int k = 0; k < 6; ++k) twist[k] = twist[k] + zero_unless(counts, g.twist[k]);
+  }
+  for (int k = 0; k < 6; ++k) {
+    alignas(64) float lanes[16];
+    store(twist[k], lanes);
+    for (int l = 0; l < kLanes; ++l) job.twist[k] += static_cast<double>(lanes[l]);
   }
 }
 

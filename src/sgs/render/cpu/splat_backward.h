@@ -10,16 +10,16 @@
 
 namespace sgs::render::cpu {
 
-/// From the per-tile sums of a chunk's visible Gaussians to gradients of their parameters.
+/// From the per-tile sums of some visible Gaussians of a chunk to gradients of their parameters.
 struct SplatBackwardJob {
   const map::Gaussian* gaussians = nullptr;  ///< all of them
-  const std::uint32_t* sources = nullptr;    ///< the chunk's, per visible Gaussian
-  const Record* records = nullptr;           ///< the chunk's
+  const std::uint32_t* sources = nullptr;    ///< index per visible Gaussian
+  const Record* records = nullptr;           ///< record per visible Gaussian
   std::uint32_t visible = 0;
   const SumRow* slots = nullptr;  ///< the chunk's
   const std::uint8_t* slot_used = nullptr;
   map::Gaussian* gradient = nullptr;  ///< one row per visible Gaussian
-  double* twist = nullptr;            ///< the chunk's share of the camera gradient, 6
+  double* twist = nullptr;            ///< 6; their share of the camera gradient is added
 };
 
 void splat_backward_chunk(const View<float>& view, const SplatBackwardJob& job);

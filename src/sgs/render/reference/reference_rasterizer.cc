@@ -35,7 +35,7 @@ class ReferenceRasterizer final : public Rasterizer {
 
   void evaluate(std::span<const map::Gaussian> gaussians, const PreparedTarget& target,
                 const SE3& T_world_camera, const LossConfig& loss, Gradients& out,
-                Rendering* rendering) override {
+                const EvaluateOptions& options) override {
     const auto* own = dynamic_cast<const ReferenceTarget*>(&target);
     SGS_CHECK(own != nullptr, "the target was prepared by another kind of rasterizer");
     const auto rows = convert(gaussians);
@@ -51,7 +51,11 @@ class ReferenceRasterizer final : public Rasterizer {
     out.loss = e.loss;
     out.exposure_measured = e.exposure_measured;
     out.exposure_rendered = e.exposure_rendered;
-    if (rendering != nullptr) store(e.image, target.camera(), *rendering);
+    if (options.rendering != nullptr) store(e.image, target.camera(), *options.rendering);
+    if (options.sink != nullptr) {
+      options.sink->accept(out.visible, out.gradient.data());
+      out.gradient.clear();
+    }
   }
 
  private:
