@@ -9,6 +9,8 @@ list="$(dirname "$0")/packages-debian.txt"
 missing=()
 while read -r package; do
   [[ -z "$package" || "$package" == \#* ]] && continue
+  # Node.js from elsewhere brings its own npm, and Debian's conflicts with it: any npm will do.
+  [[ "$package" =~ ^(nodejs|npm)$ ]] && command -v npm >/dev/null && continue
   dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
 done <"$list"
 [[ ${#missing[@]} -eq 0 ]] && exit 0

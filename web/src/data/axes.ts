@@ -1,0 +1,123 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+import { combine, dot, eigenSymmetric, orthonormalise, type Vector } from "./linalg";
+import type { Six } from "./protocol";
+
+/// Names of the six camera axes in the order rows and arrows are shown.
+export const kAxisNames = ["slide x", "slide y", "slide z", "turn x", "turn y", "turn z"] as const;
+
+/// One of six motions as shown: which camera axis it is closest to, and how well geometry sees it.
+export interface ShownAxis {
+  kind: "slide" | "turn";
+  /// 0 x, 1 y, 2 z
+  letter: number;
+  /// Unit direction of the translation or of the rotation's axis in the camera frame; the dominant
+  /// component is positive.
+  direction: [number, number, number];
+  /// 0 = seen by geometry .. 1 = unseen.
+  weight: number;
+  /// Signal over noise; Infinity where there is no noise, null where not computed.
+  snr: number | null;
+  unseen: boolean;
+}
+
+interface Spectrum {
+  axes: Six<Six>;
+  weights: Six;
+  snr: Six<number | null> | null;
+  mask: number;
+}
+
+/// Inside a group of axes that are all seen, or all unseen, eigenvectors turn freely: on a plane any
+/// mixture of the two slidings and the turning may come out. What the groups span is what counts, so
+/// within each we take the basis that separates slidings from turnings and lies closest to x, y, z.
+/// Returns six entries in the order of kAxisNames.
+export function shownAxes(spectrum: Spectrum): ShownAxis[] {
+  const unseen = spectrum.axes.filter((_, k) => (spectrum.mask >> k) & 1);
+  const seen = spectrum.axes.filter((_, k) => !((spectrum.mask >> k) & 1));
+  const unseen_basis = orthonormalise(unseen);
+  // Camera twists of scaled axes are not quite orthogonal; unit vectors fill what might be missing.
+  const units = kAxisNames.map((_, i) => kAxisNames.map((_, j) => (i === j ? 1 : 0)));
+  const seen_basis = orthonormalise([...seen, ...units], unseen_basis).slice(0, 6 - unseen_basis.length);
+  const candidates = [
+    ...separate(unseen_basis).map((twist) => ({ twist, unseen: true })),
+    ...separate(seen_basis).map((twist) => ({ twist, unseen: false })),
+  ];
+  return assign(candidates.map((c) => c.twist)).map((slot, position) => {
+    const { twist, unseen: is_unseen } = candidates[slot]!;
+    const kind = position < 3 ? "slide" : "turn";
+    const letter = position % 3;
+    const part = kind === "slide" ? twist.slice(3) : twist.slice(0, 3);
+    const norm = Math.sqrt(dot(part, part)) * (part[letter]! < 0 ? -1 : 1);
+    const unit = part.map((x) => x / (norm || 1)) as [number, number, number];
+    return { kind, letter, direction: unit, unseen: is_unseen, ...measures(twist, spectrum) };
+  });
+}
+
+/// Weight and signal-to-noise of a twist: means over the axes it is made of.
+function measures(twist: Vector, spectrum: Spectrum): { weight: number; snr: number | null } {
+  const shares = spectrum.axes.map((axis) => dot(axis, twist) ** 2);
+  const total = shares.reduce((a, b) => a + b, 0) || 1;
+  const weight = dot(shares, spectrum.weights) / total;
+  if (!spectrum.snr) return { weight, snr: null };
+  // Means of logarithms: ratios lie decades apart. A share below a thousandth says nothing.
+  let log_sum = 0;
+  let log_total = 0;
+  spectrum.snr.forEach((value, k) => {
+    if (shares[k]! < 1e-3 * total) return;
+    log_sum += shares[k]! * Math.log(Math.max(1e-6, value ?? Infinity));
+    log_total += shares[k]!;
+  });
+  return { weight, snr: Math.exp(log_sum / log_total) };
+}
+
+/// Turns an orthonormal basis of twists so that slidings and turnings separate, each as close to the
+/// camera's axes as the span allows.
+function separate(basis: Vector[]): Vector[] {
+  if (basis.length === 0) return [];
+  const rotations = basis.map((twist) => twist.slice(0, 3));
+  const { values, vectors } = eigenSymmetric(rotations.map((a) => rotations.map((b) => dot(a, b))));
+  const turned = vectors.map((coefficients) => combine(basis, coefficients));
+  const slides = turned.filter((_, i) => values[i]! < 0.5);
+  const turns = turned.filter((_, i) => values[i]! >= 0.5);
+  return [...alignWithAxes(slides, 3), ...alignWithAxes(turns, 0)];
+}
+
+/// Within a span, takes repeatedly the direction nearest to a camera axis (of those with components
+/// [offset, offset + 3)).
+function alignWithAxes(span: Vector[], offset: number): Vector[] {
+  const out: Vector[] = [];
+  let rest = span;
+  while (rest.length > 0) {
+    const reach = [0, 1, 2].map((i) => rest.reduce((sum, v) => sum + v[offset + i]! ** 2, 0));
+    const letter = reach.indexOf(Math.max(...reach));
+    const projection = combine(rest, rest.map((v) => v[offset + letter]!));
+    const [chosen] = orthonormalise([projection]);
+    if (!chosen) return [...out, ...rest];
+    out.push(chosen);
+    rest = orthonormalise(rest, [chosen]).slice(0, rest.length - 1);
+  }
+  return out;
+}
+
+/// Pairs the six places of kAxisNames with the six twists, the most certain pair first. Result: index
+/// of the twist at each place.
+function assign(twists: Vector[]): number[] {
+  const pairs = twists.flatMap((twist, slot) =>
+    kAxisNames.map((_, place) => ({
+      slot,
+      place,
+      // Places are slidings first, twists rotations first.
+      score: Math.abs(twist[(place + 3) % 6]!),
+    })),
+  );
+  pairs.sort((a, b) => b.score - a.score);
+  const places = new Array<number>(6).fill(-1);
+  const used = new Set<number>();
+  for (const { slot, place } of pairs) {
+    if (places[place] !== -1 || used.has(slot)) continue;
+    places[place] = slot;
+    used.add(slot);
+  }
+  return places;
+}

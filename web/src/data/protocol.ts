@@ -1,0 +1,183 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+
+/// What the server says (docs/viewer.md, "Protocol"), decoded. All numbers SI; poses map camera to
+/// world, camera x right, y down, z forward.
+
+export const kProtocol = 1;
+
+/// tx ty tz qx qy qz qw
+export type Pose = [number, number, number, number, number, number, number];
+export type Six<T = number> = [T, T, T, T, T, T];
+export type Status = "ok" | "degenerate" | "lost";
+export const kStatuses: readonly Status[] = ["ok", "degenerate", "lost"];
+
+export interface Camera {
+  fx: number;
+  fy: number;
+  cx: number;
+  cy: number;
+  width: number;
+  height: number;
+}
+
+export interface Hello {
+  type: "hello";
+  protocol: number;
+  version: string;
+  input: string;
+  tracker: string;
+  preset: string;
+  live: boolean;
+  camera: Camera;
+  up: [number, number, number] | null;
+  frames_total: number | null;
+  picture_above: number;
+}
+
+export interface PathChunk {
+  type: "path";
+  first: number;
+  estimate: Pose[];
+  truth: (Pose | null)[];
+  status: number[];
+}
+
+export interface State {
+  type: "state";
+  frame: number;
+  time: number;
+  status: Status;
+  pose: Pose;
+  truth: Pose | null;
+  keyframe: boolean;
+  map_version: number;
+  gaussians: number;
+  /// Signal over noise per axis; null = infinite. 0 = least seen.
+  snr: Six<number | null> | null;
+  /// 0 = seen by geometry .. 1 = unseen.
+  weights: Six;
+  /// Unit twists in the camera frame, rotation first.
+  axes: Six<Six>;
+  mask: number;
+  eigenvalues: Six<number | null> | null;
+  condition: number | null;
+  planarity: number | null;
+  prior_active: boolean;
+  prior_source: string;
+  inliers: number;
+  visual_inliers: number;
+  overlap: number | null;
+  ms: { track: number; map: number | null };
+  fps: number | null;
+  iterations: number | null;
+  paused: boolean;
+  finished: boolean;
+}
+
+export interface Metrics {
+  type: "metrics";
+  [key: string]: unknown;
+}
+
+export interface Problem {
+  type: "error";
+  message: string;
+}
+
+export type TextMessage = Hello | PathChunk | State | Metrics | Problem;
+
+const kTextTypes = new Set(["hello", "path", "state", "metrics", "error"]);
+
+/// The message, or null for anything that is not one of ours.
+export function parseText(text: string): TextMessage | null {
+  let value: unknown;
+  try {
+    value = JSON.parse(text);
+  } catch {
+    return null;
+  }
+  if (typeof value !== "object" || value === null) return null;
+  const type = (value as { type?: unknown }).type;
+  return typeof type === "string" && kTextTypes.has(type) ? (value as TextMessage) : null;
+}
+
+/// Gaussians that were added or changed, and ids that are gone.
+export interface MapDiff {
+  kind: "map";
+  /// Forget everything first.
+  reset: boolean;
+  /// No further message of this version follows.
+  last: boolean;
+  version: number;
+  count: number;
+  /// `count` records of kRecordWords words: id, position, scales, quaternion w x y z, RGBA bytes.
+  floats: Float32Array;
+  /// The same memory.
+  words: Uint32Array;
+  removed: Uint32Array;
+}
+
+export const kRecordWords = 12;
+
+/// Panes of a picture message, in the order of their numbers.
+export const kPanes = ["color", "depth", "render", "error"] as const;
+export type Pane = (typeof kPanes)[number];
+export const kViewPane = 4;
+
+export interface Picture {
+  kind: "picture";
+  pane: number;
+  sequence: number;
+  jpeg: Uint8Array<ArrayBuffer>;
+}
+
+const kMapHeaderBytes = 24;
+const kPictureHeaderBytes = 8;
+
+function decodeMap(view: DataView<ArrayBuffer>): MapDiff | null {
+  if (view.byteLength < kMapHeaderBytes) return null;
+  const flags = view.getUint8(1);
+  const count = view.getUint32(16, true);
+  const removed = view.getUint32(20, true);
+  const records_bytes = count * kRecordWords * 4;
+  if (view.byteLength !== kMapHeaderBytes + records_bytes + removed * 4) return null;
+  return {
+    kind: "map",
+    reset: (flags & 1) !== 0,
+    last: (flags & 2) !== 0,
+    version: Number(view.getBigUint64(8, true)),
+    count,
+    // Typed arrays take the machine's byte order: little-endian wherever browsers run today.
+    floats: new Float32Array(view.buffer, kMapHeaderBytes, count * kRecordWords),
+    words: new Uint32Array(view.buffer, kMapHeaderBytes, count * kRecordWords),
+    removed: new Uint32Array(view.buffer, kMapHeaderBytes + records_bytes, removed),
+  };
+}
+
+/// The message, or null where it is malformed.
+export function decodeBinary(buffer: ArrayBuffer): MapDiff | Picture | null {
+  if (buffer.byteLength < kPictureHeaderBytes) return null;
+  const view = new DataView(buffer);
+  switch (view.getUint8(0)) {
+    case 1:
+      return decodeMap(view);
+    case 2:
+      return {
+        kind: "picture",
+        pane: view.getUint8(1),
+        sequence: view.getUint32(4, true),
+        jpeg: new Uint8Array(buffer, kPictureHeaderBytes),
+      };
+    default:
+      return null;
+  }
+}
+
+export type Control = "pause" | "resume" | "step";
+export type MapSubscription = "splats" | "points" | "none";
+
+export type Request =
+  | { type: "control"; action: Control }
+  | { type: "subscribe"; map: MapSubscription; panes: Pane[] }
+  | { type: "view"; seq: number; pose: Pose; fov_y: number; width: number; height: number };

@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+import { shownAxes } from "../data/axes";
+import type { Metrics, State } from "../data/protocol";
+import { statusWords } from "../data/words";
+import { need, setText } from "../dom";
+import { AxisRows } from "./axis_rows";
+import { CameraIcon } from "./camera_icon";
+import { Charts } from "./charts";
+import { showMetrics } from "./metrics";
+
+/// The degeneracy panel: which of the six axes geometry sees, now and over time.
+export class Panel {
+  status_text = "";
+  private readonly icon = new CameraIcon();
+  private readonly rows = new AxisRows();
+  private readonly charts = new Charts();
+  private readonly sentence = need("status-sentence");
+
+  clear(): void {
+    this.status_text = "";
+    setText(this.sentence, "waiting for the first frame");
+    this.sentence.dataset["status"] = "none";
+    this.charts.clear();
+    showMetrics(null);
+  }
+
+  setState(state: State): void {
+    const axes = shownAxes(state);
+    this.icon.update(axes);
+    this.rows.update(axes);
+    this.charts.add(state);
+    this.charts.showLatest(state);
+    this.status_text = statusWords(state, axes);
+    setText(this.sentence, this.status_text);
+    this.sentence.dataset["status"] = state.status;
+  }
+
+  setMetrics(metrics: Metrics): void {
+    showMetrics(metrics);
+  }
+}
