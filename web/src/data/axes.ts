@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
 import { combine, dot, eigenSymmetric, orthonormalise, type Vector } from "./linalg";
-import type { Six } from "./protocol";
+import type { Six, State } from "./protocol";
 
 /// Names of the six camera axes in the order rows and arrows are shown.
 export const kAxisNames = ["slide x", "slide y", "slide z", "turn x", "turn y", "turn z"] as const;
@@ -21,11 +21,25 @@ export interface ShownAxis {
   unseen: boolean;
 }
 
-interface Spectrum {
-  axes: Six<Six>;
-  weights: Six;
-  snr: Six<number | null> | null;
-  mask: number;
+/// One line of the table of axes.
+export interface AxisReading {
+  name: string;
+  weight: number;
+  snr: number | null;
+  unseen: boolean;
+}
+
+type Spectrum = Pick<State, "weights" | "snr" | "mask"> & { axes: Six<Six> };
+
+/// The table's lines: by camera axis where directions are known, else as they are numbered.
+export function axisReadings(state: State, axes: readonly ShownAxis[] | null): AxisReading[] {
+  if (axes) return axes.map((axis, i) => ({ ...axis, name: kAxisNames[i]! }));
+  return state.weights.map((weight, k) => ({
+    name: `axis ${k}`,
+    weight,
+    snr: state.snr ? (state.snr[k] ?? Infinity) : null,
+    unseen: ((state.mask >> k) & 1) !== 0,
+  }));
 }
 
 /// Inside a group of axes that are all seen, or all unseen, eigenvectors turn freely: on a plane any

@@ -18,6 +18,7 @@ export class Path {
 
   addChunk(chunk: PathChunk): void {
     chunk.estimate.forEach((pose, i) => {
+      if (!pose) return;
       this.points[chunk.first + i] = {
         pose,
         truth: chunk.truth[i] ?? null,
@@ -27,6 +28,7 @@ export class Path {
   }
 
   addState(state: State): void {
+    if (!state.pose) return;
     this.points[state.frame] = { pose: state.pose, truth: state.truth, status: state.status };
   }
 }

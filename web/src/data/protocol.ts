@@ -38,7 +38,7 @@ export interface Hello {
 export interface PathChunk {
   type: "path";
   first: number;
-  estimate: Pose[];
+  estimate: (Pose | null)[];
   truth: (Pose | null)[];
   status: number[];
 }
@@ -48,7 +48,7 @@ export interface State {
   frame: number;
   time: number;
   status: Status;
-  pose: Pose;
+  pose: Pose | null;
   truth: Pose | null;
   keyframe: boolean;
   map_version: number;
@@ -57,8 +57,8 @@ export interface State {
   snr: Six<number | null> | null;
   /// 0 = seen by geometry .. 1 = unseen.
   weights: Six;
-  /// Unit twists in the camera frame, rotation first.
-  axes: Six<Six>;
+  /// Unit twists in the camera frame, rotation first; null = not known (saved runs keep none).
+  axes: Six<Six> | null;
   mask: number;
   eigenvalues: Six<number | null> | null;
   condition: number | null;
@@ -68,7 +68,7 @@ export interface State {
   inliers: number;
   visual_inliers: number;
   overlap: number | null;
-  ms: { track: number; map: number | null };
+  ms: { track: number | null; map: number | null };
   fps: number | null;
   iterations: number | null;
   paused: boolean;

@@ -35,21 +35,26 @@ function filler(source: string): string {
   }
 }
 
-/// The frame's observability in one sentence.
+function countWords(count: number): string {
+  return ["no axis", "one axis", "two axes", "three axes", "four axes", "five axes", "six axes"][count] ?? "";
+}
+
+/// The frame's observability in one sentence. `axes` null: directions are not known.
 export function statusWords(
-  state: Pick<State, "status" | "prior_active" | "prior_source">,
-  axes: readonly ShownAxis[],
+  state: Pick<State, "status" | "mask" | "prior_active" | "prior_source">,
+  axes: readonly ShownAxis[] | null,
 ): string {
-  const unseen = axes.filter((axis) => axis.unseen);
+  const bits = [0, 1, 2, 3, 4, 5].filter((k) => (state.mask >> k) & 1).length;
+  const unseen = axes?.filter((axis) => axis.unseen) ?? null;
   if (state.status === "lost") {
-    if (unseen.length === 0) return "lost: the pose is held";
-    return `lost: nothing sees ${motionWords(unseen)}; the pose is held`;
+    if (bits === 0 || !unseen) return "lost: the pose is held";
+    return `lost: nothing sees ${bits === 6 ? "any axis" : motionWords(unseen)}; the pose is held`;
   }
-  if (unseen.length === 0) return "all six axes are seen by geometry";
-  if (unseen.length === 6) {
-    return `geometry sees no axis: ${filler(state.prior_active ? state.prior_source : "none")} fills them`;
-  }
+  if (bits === 0) return "all six axes are seen by geometry";
   const by = filler(state.prior_active ? state.prior_source : "none");
-  const one = unseen.length === 1;
-  return `${motionWords(unseen)} ${one ? "is" : "are"} unobservable: ${by} fills ${one ? "it" : "them"}`;
+  if (bits === 6) return `geometry sees no axis: ${by} fills them all`;
+  const subject = unseen ? motionWords(unseen) : countWords(bits);
+  return bits === 1
+    ? `${subject} is unobservable: ${by} fills it`
+    : `${subject} are unobservable: ${by} fills them`;
 }

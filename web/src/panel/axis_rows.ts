@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-import { kAxisNames, type ShownAxis } from "../data/axes";
+import { kAxisNames, type AxisReading } from "../data/axes";
 import { make, need, setText } from "../dom";
 
 /// "3.1", "420", "12k": three characters or so.
@@ -27,16 +27,17 @@ export class AxisRows {
     const snr = make("td", "number");
     const verdict = make("td", "verdict");
     row.append(label, bar_cell, weight, snr, verdict);
-    return { row, bar, weight, snr, verdict };
+    return { row, label, bar, weight, snr, verdict };
   });
 
   constructor() {
     need("axis-rows").append(...this.rows.map(({ row }) => row));
   }
 
-  update(axes: readonly ShownAxis[]): void {
+  update(axes: readonly AxisReading[]): void {
     axes.forEach((axis, i) => {
-      const { row, bar, weight, snr, verdict } = this.rows[i]!;
+      const { row, label, bar, weight, snr, verdict } = this.rows[i]!;
+      setText(label, axis.name);
       row.className = axis.unseen ? "unseen" : "seen";
       bar.style.setProperty("--weight", axis.weight.toFixed(3));
       setText(weight, axis.weight.toFixed(2));

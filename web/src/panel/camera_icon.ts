@@ -135,10 +135,11 @@ function drawBody(parent: SVGElement): void {
 /// The camera with its six axes.
 export class CameraIcon {
   private readonly glyphs: AxisGlyph[];
+  private readonly arrows = makeSvg("g");
 
   constructor() {
     const svg = need<SVGSVGElement>("camera-icon");
-    svg.setAttribute("viewBox", "-128 -112 256 224");
+    svg.setAttribute("viewBox", "-118 -107 236 214");
     // Light lines mark where the axes run; arrows lie on them.
     const guides = makeSvg("g", { class: "guides" });
     svg.append(guides);
@@ -147,10 +148,14 @@ export class CameraIcon {
       guides.append(makeSvg("path", { d: pathOf([a, b]) }));
     }
     drawBody(svg);
-    this.glyphs = Array.from({ length: 6 }, () => new AxisGlyph(svg));
+    svg.append(this.arrows);
+    this.arrows.setAttribute("hidden", "");
+    this.glyphs = Array.from({ length: 6 }, () => new AxisGlyph(this.arrows));
   }
 
-  update(axes: readonly ShownAxis[]): void {
-    axes.forEach((axis, i) => this.glyphs[i]!.update(axis));
+  /// `axes` null: directions are not known, no arrows.
+  update(axes: readonly ShownAxis[] | null): void {
+    this.arrows.toggleAttribute("hidden", axes === null);
+    axes?.forEach((axis, i) => this.glyphs[i]!.update(axis));
   }
 }

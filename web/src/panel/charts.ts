@@ -5,9 +5,10 @@ import "uplot/dist/uPlot.min.css";
 import type { State, Status } from "../data/protocol";
 import { kStatuses } from "../data/protocol";
 import { need } from "../dom";
+import { startTime_s } from "../time";
 import { onThemeChange, theme } from "../theme";
 
-const kHeight_px = 104;
+const kHeight_px = 108;
 const kMostSamples = 6000;
 const kSync = uPlot.sync("time");
 
@@ -83,7 +84,7 @@ export class Charts {
 
   private draw(): void {
     const { time_s, condition, planarity } = this.samples;
-    const start = time_s[0] ?? 0;
+    const start = startTime_s(time_s[0]);
     const x = time_s.map((t) => t - start);
     this.condition.setData([x, condition]);
     this.planarity.setData([x, planarity]);
@@ -127,7 +128,7 @@ export class Charts {
       cursor: { y: false, drag: { x: false, y: false }, sync: { key: kSync.key } },
       scales: { x: { time: false }, y: scale },
       axes: [
-        { ...common, size: 22, gap: 2, space: 48, values: (_, ticks) => ticks.map((t) => `${t} s`) },
+        { ...common, size: 24, gap: 6, space: 48, values: (_, ticks) => ticks.map((t) => `${t} s`) },
         { ...common, size: 40, gap: 3, splits, values: (_, ticks) => ticks.map(tickText) },
       ],
       series: [{}, { stroke: color, width: 1.5, points: { show: false } }],
@@ -142,7 +143,7 @@ export class Charts {
   /// Grounds for frames that were not ok; degenerate ones hatched as well.
   private shade(u: uPlot): void {
     const { status, time_s } = this.samples;
-    const start = time_s[0] ?? 0;
+    const start = startTime_s(time_s[0]);
     const { top, height } = u.bbox;
     for (let i = 0; i < status.length; ) {
       let j = i;

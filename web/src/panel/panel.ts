@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-import { shownAxes } from "../data/axes";
+import { axisReadings, shownAxes } from "../data/axes";
 import type { Metrics, State } from "../data/protocol";
 import { statusWords } from "../data/words";
 import { need, setText } from "../dom";
@@ -26,9 +26,9 @@ export class Panel {
   }
 
   setState(state: State): void {
-    const axes = shownAxes(state);
+    const axes = state.axes ? shownAxes({ ...state, axes: state.axes }) : null;
     this.icon.update(axes);
-    this.rows.update(axes);
+    this.rows.update(axisReadings(state, axes));
     this.charts.add(state);
     this.charts.showLatest(state);
     this.status_text = statusWords(state, axes);

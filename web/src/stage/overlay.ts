@@ -89,6 +89,15 @@ export class Overlay {
     c.setLineDash([]);
   }
 
+  private write(text: string, x: number, y: number): void {
+    const c = this.context;
+    c.strokeStyle = theme().stage;
+    c.lineWidth = 3;
+    c.strokeText(text, x, y);
+    c.fillStyle = theme().ink;
+    c.fillText(text, x, y);
+  }
+
   private drawTruth(path: Path): void {
     const c = this.context;
     c.beginPath();
@@ -107,11 +116,13 @@ export class Overlay {
     const points = thinned(path).map((p) => ({ at: this.project(position(p.pose)), status: p.status }));
     for (const status of ["ok", "degenerate", "lost"] as const) {
       c.beginPath();
+      let drawing = false; // one line per stretch, for dashes to run on
       for (let i = 1; i < points.length; ++i) {
         const [a, b] = [points[i - 1]!, points[i]!];
-        if (b.status !== status || !a.at || !b.at) continue;
-        c.moveTo(...a.at);
-        c.lineTo(...b.at);
+        const belongs = b.status === status && a.at !== null && b.at !== null;
+        if (belongs && !drawing) c.moveTo(...a.at!);
+        if (belongs) c.lineTo(...b.at!);
+        drawing = belongs;
       }
       this.stroke(theme()[status], kPathStyle[status].width, kPathStyle[status].dash);
     }
@@ -161,9 +172,8 @@ export class Overlay {
       c.beginPath();
       c.moveTo(x0, y0);
       c.lineTo(x0 + length * v.x, y0 - length * v.y);
-      this.stroke(theme().muted, 1.5);
-      c.fillStyle = theme().muted;
-      c.fillText("XYZ"[i]!, x0 + (length + 8) * v.x, y0 - (length + 8) * v.y);
+      this.stroke(theme().ink, 1.5);
+      this.write("XYZ"[i]!, x0 + (length + 8) * v.x, y0 - (length + 8) * v.y);
     });
   }
 
@@ -181,12 +191,11 @@ export class Overlay {
     c.lineTo(x0, y1);
     c.lineTo(x1, y1);
     c.lineTo(x1, y1 - 4);
-    this.stroke(theme().muted, 1.5);
-    c.fillStyle = theme().muted;
+    this.stroke(theme().ink, 1.5);
     c.textAlign = "center";
     c.textBaseline = "bottom";
     const label = length_m >= 1 ? `${length_m} m` : `${Math.round(length_m * 1000) / 10} cm`;
-    c.fillText(label, (x0 + x1) / 2, y1 - 5);
+    this.write(label, (x0 + x1) / 2, y1 - 5);
   }
 }
 

@@ -19,7 +19,11 @@ void main() {
 
 const kFragment = `
 varying vec3 shade;
-void main() { gl_FragColor = vec4(shade, 1.0); }`;
+void main() {
+  vec2 offset = gl_PointCoord - 0.5;
+  if (dot(offset, offset) > 0.25) discard;
+  gl_FragColor = vec4(shade, 1.0);
+}`;
 
 /// Centres of the Gaussians as opaque points about as large as what they stand for.
 export class PointLayer implements MapLayer {

@@ -97,7 +97,7 @@ export class Stage {
 
   setState(state: State): void {
     this.state = state;
-    this.rig.setTracked(state.pose);
+    if (state.pose) this.rig.setTracked(state.pose);
     if (this.mode_ === "picture" && state.map_version !== this.map_version) {
       this.picture.request(this.rig.camera);
     }
