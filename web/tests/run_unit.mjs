@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// node tests/run_unit.mjs: checks the types of the whole page, then runs tests/unit/*.test.ts.
+import { spawnSync } from "node:child_process";
+import { mkdtempSync, readdirSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { build } from "esbuild";
+
+const root = fileURLToPath(new URL("..", import.meta.url));
+
+function run(...args) {
+  const { status } = spawnSync(process.execPath, args, { cwd: root, stdio: "inherit" });
+  if (status !== 0) process.exit(1);
+}
+
+run("node_modules/typescript/bin/tsc", "--noEmit");
+const out = mkdtempSync(join(tmpdir(), "sgs-web-"));
+try {
+  const names = readdirSync(join(root, "tests/unit")).filter((name) => name.endsWith(".test.ts"));
+  await build({
+    absWorkingDir: root,
+    entryPoints: names.map((name) => `tests/unit/${name}`),
+    outdir: out,
+    outExtension: { ".js": ".mjs" },
+    bundle: true,
+    platform: "node",
+    format: "esm",
+    logLevel: "warning",
+  });
+  run("--test", ...names.map((name) => join(out, name.replace(/\.ts$/, ".mjs"))));
+} finally {
+  rmSync(out, { recursive: true, force: true });
+}

@@ -1,0 +1,139 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { kLongestRetry_s, retryDelay } from "../../src/data/connection";
+import { GaussianStore } from "../../src/data/gaussians";
+import { Path } from "../../src/data/path";
+import { decodeBinary, parseText, type MapDiff, type Pose } from "../../src/data/protocol";
+
+interface Sketch {
+  flags?: number;
+  version?: number;
+  put?: [id: number, x: number][];
+  removed?: number[];
+}
+
+function encode({ flags = 2, version = 1, put = [], removed = [] }: Sketch): ArrayBuffer {
+  const view = new DataView(new ArrayBuffer(24 + 48 * put.length + 4 * removed.length));
+  view.setUint8(0, 1);
+  view.setUint8(1, flags);
+  view.setBigUint64(8, BigInt(version), true);
+  view.setUint32(16, put.length, true);
+  view.setUint32(20, removed.length, true);
+  put.forEach(([id, x], i) => {
+    view.setUint32(24 + 48 * i, id, true);
+    view.setFloat32(28 + 48 * i, x, true);
+    view.setUint32(24 + 48 * i + 44, 0xff0000ff, true);
+  });
+  removed.forEach((id, i) => view.setUint32(24 + 48 * put.length + 4 * i, id, true));
+  return view.buffer;
+}
+
+function decode(sketch: Sketch): MapDiff {
+  const diff = decodeBinary(encode(sketch));
+  assert.equal(diff?.kind, "map");
+  return diff as MapDiff;
+}
+
+/// Position of the Gaussians that a store holds, by id.
+function contents(store: GaussianStore): Map<number, number> {
+  const entries = Array.from({ length: store.count }, (_, i): [number, number] => [
+    store.words[12 * i]!,
+    store.floats[12 * i + 1]!,
+  ]);
+  return new Map(entries);
+}
+
+test("map diffs are decoded", () => {
+  const diff = decode({ flags: 3, version: 2 ** 33, put: [[7, 1.5]], removed: [3, 4] });
+  assert.ok(diff.reset && diff.last);
+  assert.equal(diff.version, 2 ** 33);
+  assert.equal(diff.words[0], 7);
+  assert.equal(diff.floats[1], 1.5);
+  assert.deepEqual([...diff.removed], [3, 4]);
+});
+
+test("pictures are decoded", () => {
+  const bytes = Uint8Array.of(2, 4, 0, 0, 0x2a, 0, 0, 0, 0xff, 0xd8);
+  const picture = decodeBinary(bytes.buffer);
+  assert.ok(picture?.kind === "picture");
+  assert.equal(picture.pane, 4);
+  assert.equal(picture.sequence, 42);
+  assert.deepEqual([...picture.jpeg], [0xff, 0xd8]);
+});
+
+test("malformed messages are refused", () => {
+  assert.equal(decodeBinary(new ArrayBuffer(3)), null);
+  assert.equal(decodeBinary(Uint8Array.of(9, 0, 0, 0, 0, 0, 0, 0).buffer), null);
+  const good = encode({ put: [[1, 0]] });
+  assert.equal(decodeBinary(good.slice(0, good.byteLength - 4)), null);
+  const lying = good.slice(0);
+  new DataView(lying).setUint32(16, 0xffffffff, true);
+  assert.equal(decodeBinary(lying), null);
+  assert.equal(parseText("{"), null);
+  assert.equal(parseText("null"), null);
+  assert.equal(parseText('{"type":"surprise"}'), null);
+  assert.equal(parseText('{"type":"error","message":"x"}')?.type, "error");
+});
+
+test("the store follows diffs", () => {
+  const store = new GaussianStore();
+  store.apply(decode({ put: [[1, 1], [2, 2], [3, 3]] }));
+  assert.deepEqual(store.takeDirty(), [0, 3]);
+  store.apply(decode({ version: 2, put: [[2, 20], [9, 9]], removed: [1, 77] }));
+  assert.deepEqual(contents(store), new Map([[9, 9], [2, 20], [3, 3]]));
+  assert.equal(store.version, 2);
+  assert.deepEqual(store.takeDirty(), [0, 3]);
+  assert.ok(store.takeDirty()[0] >= store.takeDirty()[1]);
+});
+
+test("a version counts as held only with its last message", () => {
+  const store = new GaussianStore();
+  store.apply(decode({ flags: 1, version: 5, put: [[1, 1]] }));
+  assert.equal(store.version, 0);
+  store.apply(decode({ flags: 2, version: 5, put: [[2, 1]] }));
+  assert.equal(store.version, 5);
+  assert.equal(store.count, 2);
+});
+
+test("a reset forgets, and the store grows", () => {
+  const store = new GaussianStore();
+  const many = Array.from({ length: 10_000 }, (_, i): [number, number] => [i, i]);
+  store.apply(decode({ put: many }));
+  assert.equal(store.count, 10_000);
+  assert.ok(store.capacity >= 10_000);
+  assert.equal(contents(store).get(9_999), 9_999);
+  store.apply(decode({ flags: 3, put: [[5, -5]] }));
+  assert.deepEqual(contents(store), new Map([[5, -5]]));
+});
+
+test("random diffs leave what a plain map would hold", () => {
+  const store = new GaussianStore();
+  const truth = new Map<number, number>();
+  let seed = 1;
+  const random = (n: number) => (seed = (seed * 48271) % 2147483647) % n;
+  for (let round = 0; round < 200; ++round) {
+    const put = Array.from({ length: random(20) }, (): [number, number] => [random(60), random(1000)]);
+    const removed = Array.from({ length: random(20) }, () => random(60));
+    store.apply(decode({ put, removed }));
+    for (const [id, x] of put) truth.set(id, x);
+    for (const id of removed) truth.delete(id);
+    assert.deepEqual(contents(store), truth);
+  }
+});
+
+test("the path takes chunks and states in any order", () => {
+  const pose = (x: number): Pose => [x, 0, 0, 0, 0, 0, 1];
+  const path = new Path();
+  path.addChunk({ type: "path", first: 2, estimate: [pose(2), null], truth: [null, null], status: [1, 2] });
+  assert.equal(path.points[2]?.status, "degenerate");
+  assert.equal(path.points[0], undefined);
+  assert.equal(path.points[3], undefined);
+});
+
+test("attempts to reconnect thin out", () => {
+  assert.equal(retryDelay(0), 0.5);
+  assert.equal(retryDelay(2), 2);
+  assert.equal(retryDelay(50), kLongestRetry_s);
+});
