@@ -28,11 +28,13 @@ class TileLists {
   }
 
  private:
-  void sort(std::span<const std::uint32_t> visible, const std::uint32_t* keys);
-  void deal(const TileRect* rects, int tiles_x, int tiles, ThreadPool& pool);
+  void sort(std::span<const std::uint32_t> visible, const std::uint32_t* keys,
+            const TileRect* rects);
+  void deal(int tiles_x, int tiles, ThreadPool& pool);
 
   std::uint32_t total_ = 0;
   Buffer<std::uint32_t> half_keys_, half_ids_, sorted_;
+  Buffer<TileRect> sorted_rects_;
   Buffer<std::uint32_t> entries_;
   std::vector<std::uint32_t> start_;
   std::vector<std::vector<std::uint32_t>> cursors_;  // per part of the sorted order, per tile

@@ -51,29 +51,11 @@ HWY_INLINE std::uint64_t start_blocks(const TilePlace& t, BlockState* states) {
   return live;
 }
 
-/// Turns the per-Gaussian block masks of a batch into per-block lists of (Gaussian, alpha) words.
-/// Returns the number of alphas.
-HWY_INLINE std::uint32_t list_by_block(std::uint32_t begin, std::uint32_t end, std::uint64_t live,
-                                       std::uint32_t first_alpha, TileScratch& scratch,
-                                       std::uint32_t* counts) {
-  std::memset(counts, 0, kBlocksPerTile * sizeof *counts);
-  std::uint64_t* blocks = scratch.blocks.data();
-  std::uint64_t* active = scratch.active.data();
-  std::uint32_t* starts = scratch.alpha_start.data();
-  std::uint32_t* words = scratch.block_entries.data();
-  std::uint32_t alpha = 0;
-  for (std::uint32_t j = begin; j < end; ++j) {
-    std::uint64_t m = blocks[j] & live;
-    blocks[j] = active[j] = m;
-    starts[j] = first_alpha + alpha;
-    while (m != 0) {
-      const int b = __builtin_ctzll(m);
-      m &= m - 1;
-      words[static_cast<std::uint32_t>(b) * kListStride + counts[b]++] =
-          (j - begin) << 16 | alpha++;
-    }
-  }
-  return alpha;
+/// Asks for a block of the target early; it is read after the whole tile has been composited.
+HWY_INLINE void prefetch_target(const TileJob& job, int block) {
+  if (job.target == nullptr) return;
+  const float* target = job.target + block * kTargetChannels * kBlockPixels;
+  for (int c = 0; c < kTargetChannels; ++c) __builtin_prefetch(target + c * kBlockPixels, 0, 2);
 }
 
 /// Composites the whole tile. Returns how many Gaussians were visited.
@@ -84,26 +66,31 @@ HWY_INLINE std::uint32_t forward_tile(const TileJob& job, const std::uint32_t* e
   std::uint32_t alphas = 0, begin = 0;
   while (begin < count && live != 0) {
     const std::uint32_t end = count - begin < kBatch ? count : begin + kBatch;
-    stage_batch(job, entries, begin, end, count, scratch);
     std::uint32_t counts[kBlocksPerTile];
-    const std::uint32_t added = list_by_block(begin, end, live, alphas, scratch, counts);
-    const std::size_t needed = static_cast<std::size_t>(alphas + added) * kBlockPixels;
-    if (needed > scratch.alphas.capacity()) {
-      grow_alphas(scratch, needed, static_cast<std::size_t>(alphas) * kBlockPixels);
-    }
-    float* own_alphas = scratch.alphas.data() + static_cast<std::size_t>(alphas) * kBlockPixels;
+    stage_batch(job, entries, begin, end, count, live, scratch, counts);
+    std::uint32_t* alpha_start = scratch.alpha_start.data() + begin / kBatch * kBlocksPerTile;
+    const std::uint32_t first_alpha = alphas;
     for (int b = 0; b < kBlocksPerTile; ++b) {
-      if (counts[b] == 0) continue;
-      const std::uint32_t* words = scratch.block_entries.data() + b * kListStride;
-      const std::uint32_t visited = composite_block(scratch.staged.data() + begin, words, counts[b],
-                                                    b, own_alphas, scratch.state[b]);
-      if (visited == counts[b]) continue;
-      const std::uint64_t others = ~(std::uint64_t{1} << b);
-      live &= others;
-      std::uint64_t* active = scratch.active.data() + begin;
-      for (std::uint32_t e = visited; e < counts[b]; ++e) active[words[e] >> 16] &= others;
+      alpha_start[b] = alphas;
+      alphas += counts[b];
     }
-    alphas += added;
+    const std::size_t needed = static_cast<std::size_t>(alphas) * kBlockPixels;
+    if (needed > scratch.alphas.capacity()) {
+      grow_alphas(scratch, needed, static_cast<std::size_t>(first_alpha) * kBlockPixels);
+    }
+    for (int b = 0; b < kBlocksPerTile; ++b) {
+      if (begin == 0) prefetch_target(job, b);
+      if (counts[b] == 0) continue;
+      const std::uint32_t* list = scratch.block_list.data() + b * kListStride;
+      float* own = scratch.alphas.data() + static_cast<std::size_t>(alpha_start[b]) * kBlockPixels;
+      const std::uint32_t visited =
+          composite_block(scratch.staged.data() + begin, list, counts[b], b, own, scratch.state[b]);
+      if (visited == counts[b]) continue;
+      live &= ~(std::uint64_t{1} << b);
+      std::uint32_t* active = scratch.active[b / 32].data() + begin;
+      const std::uint32_t others = ~(1u << b % 32);
+      for (std::uint32_t e = visited; e < counts[b]; ++e) active[list[e]] &= others;
+    }
     begin = end;
   }
   return begin;
@@ -178,11 +165,10 @@ void process_tile(const TileJob& job, TileScratch& scratch) {
   constexpr std::size_t kMaxLanes = 16;
   const std::size_t count = job.entries.size();
   scratch.staged.ensure(count);
-  scratch.blocks.ensure(count + kMaxLanes);
-  scratch.active.ensure(count);
-  scratch.alpha_start.ensure(count);
+  for (auto& active : scratch.active) active.ensure(count + kMaxLanes);
+  scratch.alpha_start.ensure((count / kBatch + 1) * kBlocksPerTile);
   scratch.slots.ensure(count);
-  scratch.block_entries.ensure(std::size_t{kBlocksPerTile} * kListStride);
+  scratch.block_list.ensure(std::size_t{kBlocksPerTile} * kListStride);
   HWY_DYNAMIC_DISPATCH(ProcessTile)
   (job, job.entries.data(), static_cast<std::uint32_t>(count), scratch);
 }

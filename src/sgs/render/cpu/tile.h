@@ -11,7 +11,7 @@
 
 namespace sgs::render::cpu {
 
-/// Gaussians of a tile are composited in batches of this many.
+/// Gaussians of a tile are composited in batches of this many; a multiple of any vector's lanes.
 inline constexpr std::uint32_t kBatch = 1024;
 /// Distance between the lists of two blocks; not a multiple of 4 KiB, which would map the heads of
 /// all lists to the same cache set.
@@ -41,13 +41,12 @@ struct alignas(64) BlockGradient {
 
 /// Working memory of one thread.
 struct TileScratch {
-  Buffer<Staged> staged;                // the tile's Gaussians
-  Buffer<std::uint64_t> blocks;         // which blocks have a stored alpha
-  Buffer<std::uint64_t> active;         // which of them were composited
-  Buffer<std::uint32_t> alpha_start;    // first stored alpha
-  Buffer<std::uint32_t> slots;          // where the sums of the Gaussian go
-  Buffer<std::uint32_t> block_entries;  // [block][kListStride]: Gaussian in batch << 16 | alpha
-  Buffer<float> alphas;                 // 16 per (Gaussian, block)
+  Buffer<Staged> staged;              // the tile's Gaussians
+  Buffer<std::uint32_t> active[2];    // blocks 0-31 and 32-63 in which each was composited
+  Buffer<std::uint32_t> slots;        // where the sums of the Gaussian go
+  Buffer<std::uint32_t> block_list;   // [block][kListStride]: Gaussians of the batch that touch it
+  Buffer<float> alphas;               // 16 per (batch, block, Gaussian), in this order
+  Buffer<std::uint32_t> alpha_start;  // per (batch, block)
   BlockState state[kBlocksPerTile];
   BlockGradient gradient[kBlocksPerTile];
 };

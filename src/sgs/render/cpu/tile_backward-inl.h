@@ -13,6 +13,8 @@
 #define SGS_RENDER_CPU_TILE_BACKWARD_INL_H_
 #endif
 
+#include <cstring>
+
 #include "sgs/render/cpu/reduce-inl.h"
 #include "sgs/render/cpu/tile_forward-inl.h"
 
@@ -60,36 +62,47 @@ HWY_INLINE void backward_step(const Staged& q, const float* alphas, int block, i
   sums[9] = mul_add(weight, gd, sums[9]);
 }
 
-/// Writes the slots of the first `visited` Gaussians and marks those used.
+/// Backward pass of the Gaussians [begin, end) of one batch whose alphas start at `alpha_start` in
+/// each block: writes their slots and marks those used.
 template <bool kFloaters>
-HWY_INLINE void backward_tile(const TileJob& job, std::uint32_t visited, TileScratch& scratch) {
+HWY_INLINE void backward_batch(const TileJob& job, std::uint32_t begin, std::uint32_t end,
+                               const std::uint32_t* alpha_start, TileScratch& scratch) {
   constexpr std::uint32_t kAhead = 6;
   const Staged* staged = scratch.staged.data();
-  const std::uint64_t* stored_masks = scratch.blocks.data();
-  const std::uint64_t* active_masks = scratch.active.data();
-  const std::uint32_t* alpha_start = scratch.alpha_start.data();
+  const std::uint32_t* low = scratch.active[0].data();
+  const std::uint32_t* high = scratch.active[1].data();
   const std::uint32_t* slots = scratch.slots.data();
   const float* alphas = scratch.alphas.data();
-  for (std::uint32_t j = 0; j < visited; ++j) {
-    if (j + kAhead < visited) __builtin_prefetch(&job.slots[slots[j + kAhead]], 1);
-    std::uint64_t active = active_masks[j];
+  // Gaussians come in the order of the blocks' lists, so each block reads its alphas one by one.
+  std::uint32_t next[kBlocksPerTile];
+  std::memcpy(next, alpha_start, sizeof next);
+  for (std::uint32_t j = begin; j < end; ++j) {
+    if (j + kAhead < end) __builtin_prefetch(&job.slots[slots[j + kAhead]], 1);
+    std::uint64_t active = low[j] | static_cast<std::uint64_t>(high[j]) << (kBlocksPerTile / 2);
     if (active == 0) continue;
     const std::uint32_t slot = slots[j];
     job.slot_used[slot] = 1;
-    const std::uint64_t stored = stored_masks[j];
-    const float* own_alphas = alphas + static_cast<std::size_t>(alpha_start[j]) * kBlockPixels;
     F sums[10];
     for (F& s : sums) s = F(0.0f);
     do {
       const int block = __builtin_ctzll(active);
       active &= active - 1;
-      const int rank = __builtin_popcountll(stored & ((std::uint64_t{1} << block) - 1));
+      const float* own = alphas + static_cast<std::size_t>(next[block]++) * kBlockPixels;
       for (int part = 0; part < kParts; ++part) {
-        backward_step<kFloaters>(staged[j], own_alphas + rank * kBlockPixels, block, part,
-                                 scratch.gradient[block], sums);
+        backward_step<kFloaters>(staged[j], own, block, part, scratch.gradient[block], sums);
       }
     } while (active != 0);
     store_ten_sums(sums, job.slots[slot].lane);
+  }
+}
+
+/// Backward pass of the first `visited` Gaussians of a tile.
+template <bool kFloaters>
+HWY_INLINE void backward_tile(const TileJob& job, std::uint32_t visited, TileScratch& scratch) {
+  for (std::uint32_t begin = 0; begin < visited; begin += kBatch) {
+    const std::uint32_t end = visited - begin < kBatch ? visited : begin + kBatch;
+    backward_batch<kFloaters>(
+        job, begin, end, scratch.alpha_start.data() + begin / kBatch * kBlocksPerTile, scratch);
   }
 }
 

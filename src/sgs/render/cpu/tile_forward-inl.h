@@ -61,9 +61,9 @@ HWY_INLINE void composite_step(const Staged& q, F x, F y, PixelState& s, float* 
   store(seen, alpha_out);
 }
 
-/// Composites `count` Gaussians over one part of a block; returns how many were visited before
-/// all its pixels were saturated.
-HWY_INLINE std::uint32_t composite_part(const Staged* staged, const std::uint32_t* words,
+/// Composites the `count` Gaussians of `list` over one part of a block and stores their alphas in
+/// its order; returns how many were visited before all its pixels were saturated.
+HWY_INLINE std::uint32_t composite_part(const Staged* staged, const std::uint32_t* list,
                                         std::uint32_t count, int block, int part, float* alphas,
                                         BlockState& state) {
   const int at = part * kLanes;
@@ -72,8 +72,7 @@ HWY_INLINE std::uint32_t composite_part(const Staged* staged, const std::uint32_
   const F x = block_x(block, part), y = block_y(block, part);
   std::uint32_t e = 0;
   const auto step = [&](std::uint32_t i) HWY_ATTR {
-    const std::uint32_t w = words[i];
-    composite_step(staged[w >> 16], x, y, s, alphas + (w & 0xffffu) * kBlockPixels + at);
+    composite_step(staged[list[i]], x, y, s, alphas + i * kBlockPixels + at);
   };
   while (e + 4 <= count) {
     step(e);
@@ -99,18 +98,18 @@ HWY_INLINE std::uint32_t composite_part(const Staged* staged, const std::uint32_
 }
 
 /// Whole block; alphas of parts that stopped earlier than others are filled with zeros.
-HWY_INLINE std::uint32_t composite_block(const Staged* staged, const std::uint32_t* words,
+HWY_INLINE std::uint32_t composite_block(const Staged* staged, const std::uint32_t* list,
                                          std::uint32_t count, int block, float* alphas,
                                          BlockState& state) {
   std::uint32_t visited[kParts], most = 0;
   for (int part = 0; part < kParts; ++part) {
-    visited[part] = composite_part(staged, words, count, block, part, alphas, state);
+    visited[part] = composite_part(staged, list, count, block, part, alphas, state);
     if (visited[part] > most) most = visited[part];
   }
   if constexpr (kParts > 1) {
     for (int part = 0; part < kParts; ++part) {
       for (std::uint32_t e = visited[part]; e < most; ++e) {
-        store(F(0.0f), alphas + (words[e] & 0xffffu) * kBlockPixels + part * kLanes);
+        store(F(0.0f), alphas + e * kBlockPixels + part * kLanes);
       }
     }
   }

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// First step of a tile visit: bring its Gaussians in, and find for each the 4x4 blocks that its
-// ellipse of alpha = 1/255 really touches.
+// First step of a tile visit: bring its Gaussians in, find for each the 4x4 blocks that its ellipse
+// of alpha = 1/255 really touches, and list for each block those that touch it.
 
 #if defined(SGS_RENDER_CPU_TILE_STAGE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SGS_RENDER_CPU_TILE_STAGE_INL_H_
@@ -11,19 +11,27 @@
 #define SGS_RENDER_CPU_TILE_STAGE_INL_H_
 #endif
 
+#include <cstring>
+
 #include "sgs/render/cpu/lanes-inl.h"
 #include "sgs/render/cpu/tile.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace sgs::render::cpu::HWY_NAMESPACE {
 
-/// Bit 8 row + column of the result is set where the ellipse overlaps that block of the tile whose
-/// first pixel is (tile_x0, tile_y0). `s` holds kLanes records by column.
+/// Which blocks of a tile each of kLanes Gaussians touches: bit 8 row + column, rows 0-3 in `low`,
+/// 4-7 in `high`.
+struct BlockMasks {
+  VI low, high;
+};
+
+/// The blocks that the ellipse overlaps in the tile whose first pixel is (tile_x0, tile_y0). `s`
+/// holds kLanes records by column.
 ///
 /// In a strip of pixel rows [ya, yb] relative to the mean, the ellipse reaches from the smallest
 /// to the largest of -tilt' y -+ sqrt(w2 - q y^2) at both ends, or its leftmost and rightmost
 /// point where those lie inside.
-HWY_INLINE void block_masks(const F* s, float tile_x0, float tile_y0, std::uint64_t* out) {
+HWY_INLINE BlockMasks block_masks(const F* s, float tile_x0, float tile_y0) {
   const F ox = s[0] - F(tile_x0), oy = s[1] - F(tile_y0);
   const F ex = s[10], ey = s[11], half_width2 = s[15];
   const F zero(0.0f), minus_ey = zero - ey, minus_ex = zero - ex;
@@ -31,7 +39,7 @@ HWY_INLINE void block_masks(const F* s, float tile_x0, float tile_y0, std::uint6
   const F q = half_width2 / (ey * ey);
   const F y_right = s[14] * ex, y_left = zero - y_right;
   const VI one = hn::Set(kI, 1), two = hn::Set(kI, 2);
-  VI low = hn::Zero(kI), high = hn::Zero(kI);
+  BlockMasks out = {hn::Zero(kI), hn::Zero(kI)};
   for (int row = 0; row < kTileBlocks; ++row) {
     const F y0 = F(static_cast<float>(row * kBlockSide)) - oy, y1 = y0 + F(3.0f);
     const F ya = minimum(maximum(y0, minus_ey), ey), yb = minimum(maximum(y1, minus_ey), ey);
@@ -51,14 +59,38 @@ HWY_INLINE void block_masks(const F* s, float tile_x0, float tile_y0, std::uint6
     VI bits = hn::Sub(hn::Shl(two, b1), hn::Shl(one, b0));
     bits = hn::IfThenElseZero(touched, bits);
     const VI shift = hn::Set(kI, 8 * (row & 3));
-    (row < 4 ? low : high) = hn::Or(row < 4 ? low : high, hn::Shl(bits, shift));
+    VI& half = row < 4 ? out.low : out.high;
+    half = hn::Or(half, hn::Shl(bits, shift));
   }
-  alignas(64) std::uint32_t lo[16], hi[16];
+  return out;
+}
+
+/// Appends the Gaussians with numbers first, first + 1, ... to the lists of the 32 blocks whose
+/// bits are set in their lanes of `bits`.
+HWY_INLINE void append_to_lists(VI bits, std::uint32_t first, std::uint32_t* lists,
+                                std::uint32_t* counts) {
   const hn::RebindToUnsigned<FloatTag> u32;
-  hn::Store(hn::BitCast(u32, low), u32, lo);
-  hn::Store(hn::BitCast(u32, high), u32, hi);
-  for (int l = 0; l < kLanes; ++l) {
-    out[l] = static_cast<std::uint64_t>(lo[l]) | static_cast<std::uint64_t>(hi[l]) << 32;
+  if constexpr (kLanes >= 8) {
+    const auto masks = hn::BitCast(u32, bits);
+    const auto numbers = hn::Iota(u32, first);
+    auto bit = hn::Set(u32, 1u);
+    for (int b = 0; b < 32; ++b) {
+      const auto touching = hn::TestBit(masks, bit);
+      // All lanes are written; those behind the last one are overwritten or never read.
+      hn::StoreU(hn::Compress(numbers, touching), u32,
+                 lists + static_cast<std::uint32_t>(b) * kListStride + counts[b]);
+      counts[b] += static_cast<std::uint32_t>(hn::CountTrue(u32, touching));
+      bit = hn::Add(bit, bit);
+    }
+  } else {
+    alignas(16) std::uint32_t masks[4];
+    hn::Store(hn::BitCast(u32, bits), u32, masks);
+    for (std::uint32_t l = 0; l < kLanes; ++l) {
+      for (std::uint32_t m = masks[l]; m != 0; m &= m - 1) {
+        const auto b = static_cast<std::uint32_t>(__builtin_ctz(m));
+        lists[b * kListStride + counts[b]++] = first + l;
+      }
+    }
   }
 }
 
@@ -70,13 +102,20 @@ HWY_INLINE std::uint32_t slot_of(const TileJob& job, std::uint32_t id) {
   return job.slot_base[id >> kChunkShift] + r.slot + static_cast<std::uint32_t>(ordinal);
 }
 
-/// Fills staged, blocks and slots for entries [begin, end) of `count`.
+/// Stages entries [begin, end) of `count` and lists them by block (those of `live` only); `counts`
+/// gets the lengths of the lists.
 HWY_INLINE void stage_batch(const TileJob& job, const std::uint32_t* entries, std::uint32_t begin,
-                            std::uint32_t end, std::uint32_t count, TileScratch& scratch) {
+                            std::uint32_t end, std::uint32_t count, std::uint64_t live,
+                            TileScratch& scratch, std::uint32_t* counts) {
   constexpr std::uint32_t kAhead = 32;
+  constexpr int kHalf = kBlocksPerTile / 2;
   const auto x0 = static_cast<float>(job.tile_x * kTileSide);
   const auto y0 = static_cast<float>(job.tile_y * kTileSide);
   Staged* staged = scratch.staged.data();
+  std::uint32_t* lists = scratch.block_list.data();
+  const VI live_low = hn::Set(kI, static_cast<std::int32_t>(live));
+  const VI live_high = hn::Set(kI, static_cast<std::int32_t>(live >> kHalf));
+  std::memset(counts, 0, kBlocksPerTile * sizeof *counts);
   for (std::uint32_t i = begin; i < end; i += kLanes) {
     const std::uint32_t n = end - i < kLanes ? end - i : kLanes;
     const float* rows[kLanes];
@@ -86,7 +125,14 @@ HWY_INLINE void stage_batch(const TileJob& job, const std::uint32_t* entries, st
     }
     F s[16];
     load_columns(rows, s);
-    block_masks(s, x0, y0, scratch.blocks.data() + i);
+    BlockMasks masks = block_masks(s, x0, y0);
+    const auto present = hn::RebindMask(kI, hn::FirstN(kF, n));
+    masks.low = hn::IfThenElseZero(present, hn::And(masks.low, live_low));
+    masks.high = hn::IfThenElseZero(present, hn::And(masks.high, live_high));
+    hn::StoreU(masks.low, kI, reinterpret_cast<std::int32_t*>(scratch.active[0].data() + i));
+    hn::StoreU(masks.high, kI, reinterpret_cast<std::int32_t*>(scratch.active[1].data() + i));
+    append_to_lists(masks.low, i - begin, lists, counts);
+    append_to_lists(masks.high, i - begin, lists + kHalf * kListStride, counts + kHalf);
     for (std::uint32_t l = 0; l < n; ++l) {
       float* to = &staged[i + l].x;
       for (int part = 0; part < kParts; ++part) {
