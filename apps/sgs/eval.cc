@@ -8,9 +8,7 @@
 #include "log_setup.h"
 #include "run_request.h"
 #include "score.h"
-#include "sgs/io/atomic_file.h"
-#include "sgs/io/ply.h"
-#include "sgs/io/trajectory_io.h"
+#include "sgs/eval/comparison.h"
 
 namespace sgs::app {
 namespace {
@@ -19,44 +17,45 @@ namespace fs = std::filesystem;
 
 struct EvalCommand {
   std::vector<std::string> runs;
-  std::string association = "interpolate";
+  std::string association = "interpolate", output, plots;
   ScoreOptions score;
-  bool json = false;
+  bool json = false, compare = false;
 };
 
-Result<FinishedRun> load_finished_run(const std::string& folder, eval::Metrics& metrics) {
-  SGS_ASSIGN_OR_RETURN(auto saved, load_saved_run(folder));
-  FinishedRun run;
-  run.input = saved.input;
-  run.config = saved.config;
-  const fs::path path = folder;
-  SGS_ASSIGN_OR_RETURN(auto trajectory, io::load_trajectory(path / "trajectory.txt"));
-  run.trajectory = std::move(trajectory.trajectory);
-  SGS_ASSIGN_OR_RETURN(auto truth, io::load_trajectory(path / "groundtruth.txt"));
-  run.truth = std::move(truth.trajectory);
-  SGS_ASSIGN_OR_RETURN(run.gaussians, io::load_splats(path / "map.ply"));
-  SGS_ASSIGN_OR_RETURN(run.frames_csv, io::read_file(path / "frames.csv"));
-  SGS_ASSIGN_OR_RETURN(run.config_toml, io::read_file(path / "config.toml"));
-  // What only the run itself could measure (speed, memory) is kept where it is known.
-  if (std::error_code error; fs::exists(path / "metrics.json", error)) {
-    SGS_ASSIGN_OR_RETURN(metrics, eval::load_metrics(path / "metrics.json"));
-  }
-  metrics.seed = static_cast<std::int64_t>(run.config.seed);
-  metrics.preset = run.config.preset;
-  metrics.tracker = run.config.tracker.type;
-  run.name = fs::path(run.input.input).filename().string();
-  run.frames = std::count(run.frames_csv.begin(), run.frames_csv.end(), '\n') - 1;
-  run.frames = std::max(run.frames, metrics.frames.value_or(0));
-  return run;
-}
-
 Result<eval::Metrics> evaluate_folder(const std::string& folder_name, const ScoreOptions& options) {
-  eval::Metrics metrics;
-  SGS_ASSIGN_OR_RETURN(const auto run, load_finished_run(folder_name, metrics));
+  SGS_ASSIGN_OR_RETURN(const auto loaded, load_finished_run(folder_name));
   SGS_ASSIGN_OR_RETURN(auto folder, RunFolder::open(folder_name));
-  SGS_ASSIGN_OR_RETURN(metrics, score_run(run, options, metrics, folder));
+  SGS_ASSIGN_OR_RETURN(const auto metrics, score_run(loaded.run, options, loaded.metrics, folder));
   if (!folder.failures().empty()) return tl::unexpected(folder.failures().front());
   return metrics;
+}
+
+/// Name of a run folder, also of "." and "runs/latest/".
+std::string folder_name(const std::string& folder) {
+  std::error_code error;
+  const fs::path path = fs::weakly_canonical(folder, error);
+  return error || path.filename().empty() ? folder : path.filename().string();
+}
+
+/// --compare and --plots: nothing is rendered, nothing in the run folders changes.
+Status draw_runs(const EvalCommand& command, eval::Association association) {
+  std::vector<eval::ReportData> runs;
+  for (const std::string& folder : command.runs) {
+    SGS_ASSIGN_OR_RETURN(auto report, saved_report(folder, association));
+    report.label = folder_name(folder);
+    runs.push_back(std::move(report));
+  }
+  if (!command.plots.empty()) {
+    SGS_ASSIGN_OR_RETURN(const auto files,
+                         eval::save_drawings(command.plots, eval::all_drawings(runs)));
+    for (const fs::path& file : files) fmt::print("{}\n", file.string());
+  }
+  if (command.compare) {
+    const fs::path output = command.output.empty() ? "report.html" : command.output;
+    SGS_RETURN_IF_ERROR(eval::save_comparison(output, runs));
+    fmt::print("{}\n", output.string());
+  }
+  return {};
 }
 
 int run_eval(EvalCommand& command) {
@@ -64,11 +63,15 @@ int run_eval(EvalCommand& command) {
   if (!association) return report(association.error());
   command.score.association = *association;
   setup_logging({}, command.score.quiet);
+  if (command.compare || !command.plots.empty()) {
+    const Status drawn = draw_runs(command, *association);
+    return drawn ? kExitDone : report(drawn.error());
+  }
   std::vector<std::pair<std::string, eval::Metrics>> results;
   for (const std::string& folder : command.runs) {
     const auto metrics = evaluate_folder(folder, command.score);
     if (!metrics) return report(metrics.error());
-    results.emplace_back(fs::path(folder).filename().string(), *metrics);
+    results.emplace_back(folder_name(folder), *metrics);
   }
   if (command.json) {
     std::string text;
@@ -99,6 +102,13 @@ void add_eval(CLI::App& app, Action& action) {
   sub->add_option("--lpips-stride", command->score.lpips_stride, "LPIPS on every n-th frame")
       ->check(CLI::PositiveNumber);
   sub->add_option("--threads", command->score.threads, "Threads")->check(CLI::Range(1, 256));
+  auto* compare = sub->add_flag("--compare", command->compare,
+                                "Write one page that compares the runs, from the scores they hold");
+  sub->add_option("-o,--output", command->output, "With --compare: the page (default report.html)")
+      ->needs(compare);
+  sub->add_option("--plots", command->plots,
+                  "Write the report's plots as .svg files into this folder; several runs: the "
+                  "plots that compare them");
   sub->add_flag("--quiet", command->score.quiet, "No progress");
   sub->add_flag("--json", command->json, "Print the metrics as JSON");
   sub->callback([command, &action] { action = [command] { return run_eval(*command); }; });

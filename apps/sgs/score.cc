@@ -8,10 +8,11 @@
 #include "frame_table.h"
 #include "interrupt.h"
 #include "progress.h"
+#include "report_source.h"
 #include "sgs/core/log.h"
 #include "sgs/core/stopwatch.h"
+#include "sgs/eval/report.h"
 #include "sgs/eval/run_evaluator.h"
-#include "sgs/io/image_io.h"
 
 namespace sgs::app {
 namespace {
@@ -57,6 +58,14 @@ void set_frame_metrics(const FrameTable& table, std::int64_t frames, eval::Metri
   }
 }
 
+eval::TrajectoryMetrics score_trajectory(const FinishedRun& run, const FrameTable& table,
+                                         eval::Association association) {
+  eval::TrajectoryOptions options;
+  options.association = association;
+  options.frames_total = run.frames;
+  return eval::evaluate_trajectory(estimates_of(run, table), run.truth, options);
+}
+
 Result<eval::RunEvaluation> score_rendering(const FinishedRun& run, const ScoreOptions& options) {
   SGS_ASSIGN_OR_RETURN(auto input, open_input(run.input, options.threads));
   std::optional<eval::Lpips> lpips;
@@ -97,105 +106,13 @@ Result<eval::RunEvaluation> score_rendering(const FinishedRun& run, const ScoreO
   return result;
 }
 
-eval::Column status_column(const std::vector<std::string>& status) {
-  eval::Column column;
-  for (const std::string& s : status) {
-    column.push_back(s == "ok" ? 0 : s == "degenerate" ? 1 : s == "lost" ? 2 : 3);
-  }
-  return column;
-}
-
-/// Positions, aligned to the truth where that is possible.
-void set_paths(const FinishedRun& run, const eval::TrajectoryMetrics& scores,
-               eval::ReportData& report) {
-  const SE3 T_truth_world = scores.T_truth_world.value_or(SE3{});
-  for (const StampedPose& pose : run.trajectory.poses()) {
-    report.estimate_m.push_back(T_truth_world * pose.T_world_camera.t);
-  }
-  for (const StampedPose& pose : run.truth.poses()) {
-    if (!run.trajectory.empty() &&
-        pose.timestamp_s >= run.trajectory.poses().front().timestamp_s - 0.1 &&
-        pose.timestamp_s <= run.trajectory.poses().back().timestamp_s + 0.1) {
-      report.truth_m.push_back(pose.T_world_camera.t);
-    }
-  }
-}
-
-eval::ReportData make_report(const FinishedRun& run, const FrameTable& table,
-                             const eval::TrajectoryMetrics& scores, const eval::Metrics& metrics) {
-  eval::ReportData report;
-  report.title = run.name;
-  report.subtitle = fmt::format("tracker {}, preset {}", metrics.tracker.value_or("?"),
-                                metrics.preset.value_or("?"));
-  report.facts = {{"seed", fmt::format("{}", run.config.seed)},
-                  {"threads", fmt::format("{}", metrics.threads.value_or(0))},
-                  {"version", metrics.version.value_or("?")}};
-  report.metrics = metrics;
-  report.notes.push_back(scores.protocol);
-  if (!scores.note.empty()) report.notes.push_back(scores.note);
-  set_paths(run, scores, report);
-
-  report.time_s = table.numbers("timestamp_s");
-  const double start_s = report.time_s.empty() ? 0 : report.time_s.front();
-  for (double& time : report.time_s) time -= start_s;
-  report.error_m.assign(table.rows(), std::numeric_limits<double>::quiet_NaN());
-  const auto indices = table.numbers("index");
-  for (const eval::FrameError& error : scores.errors) {
-    const auto row =
-        std::lower_bound(indices.begin(), indices.end(), static_cast<double>(error.index));
-    if (row != indices.end()) {
-      report.error_m[static_cast<std::size_t>(row - indices.begin())] = error.error_m;
-    }
-  }
-  report.status = status_column(table.texts("status"));
-  report.track_ms = table.numbers("track_ms");
-  report.iterations = table.numbers("mapping_iterations");
-  report.gaussians = table.numbers("gaussians");
-  report.prior_active = table.numbers("prior_active");
-  report.condition_number = table.numbers("condition_number");
-  report.planarity = table.numbers("planarity");
-  for (std::size_t k = 0; k < 6; ++k) {
-    report.weights[k] = table.numbers(fmt::format("weight_{}", k));
-  }
-  report.config_toml = run.config_toml;
-  return report;
-}
-
-/// Says in words when directions were unobservable and nothing filled them.
-std::string degeneracy_note(const eval::Metrics& metrics) {
-  const double degenerate = metrics.degenerate_percent.value_or(0);
-  const double filled = metrics.prior_percent.value_or(0);
-  if (degenerate < 1 || filled >= 0.5 * degenerate) return "";
-  return fmt::format(
-      "Geometry alone left at least one direction unobserved in {:.0f} % of the frames and nothing "
-      "filled it in: the pose can slide along that direction. The tracker 'spectral' fills it from "
-      "vision.",
-      degenerate);
-}
-
-void save_pictures(const std::vector<eval::FramePictures>& pictures, RunFolder& folder) {
-  for (const eval::FramePictures& p : pictures) {
-    const auto save = [&](const char* what, const ColorImage& image) {
-      folder.save(fmt::format("renders/{:06}_{}.png", p.index, what),
-                  [&](const std::filesystem::path& path) { return io::save_color(path, image); });
-    };
-    save("truth", p.truth);
-    save("render", p.rendering);
-    save("error", p.error);
-  }
-}
-
 }  // namespace
 
 Result<eval::Metrics> score_run(const FinishedRun& run, const ScoreOptions& options,
                                 eval::Metrics metrics, RunFolder& folder) {
   SGS_ASSIGN_OR_RETURN(const auto table, FrameTable::parse(run.frames_csv, "frames.csv"));
   set_frame_metrics(table, run.frames, metrics);
-  eval::TrajectoryOptions trajectory_options;
-  trajectory_options.association = options.association;
-  trajectory_options.frames_total = run.frames;
-  const auto scores =
-      eval::evaluate_trajectory(estimates_of(run, table), run.truth, trajectory_options);
+  const auto scores = score_trajectory(run, table, options.association);
   metrics.set(scores);
 
   std::optional<eval::RunEvaluation> rendering;
@@ -209,15 +126,23 @@ Result<eval::Metrics> score_run(const FinishedRun& run, const ScoreOptions& opti
     report.notes.push_back(rendering->protocol);
     save_pictures(rendering->pictures, folder);
   }
-  if (const auto note = degeneracy_note(metrics); !note.empty()) {
-    report.notes.insert(report.notes.begin(), note);
-    log().warn("{}", note);
-  }
+  if (const auto note = degeneracy_note(metrics); !note.empty()) log().warn("{}", note);
   folder.save("metrics.json",
               [&](const std::filesystem::path& path) { return eval::save_metrics(path, metrics); });
   folder.save("report.html",
               [&](const std::filesystem::path& path) { return eval::save_report(path, report); });
   return metrics;
+}
+
+Result<eval::ReportData> saved_report(const std::string& folder, eval::Association association) {
+  SGS_ASSIGN_OR_RETURN(auto loaded, load_finished_run(folder));
+  SGS_ASSIGN_OR_RETURN(const auto table, FrameTable::parse(loaded.run.frames_csv, "frames.csv"));
+  set_frame_metrics(table, loaded.run.frames, loaded.metrics);
+  const auto scores = score_trajectory(loaded.run, table, association);
+  loaded.metrics.set(scores);
+  auto report = make_report(loaded.run, table, scores, loaded.metrics);
+  report.pictures = load_pictures(folder);
+  return report;
 }
 
 }  // namespace sgs::app

@@ -3,30 +3,14 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
-#include "input.h"
+#include "finished_run.h"
 #include "run_folder.h"
 #include "sgs/eval/metrics.h"
-#include "sgs/eval/report.h"
+#include "sgs/eval/report_data.h"
 #include "sgs/eval/trajectory_metrics.h"
-#include "sgs/map/gaussian.h"
-#include "sgs/slam/session_config.h"
 
 namespace sgs::app {
-
-/// What a finished run left behind: all that scoring and reporting need.
-struct FinishedRun {
-  InputSpec input;
-  slam::SessionConfig config;
-  Trajectory trajectory;  ///< estimated, one pose per readable frame
-  Trajectory truth;       ///< empty where there is none
-  std::vector<map::Gaussian> gaussians;
-  std::string frames_csv;
-  std::string config_toml;  ///< as saved with the run
-  std::string name;         ///< of the sequence
-  std::int64_t frames = 0;  ///< frames of the sequence, bad and dropped ones included
-};
 
 /// How to score.
 struct ScoreOptions {
@@ -42,5 +26,9 @@ struct ScoreOptions {
 /// written with the report and some pictures into `folder`.
 Result<eval::Metrics> score_run(const FinishedRun& run, const ScoreOptions& options,
                                 eval::Metrics metrics, RunFolder& folder);
+
+/// The report of a run read back from its folder, for drawing only: the trajectory is compared with
+/// the truth anew, rendering scores and pictures are those saved in the folder. Writes nothing.
+Result<eval::ReportData> saved_report(const std::string& folder, eval::Association association);
 
 }  // namespace sgs::app

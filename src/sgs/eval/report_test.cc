@@ -8,8 +8,11 @@
 #include <cstdlib>
 #include <limits>
 
+#include "sgs/eval/comparison.h"
 #include "sgs/eval/html.h"
-#include "sgs/eval/svg_plot.h"
+#include "sgs/eval/report_drawings.h"
+#include "sgs/io/atomic_file.h"
+#include "sgs/io/temporary_folder.h"
 
 namespace sgs::eval {
 namespace {
@@ -34,6 +37,8 @@ ReportData synthetic_data() {
     const double t = i / 30.0;
     const bool plane = i > 200 && i < 320;
     d.time_s.push_back(t);
+    d.estimate_time_s.push_back(t);
+    d.estimate_error_m.push_back(0.01 + 0.005 * std::sin(1.7 * t));
     d.truth_m.emplace_back(2 * std::sin(0.4 * t), std::cos(0.4 * t), 1 + 0.1 * std::sin(t));
     d.estimate_m.push_back(d.truth_m.back() +
                            Eigen::Vector3d(0.03 * std::sin(2 * t), 0.04 * std::cos(t), 0.02));
@@ -42,13 +47,23 @@ ReportData synthetic_data() {
     d.track_ms.push_back(18 + 4 * std::sin(0.9 * t));
     d.iterations.push_back(4.0 * i);
     d.gaussians.push_back(20000 + 60.0 * i);
-    d.fps.push_back(24 + 2 * std::cos(t));
+    d.mapping_keyframe.push_back(i % 8 == 0);
     d.prior_active.push_back(plane);
     d.condition_number.push_back(plane ? 2e4 : 60 + 20 * std::sin(t));
     d.planarity.push_back(plane ? 0.95 : 0.4 + 0.1 * std::sin(t));
-    for (std::size_t k = 0; k < 6; ++k)
-      d.weights[k].push_back(plane && k >= 3 && k < 5 ? 0.9 : 0.05);
+    for (std::size_t k = 0; k < 6; ++k) {
+      d.weights[k].push_back(plane && k < 2 ? 0.9 : 0.05);
+      d.snr[k].push_back(plane && k < 2 ? 1 : 100);
+    }
   }
+  d.snr_threshold = 5;
+  d.stage_ms = {{"geometry", d.track_ms}, {"visual", d.track_ms}};
+  d.stages = {{"track", 600, 6000, 10, 12}, {"track/visual", 600, 4000, 7, 9}};
+  d.keyframes = {SE3(Eigen::Matrix3d::Identity(), {0, 1, 1})};
+  map::Gaussian gaussian{};
+  gaussian.opacity_logit = 2;
+  d.map = map_statistics({&gaussian, 1});
+  d.map_points = sample_points({&gaussian, 1}, 10, SE3{});
   d.condition_threshold = 1000;
   d.planarity_threshold = 0.8;
   for (int i = 0; i < 2; ++i) {
@@ -66,7 +81,7 @@ ReportData synthetic_data() {
     }
     d.pictures.push_back(p);
   }
-  d.others = {{"baseline", Metrics{}}};
+
   d.config_toml = "[mapper]\nwindow = 8\n";
   return d;
 }
@@ -74,13 +89,14 @@ ReportData synthetic_data() {
 TEST(Report, ShowsEverySectionWithoutOutsideAddresses) {
   const ReportData data = synthetic_data();
   const std::string html = report_html(data);
-  for (const char* text : {"room_desk", "Trajectory", "Tracking", "Degeneracy", "Pictures",
-                           "Timing", "Scores", "Comparison", "Configuration", "1.23 cm", "26.50 dB",
-                           "51234", "window = 8", "(held out)", "Axis 6", "threshold"}) {
+  for (const char* text :
+       {"room_desk", "Trajectory", "Tracking", "Degeneracy", "Rendering against truth", "Timing",
+        "Scores", "Configuration", "1.23 cm", "26.50 dB", "51234", "window = 8", "(held out)",
+        "axis 6", "threshold", "<canvas", "Content-Security-Policy"}) {
     EXPECT_THAT(html, HasSubstr(text));
   }
   for (const char* text :
-       {"http:", "https:", "src='//", "@import", "url(", "<script", "nan", "inf,"}) {
+       {"http:", "https:", "src='//", "@import", "url(", ">nan", "'nan", " nan", "inf,"}) {
     EXPECT_THAT(html, Not(HasSubstr(text))) << text;
   }
   EXPECT_LT(html.size(), 3u << 20);
@@ -103,7 +119,7 @@ TEST(Report, TextIsEscaped) {
   d.facts = {{evil, evil}};
   d.notes = {evil};
   d.metrics.preset = evil;
-  d.others = {{evil, d.metrics}};
+  d.label = evil;
   const std::string html = report_html(d);
   EXPECT_THAT(html, Not(HasSubstr("<script>")));
   EXPECT_THAT(html, Not(HasSubstr("\xff")));
@@ -126,25 +142,97 @@ TEST(Html, Base64) {
   EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
 }
 
-TEST(Plot, LongLinesAreThinnedButKeepTheirExtremes) {
-  PlotSeries s;
-  for (int i = 0; i < 100000; ++i) {
-    s.x.push_back(i);
-    s.y.push_back(i == 54321 ? 1000 : 0);
-  }
-  const std::string all = plot_svg({s}, {});
-  EXPECT_LT(all.size(), 60000u);
-  s.y[54321] = 0;
-  EXPECT_NE(all, plot_svg({s}, {}));
+TEST(Report, ScriptDataCannotEndItsElement) {
+  ReportData d = synthetic_data();
+  d.label = "</script><b>";
+  EXPECT_THAT(report_html(d), Not(HasSubstr("</script><b>")));
 }
 
-TEST(Plot, NothingToDraw) {
-  EXPECT_EQ(plot_svg({}, {}), "");
-  EXPECT_EQ(plot_svg({{"", 0, {0, 1}, {kNone, kNone}, false, false}}, {}), "");
-  PlotOptions log;
-  log.log_y = true;
-  EXPECT_EQ(plot_svg({{"", 0, {0, 1}, {0, -1}, false, false}}, log), "");
-  EXPECT_THAT(plot_svg({{"", 0, {1}, {5}, false, false}}, {}), Not(HasSubstr("nan")));
+TEST(Report, DrawingsAreFilesOfTheirOwn) {
+  const io::TemporaryFolder folder;
+  const ReportData data = synthetic_data();
+  const auto files = save_drawings(folder.path(), all_drawings({&data, 1}));
+  ASSERT_TRUE(files);
+  std::vector<std::string> names;
+  for (const auto& file : *files) {
+    names.push_back(file.stem());
+    const std::string text = *io::read_file(file);
+    EXPECT_THAT(text, ::testing::StartsWith("<svg xmlns='http://www.w3.org/2000/svg' "));
+    EXPECT_THAT(text, HasSubstr("<title>"));
+    EXPECT_THAT(text, HasSubstr("<style>"));
+  }
+  EXPECT_THAT(names,
+              ::testing::ElementsAre("trajectory_top", "trajectory_side", "error", "degeneracy",
+                                     "weights", "signal_to_noise", "timing", "tracking_time",
+                                     "map_growth", "map_opacity", "map_scale"));
+}
+
+TEST(Report, TopViewLooksDownAlongUp) {
+  for (const Eigen::Vector3d& up : {Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0, -1, 0)}) {
+    for (const Eigen::Vector3d& longest :
+         {Eigen::Vector3d(3, 1, 0.5), Eigen::Vector3d(0.5, 1, 3)}) {
+      ReportData d;
+      d.up = up;
+      d.estimate_m = {Eigen::Vector3d::Zero(), longest};
+      const Views views = choose_views({&d, 1});
+      EXPECT_EQ(views.up, up);
+      EXPECT_EQ(views.across.cross(views.away), up);
+      EXPECT_GE(std::abs(views.across.dot(longest)), std::abs(views.away.dot(longest)));
+    }
+  }
+}
+
+TEST(Comparison, ShowsRunsSideBySide) {
+  std::vector<ReportData> runs = {synthetic_data(), synthetic_data()};
+  runs[0].label = "ours";
+  runs[1].label = "baseline";
+  runs[1].metrics.ate_rmse_m = 0.5;
+  runs[1].config_toml = "[mapper]\nwindow = 4\n";
+  const std::string html = comparison_html(runs);
+  for (const char* text : {"ours", "baseline", "best'>1.23 cm", "'v'>50.00 cm", "mapper.window",
+                           "Trajectories", "log scale", "run 2"}) {
+    EXPECT_THAT(html, HasSubstr(text)) << text;
+  }
+  for (const char* text : {"http:", "https:", "src='//", "@import", "url("}) {
+    EXPECT_THAT(html, Not(HasSubstr(text))) << text;
+  }
+  const char* out = std::getenv("SGS_COMPARISON_OUT");
+  EXPECT_TRUE(out == nullptr || save_comparison(out, runs));
+}
+
+TEST(Comparison, DifferentSequencesAreNotOverlaid) {
+  std::vector<ReportData> runs = {synthetic_data(), synthetic_data()};
+  runs[1].title = "office";
+  EXPECT_THAT(comparison_html(runs), Not(HasSubstr("<svg")));
+}
+
+TEST(Comparison, BestOfAMetric) {
+  Metrics a, b, c;
+  a.ate_rmse_m = 0.01;
+  b.ate_rmse_m = 0.02;
+  a.psnr_db = 20;
+  b.psnr_db = 25;
+  c.psnr_db = 25;
+  a.gaussians = 10;
+  b.gaussians = 20;
+  a.ssim = b.ssim = 0.5;
+  a.lpips = 0.1;
+  using ::testing::ElementsAre;
+  EXPECT_THAT(best_runs("ATE RMSE", {a, b, c}), ElementsAre(0));
+  EXPECT_THAT(best_runs("PSNR (gsicp)", {a, b, c}), ElementsAre(1, 2));
+  EXPECT_THAT(best_runs("Gaussians", {a, b, c}), ElementsAre());
+  EXPECT_THAT(best_runs("SSIM (gsicp)", {a, b, c}), ElementsAre());
+  EXPECT_THAT(best_runs("LPIPS (gsicp)", {a, b, c}), ElementsAre());
+}
+
+TEST(Comparison, ConfigDifferences) {
+  const auto differences =
+      config_differences({"[a]\nx = 1\ny = \"s\" # why\n[b]\nx = 2\n", "[a]\nx = 1\ny = \"t\"\n"});
+  ASSERT_EQ(differences.size(), 2u);
+  EXPECT_EQ(differences[0].key, "a.y");
+  EXPECT_THAT(differences[0].values, ::testing::ElementsAre("\"s\"", "\"t\""));
+  EXPECT_EQ(differences[1].key, "b.x");
+  EXPECT_THAT(differences[1].values, ::testing::ElementsAre("2", ""));
 }
 
 }  // namespace

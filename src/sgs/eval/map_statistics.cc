@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/eval/map_statistics.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace sgs::eval {
+
+MapStatistics map_statistics(std::span<const map::Gaussian> gaussians) {
+  constexpr int kBins = 40;
+  constexpr double kThinnest = -4.5, kWidest = 0.5;  // 0.03 mm to 3 m
+  MapStatistics s{{0, 1, kBins},
+                  {kThinnest, kWidest, kBins},
+                  {kThinnest, kWidest, kBins},
+                  {kThinnest, kWidest, kBins}};
+  for (const map::Gaussian& g : gaussians) {
+    std::array<double, 3> scale = {g.log_scale[0], g.log_scale[1], g.log_scale[2]};
+    std::sort(scale.begin(), scale.end());
+    s.opacity.add(1 / (1 + std::exp(-static_cast<double>(g.opacity_logit))));
+    s.thinnest.add(scale[0] / std::log(10.0));
+    s.middle.add(scale[1] / std::log(10.0));
+    s.widest.add(scale[2] / std::log(10.0));
+  }
+  return s;
+}
+
+std::vector<MapPoint> sample_points(std::span<const map::Gaussian> gaussians, std::size_t count,
+                                    const SE3& T_target_world) {
+  std::vector<const map::Gaussian*> solid;
+  for (const map::Gaussian& g : gaussians) {
+    if (g.opacity_logit > 0) solid.push_back(&g);
+  }
+  const auto byte = [](float v) {
+    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0f, 1.0f)));
+  };
+  std::vector<MapPoint> points;
+  const std::size_t kept = std::min(count, solid.size());
+  for (std::size_t i = 0; i < kept; ++i) {
+    const map::Gaussian& g = *solid[i * solid.size() / kept];
+    const Eigen::Vector3d mean(g.mean[0], g.mean[1], g.mean[2]);
+    points.push_back(
+        {(T_target_world * mean).cast<float>(), {byte(g.rgb[0]), byte(g.rgb[1]), byte(g.rgb[2])}});
+  }
+  return points;
+}
+
+}  // namespace sgs::eval
