@@ -55,7 +55,7 @@ void save_session(const slam::Session& session, const FinishedRun& run, RunFolde
   });
   folder.save("groundtruth.txt",
               [&](const fs::path& path) { return io::save_trajectory(path, run.truth); });
-  folder.save_text("timings.json", timings_json(session.times()));
+  folder.save_text("timings.json", run.timings_json);
 }
 
 /// Lost at the end, or for more than half of the frames: the result is not what was asked for.
@@ -106,7 +106,9 @@ Result<int> run_sequence(const RunRequest& request, const slam::SessionConfig& c
   const bool stopped_early = interrupted();
 
   run.trajectory = session->trajectory();
+  run.keyframes = session->keyframe_trajectory();
   run.frames_csv = slam::frames_csv(session->records());
+  run.timings_json = timings_json(session->times());
   run.frames = clock ? clock->frames_in : static_cast<std::int64_t>(session->records().size());
   if (const auto snapshot = session->snapshot()) run.gaussians = snapshot->gaussians;
   save_session(*session, run, folder);
