@@ -46,6 +46,7 @@ int main(int argc, char** argv) {
   add_synth(app, action);
   add_export(app, action);
   add_info(app, action);
+  add_view(app, action);
   add_bench(app, action);
   add_bench_raster(app, action);
   install_interrupt_handler();

@@ -28,6 +28,7 @@ Status feed_item(const slam::FeedItem& item, slam::Session& session, const PlayO
   }
   const auto& record = session.feed(item.frame);
   progress.step(detail_text(record));
+  if (options.spectator != nullptr) options.spectator->after_frame(session, item, record);
   return options.recorder ? options.recorder->add(*item.frame) : Status{};
 }
 
@@ -39,9 +40,11 @@ Result<RunClock> play(Input& input, slam::Session& session, const PlayOptions& o
   Progress progress("frames", input.source->size(), options.quiet);
   std::unique_ptr<slam::LiveFeed> live;
   Status status;
-  double start_s = -1;
+  double start_s = -1, held_s = 0;
   if (options.realtime) live = std::make_unique<slam::LiveFeed>(*input.source, kLiveQueue);
   while (!interrupted() && status) {
+    const double hold_s = options.spectator != nullptr ? options.spectator->before_frame() : 0;
+    if (start_s >= 0) held_s += hold_s;
     const double waiting_since_s = wall_time_s();
     const double busy_before_s = session.mapper_busy_s();
     const auto item = live ? live->next() : slam::read_item(*input.source);
@@ -63,7 +66,7 @@ Result<RunClock> play(Input& input, slam::Session& session, const PlayOptions& o
     live.reset();
   }
   session.finish();
-  if (start_s >= 0) clock.wall_s = wall_time_s() - start_s;
+  if (start_s >= 0) clock.wall_s = wall_time_s() - start_s - held_s;
   progress.finish();
   if (!status) return tl::unexpected(status.error());
   return clock;

@@ -101,8 +101,11 @@ Result<int> run_sequence(const RunRequest& request, const slam::SessionConfig& c
     SGS_ASSIGN_OR_RETURN(
         recorder, dataset::TumSequenceWriter::create(request.record, input.source->camera()));
   }
-  PlayOptions play_options{request.realtime, request.quiet, recorder ? &*recorder : nullptr};
+  SGS_ASSIGN_OR_RETURN(const auto viewer, ViewerLink::open(request.viewer, input, config));
+  PlayOptions play_options{request.realtime, request.quiet, recorder ? &*recorder : nullptr,
+                           viewer.get()};
   const auto clock = play(input, *session, play_options);
+  if (viewer) viewer->finish(*session);
   const bool stopped_early = interrupted();
 
   run.trajectory = session->trajectory();
@@ -129,6 +132,7 @@ Result<int> run_sequence(const RunRequest& request, const slam::SessionConfig& c
     fmt::print("\nrun     {}\nreport  {}\n", folder.path().string(),
                (folder.path() / "report.html").string());
   }
+  if (viewer) viewer->close(eval::to_json(metrics), folder.path());
   const int failed = report_failures(folder);
   if (!clock) return tl::unexpected(clock.error());
   if (failed != kExitDone) return failed;
@@ -184,6 +188,7 @@ void add_run(CLI::App& app, Action& action) {
   sub->add_option("--lpips-stride", request->lpips_stride, "LPIPS on every n-th frame")
       ->check(CLI::PositiveNumber);
   sub->add_option("--record", request->record, "Keep the input in this folder (TUM layout)");
+  request->viewer.add_run_options(*sub, request->input.input);
   sub->add_flag("--realtime", request->realtime, "Frames at the sensor's rate, late ones dropped");
   sub->add_flag("--no-eval", request->no_eval, "Skip the rendering scores");
   sub->add_flag("--quiet", request->quiet, "No progress, no warnings on the terminal");

@@ -7,6 +7,7 @@
 
 #include "input.h"
 #include "sgs/slam/session_config.h"
+#include "viewer_link.h"
 
 namespace sgs::app {
 
@@ -19,6 +20,7 @@ struct RunRequest {
   int threads = 2;
   int lpips_stride = 8;
   bool realtime = false, no_eval = false, quiet = false, json = false;
+  ViewerRequest viewer;
 };
 
 /// The configuration a request leads to: preset, then the config file, then --set, then --tracker

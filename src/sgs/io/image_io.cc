@@ -68,8 +68,9 @@ Result<cv::Mat> decode(const fs::path& path, std::string& bytes, int flags) {
   return image;
 }
 
-Status encode_and_write(const fs::path& path, const char* extension, const cv::Mat& image,
-                        const std::vector<int>& parameters) {
+/// Empty when OpenCV cannot encode the image.
+std::vector<unsigned char> encode(const char* extension, const cv::Mat& image,
+                                  const std::vector<int>& parameters) {
   silence_opencv();
   std::vector<unsigned char> bytes;
   try {
@@ -77,6 +78,22 @@ Status encode_and_write(const fs::path& path, const char* extension, const cv::M
   } catch (const cv::Exception&) {
     bytes.clear();
   }
+  return bytes;
+}
+
+cv::Mat to_bgr(const ColorImage& image) {
+  cv::Mat bgr(image.height(), image.width(), CV_8UC3);
+  for (int y = 0; y < image.height(); ++y) {
+    auto* out = bgr.ptr<cv::Vec3b>(y);
+    const Rgb8* in = image.row(y);
+    for (int x = 0; x < image.width(); ++x) out[x] = {in[x].b, in[x].g, in[x].r};
+  }
+  return bgr;
+}
+
+Status encode_and_write(const fs::path& path, const char* extension, const cv::Mat& image,
+                        const std::vector<int>& parameters) {
+  const auto bytes = encode(extension, image, parameters);
   if (bytes.empty()) {
     return fail(ErrorCode::kIo, fmt::format("{}: the image cannot be encoded", path.string()));
   }
@@ -139,14 +156,17 @@ Status save_color(const fs::path& path, const ColorImage& image, int jpeg_qualit
                 fmt::format("{}: unknown image extension '{}'", path.string(), extension),
                 "use .png, .jpg or .jpeg");
   }
-  cv::Mat bgr(image.height(), image.width(), CV_8UC3);
-  for (int y = 0; y < image.height(); ++y) {
-    auto* out = bgr.ptr<cv::Vec3b>(y);
-    const Rgb8* in = image.row(y);
-    for (int x = 0; x < image.width(); ++x) out[x] = {in[x].b, in[x].g, in[x].r};
-  }
+  const cv::Mat bgr = to_bgr(image);
   return jpeg ? encode_and_write(path, ".jpg", bgr, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality})
               : encode_and_write(path, ".png", bgr, {cv::IMWRITE_PNG_COMPRESSION, 3});
+}
+
+Result<std::string> encode_jpeg(const ColorImage& image, int jpeg_quality) {
+  SGS_CHECK(jpeg_quality >= 1 && jpeg_quality <= 100, "JPEG quality must be 1..100");
+  SGS_CHECK(!image.empty(), "an empty image cannot be encoded");
+  const auto bytes = encode(".jpg", to_bgr(image), {cv::IMWRITE_JPEG_QUALITY, jpeg_quality});
+  if (bytes.empty()) return fail(ErrorCode::kIo, "the picture cannot be encoded as JPEG");
+  return std::string(bytes.begin(), bytes.end());
 }
 
 Status save_depth(const fs::path& path, const DepthImage& image, double depth_scale) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "sgs/core/error.h"
 #include "sgs/core/image.h"
@@ -23,6 +24,9 @@ Result<DepthImage> load_depth(const std::filesystem::path& path, double depth_sc
 /// Writes PNG or JPEG by the extension (.png, .jpg, .jpeg); `jpeg_quality` 1..100.
 Status save_color(const std::filesystem::path& path, const ColorImage& image,
                   int jpeg_quality = 95);
+
+/// The bytes of a JPEG file; `jpeg_quality` 1..100.
+Result<std::string> encode_jpeg(const ColorImage& image, int jpeg_quality);
 
 /// Writes a 16-bit PNG of round(metres * depth_scale). What is not positive and finite, or does not
 /// fit below 65535, becomes 0.

@@ -31,6 +31,7 @@ struct Anchor {
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, towards the camera that saw it
   float sigma_n_m = 0;                               ///< standard deviation along the normal
   std::int32_t keyframe = -1;                        ///< index of the keyframe that inserted it
+  std::uint32_t id = 0;  ///< given by the store: rising in order of insertion, never used again
 };
 
 /// Immutable state of the map after some number of keyframes and iterations. What everything

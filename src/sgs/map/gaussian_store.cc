@@ -13,6 +13,7 @@ void GaussianStore::append(const Gaussian& gaussian, const Anchor& anchor,
   steps.push_back(0);
   max_log_scale.push_back(largest_log_scale);
   anchors.push_back(anchor);
+  anchors.back().id = next_id++;
 }
 
 std::size_t GaussianStore::remove_if(const std::function<bool(std::size_t)>& remove) {

@@ -21,8 +21,10 @@ struct GaussianStore {
   std::vector<float> max_log_scale;  ///< no axis may grow beyond this
   std::vector<Anchor> anchors;
 
+  std::uint32_t next_id = 0;  ///< Anchor::id of the next one
+
   std::size_t size() const { return raw.size(); }
-  /// Adds a Gaussian; its average starts at its value, its moments at zero.
+  /// Adds a Gaussian; its average starts at its value, its moments at zero. Its anchor gets an id.
   void append(const Gaussian& gaussian, const Anchor& anchor, float largest_log_scale);
   /// Removes those for which `remove(i)` is true, keeping the order; returns how many.
   std::size_t remove_if(const std::function<bool(std::size_t)>& remove);

@@ -1,0 +1,86 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <charconv>
+#include <chrono>
+#include <thread>
+
+#include "interrupt.h"
+#include "run_request.h"
+#include "sgs/viewer/server.h"
+#include "sgs/viewer/session_feed.h"
+#include "version.h"
+#include "viewer/start.h"
+#include "viewer_link.h"
+
+namespace sgs::app {
+
+Result<std::unique_ptr<viewer::Server>> start_viewer(const ViewerRequest& request,
+                                                     const viewer::RunInfo& info) {
+  viewer::ServerOptions options;
+  options.address = request.address;
+  options.names = request.names;
+  options.resume_when_alone = info.live;
+  const auto end = request.port.data() + request.port.size();
+  const auto parsed = std::from_chars(request.port.data(), end, options.port);
+  if (parsed.ec != std::errc{} || parsed.ptr != end) {
+    return fail(ErrorCode::kInvalidArgument, fmt::format("'{}' is no port", request.port),
+                "give a number up to 65535; 0 takes any free port");
+  }
+  SGS_ASSIGN_OR_RETURN(auto server, viewer::Server::start(options, info));
+  fmt::print(stderr, "viewer  {}\n", server->url());
+  return server;
+}
+
+namespace {
+
+class Link : public ViewerLink {
+ public:
+  Link(std::unique_ptr<viewer::Server> server, bool stay)
+      : server_(std::move(server)), stay_(stay) {}
+
+  double before_frame() override { return server_->control().wait_turn(interrupted); }
+
+  void after_frame(slam::Session& session, const slam::FeedItem& item,
+                   const slam::FrameRecord& record) override {
+    server_->post(feed_.update(session, item, record));
+  }
+
+  void finish(slam::Session& session) override { server_->finish(session.snapshot()); }
+
+  void close(const std::string& metrics_json, const std::filesystem::path& folder) override {
+    constexpr double kDrain_s = 2;
+    server_->set_metrics(metrics_json);
+    server_->drain(kDrain_s);
+    if (stay_ && !interrupted()) fmt::print(stderr, "viewer stays until Ctrl-C\n");
+    while (stay_ && !interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    server_.reset();
+    fmt::print(stderr, "viewer closed; see the run again with: sgs view {}\n", folder.string());
+  }
+
+ private:
+  std::unique_ptr<viewer::Server> server_;
+  viewer::SessionFeed feed_;
+  bool stay_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<ViewerLink>> ViewerLink::open(const ViewerRequest& request,
+                                                     const Input& input,
+                                                     const slam::SessionConfig& config) {
+  if (!request.wanted) return nullptr;
+  viewer::RunInfo info;
+  info.version = kVersion;
+  info.input = input.info.name;
+  info.tracker = config.tracker.type;
+  info.preset = config.preset;
+  info.live = true;
+  info.camera = input.source->camera();
+  info.frames_total = input.source->size();
+  SGS_ASSIGN_OR_RETURN(auto server, start_viewer(request, info));
+  return std::make_unique<Link>(std::move(server), request.stay);
+}
+
+}  // namespace sgs::app

@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <thread>
+
+#include "commands.h"
+#include "interrupt.h"
+#include "log_setup.h"
+#include "sgs/core/stopwatch.h"
+#include "viewer/replay.h"
+#include "viewer/start.h"
+
+namespace sgs::app {
+namespace {
+
+struct ViewCommand {
+  std::string folder;
+  ViewerRequest viewer;
+};
+
+/// The recorded images beside the replay; gives nothing where the input is gone or out of step.
+class ReplayImages {
+ public:
+  explicit ReplayImages(const InputSpec& spec) : spec_(spec) { rewind(); }
+
+  void rewind() {
+    auto input = open_input(spec_, 1);
+    source_ = input ? std::move(input->source) : nullptr;
+    waiting_.reset();
+  }
+  bool available() const { return source_ != nullptr; }
+  PinholeCamera camera() const {
+    // Only for drawing: 640 x 480 with a usual field of view.
+    return source_ ? source_->camera() : PinholeCamera{640, 480, 525, 525, 319.5, 239.5};
+  }
+  std::shared_ptr<const RgbdFrame> frame(std::int64_t index) {
+    while (source_ && !interrupted() && (!waiting_ || waiting_->index < index)) {
+      auto item = slam::read_item(*source_);
+      if (!item) {
+        source_.reset();
+        return nullptr;
+      }
+      waiting_ = std::move(*item);
+    }
+    return waiting_ && waiting_->index == index ? waiting_->frame : nullptr;
+  }
+
+ private:
+  InputSpec spec_;
+  std::unique_ptr<dataset::FrameSource> source_;
+  std::optional<slam::FeedItem> waiting_;
+};
+
+void nap_until(double time_s) {
+  while (!interrupted() && wall_time_s() < time_s) {
+    const double left_s = std::min(0.05, time_s - wall_time_s());
+    std::this_thread::sleep_for(std::chrono::duration<double>(std::max(0.0, left_s)));
+  }
+}
+
+/// Shows every frame at its time; a held replay goes on from where it was.
+void play_once(const Replay& replay, ReplayImages& images, viewer::Server& server) {
+  constexpr double kLongestGap_s = 1;
+  double due_s = wall_time_s();
+  for (std::size_t i = 0; i < replay.updates.size() && !interrupted(); ++i) {
+    if (server.control().wait_turn(interrupted) > 0) due_s = wall_time_s();
+    nap_until(due_s);
+    viewer::FrameUpdate update = replay.updates[i];
+    update.frame = images.frame(update.record.index);
+    update.finished = i + 1 == replay.updates.size();
+    server.post(std::move(update));
+    if (i + 1 == replay.updates.size()) break;
+    const double gap_s =
+        replay.updates[i + 1].record.timestamp_s - replay.updates[i].record.timestamp_s;
+    // Late frames (slow disk, slow decoding) do not make the following ones hurry.
+    due_s = std::max(due_s + std::clamp(gap_s, 0.0, kLongestGap_s), wall_time_s());
+  }
+}
+
+Status view(const ViewCommand& command) {
+  SGS_ASSIGN_OR_RETURN(auto replay, load_replay(command.folder));
+  ReplayImages images(replay.input);
+  if (!images.available()) {
+    fmt::print(stderr, "sgs: the input '{}' is not there any more: no camera pictures\n",
+               replay.input.input);
+  }
+  replay.info.camera = images.camera();
+  SGS_ASSIGN_OR_RETURN(const auto server, start_viewer(command.viewer, replay.info));
+  if (!replay.metrics_json.empty()) server->set_metrics(replay.metrics_json);
+  fmt::print(stderr, "Ctrl-C ends\n");
+  while (!interrupted() && server->clients() == 0) nap_until(wall_time_s() + 0.05);
+  while (!interrupted()) {
+    play_once(replay, images, *server);
+    server->control().pause();
+    server->touch();
+    server->control().wait_turn(interrupted);  // resume: once more
+    if (interrupted()) break;
+    server->restart();
+    images.rewind();
+  }
+  return {};
+}
+
+}  // namespace
+
+void add_view(CLI::App& app, Action& action) {
+  auto command = std::make_shared<ViewCommand>();
+  auto* sub = app.add_subcommand("view", "Show a finished run in the browser");
+  sub->add_option("RUN", command->folder, "Run folder")->required();
+  command->viewer.add_view_options(*sub);
+  sub->callback([command, &action] {
+    action = [command]() -> int {
+      setup_logging({}, false);
+      const Status status = view(*command);
+      return status ? kExitDone : report(status.error());
+    };
+  });
+}
+
+}  // namespace sgs::app

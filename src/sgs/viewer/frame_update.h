@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "sgs/camera/rgbd_frame.h"
+#include "sgs/map/gaussian.h"
+#include "sgs/slam/frame_record.h"
+
+namespace sgs::viewer {
+
+/// What never changes while a server runs; the first message to each client.
+struct RunInfo {
+  std::string version, input, tracker, preset;
+  bool live = true;  ///< a run in progress; false: the replay of a finished one
+  PinholeCamera camera;
+  std::optional<std::int64_t> frames_total;
+};
+
+/// Everything there is to show about one tracked frame. Immutable once posted.
+struct FrameUpdate {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+  slam::FrameRecord record;
+  SE3 T_world_camera;            ///< in the world of the map (keyframe refinement included)
+  std::optional<SE3> truth;      ///< moved into the same world
+  std::optional<Matrix6d> axes;  ///< columns: unit camera twists of the weights; empty = unknown
+  map::SnapshotPtr map;          ///< newest at that time; null before the first keyframe
+  std::shared_ptr<const RgbdFrame> frame;  ///< null where the images are not at hand
+  double map_ms = kNone;                   ///< time the mapper was busy since the last frame
+  double fps = kNone;                      ///< frames per second lately
+  bool finished = false;                   ///< nothing comes after this one; `map` is final
+};
+using FrameUpdatePtr = std::shared_ptr<const FrameUpdate>;
+
+}  // namespace sgs::viewer

@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/viewer/http_policy.h"
+
+#include <algorithm>
+#include <array>
+
+namespace sgs::viewer {
+namespace {
+
+char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+bool same_name(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](char x, char y) { return lower(x) == lower(y); });
+}
+
+bool is_port(std::string_view text) {
+  return !text.empty() && text.size() <= 5 &&
+         std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+/// The name of "name", "name:port", "[v6]" or "[v6]:port" without brackets; empty when malformed.
+std::string_view host_name(std::string_view host) {
+  std::string_view name = host, rest;
+  if (!host.empty() && host.front() == '[') {
+    const auto end = host.find(']');
+    if (end == std::string_view::npos) return {};
+    name = host.substr(1, end - 1);
+    rest = host.substr(end + 1);
+  } else if (const auto colon = host.find(':'); colon != std::string_view::npos) {
+    name = host.substr(0, colon);
+    rest = host.substr(colon);
+  }
+  if (!rest.empty() && (rest.front() != ':' || !is_port(rest.substr(1)))) return {};
+  return name;
+}
+
+const EmbeddedFile* find_file(std::span<const EmbeddedFile> files, std::string_view target) {
+  target = target.substr(0, target.find('?'));
+  if (target.empty() || target.front() != '/') return nullptr;
+  target.remove_prefix(1);
+  if (target.empty()) target = "index.html";
+  const auto it = std::find_if(files.begin(), files.end(),
+                               [&](const EmbeddedFile& file) { return file.path == target; });
+  return it == files.end() ? nullptr : &*it;
+}
+
+}  // namespace
+
+bool HostPolicy::host_allowed(std::string_view host, std::string_view local_address) const {
+  const std::string_view name = host_name(host);
+  if (name.empty()) return false;
+  for (const std::string_view own : {"localhost", "127.0.0.1", "::1"}) {
+    if (same_name(name, own)) return true;
+  }
+  return same_name(name, local_address) ||
+         std::any_of(extra_names.begin(), extra_names.end(),
+                     [&](const std::string& extra) { return same_name(name, extra); });
+}
+
+bool origin_allowed(std::optional<std::string_view> origin, std::string_view host) {
+  if (!origin) return true;
+  for (const std::string_view scheme : {"http://", "https://"}) {
+    if (origin->size() > scheme.size() && same_name(origin->substr(0, scheme.size()), scheme) &&
+        same_name(origin->substr(scheme.size()), host)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+Verdict judge(const RequestFacts& request, const HostPolicy& policy, std::string_view local_address,
+              std::span<const EmbeddedFile> files) {
+  if (!policy.host_allowed(request.host, local_address)) {
+    return {403, false, nullptr, "This server does not answer to that Host (see --viewer-host)."};
+  }
+  if (request.upgrade) {
+    if (request.target != "/ws") return {404, false, nullptr, "The WebSocket is at /ws."};
+    if (!origin_allowed(request.origin, request.host)) {
+      return {403, false, nullptr, "Pages of other sites may not connect."};
+    }
+    return {101, true, nullptr, {}};
+  }
+  if (request.method != "GET" && request.method != "HEAD") {
+    return {405, false, nullptr, "Only GET and HEAD."};
+  }
+  if (request.target == "/healthz") return {200, false, nullptr, {}};
+  if (request.target == "/ws") return {426, false, nullptr, "This is a WebSocket."};
+  if (const EmbeddedFile* file = find_file(files, request.target)) return {200, false, file, {}};
+  return {404, false, nullptr, "There is nothing here."};
+}
+
+std::span<const std::pair<std::string_view, std::string_view>> security_headers() {
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kHeaders = {{
+      {"Content-Security-Policy",
+       "default-src 'self'; script-src 'self' 'wasm-unsafe-eval' blob:; worker-src 'self' blob:; "
+       "connect-src 'self' blob: data:; img-src 'self' blob: data:; style-src 'self' "
+       "'unsafe-inline'; font-src 'self' data:; base-uri 'none'; form-action 'none'; "
+       "frame-ancestors 'none'"},
+      {"X-Content-Type-Options", "nosniff"},
+      {"Referrer-Policy", "no-referrer"},
+      {"Cross-Origin-Resource-Policy", "same-origin"},
+      {"Cache-Control", "no-cache"},
+  }};
+  return kHeaders;
+}
+
+}  // namespace sgs::viewer

@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "sgs/viewer/net/client_session.h"
+#include "sgs/viewer/net/core.h"
+
+namespace sgs::viewer::net {
+
+/// One HTTP request and its answer, or the way into a WebSocket. Closes afterwards: what is not
+/// kept open cannot pile up.
+class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
+ public:
+  HttpConnection(Core& core, tcp::socket socket)
+      : core_(core), id_(core.next_id++), stream_(std::move(socket)) {
+    error_code ignored;
+    local_address_ = stream_.socket().local_endpoint(ignored).address().to_string();
+    parser_.header_limit(core.options.limits.header_bytes);
+    parser_.body_limit(0);
+  }
+  ~HttpConnection() { core_.pending.erase(id_); }
+  HttpConnection(const HttpConnection&) = delete;
+  HttpConnection& operator=(const HttpConnection&) = delete;
+
+  void start() {
+    core_.pending[id_] = weak_from_this();
+    stream_.expires_after(milliseconds(core_.options.limits.header_timeout_s));
+    http::async_read_header(
+        stream_, buffer_, parser_,
+        [self = shared_from_this()](error_code error, std::size_t) { self->on_header(error); });
+  }
+  /// Makes room for others.
+  void evict() {
+    core_.pending.erase(id_);
+    stream_.close();
+  }
+
+ private:
+  void on_header(error_code error) {
+    if (error == http::error::header_limit) return refuse(431, "The header is too long.");
+    if (error == http::error::body_limit) return refuse(413, "No request here has a body.");
+    if (error.category() == http::make_error_code(http::error::bad_method).category() &&
+        error != http::error::end_of_stream && error != http::error::partial_message) {
+      return refuse(400, "This is no HTTP request.");
+    }
+    if (error) return;
+    const auto& request = parser_.get();
+    const auto text = [](beast::string_view view) {
+      return std::string_view(view.data(), view.size());
+    };
+    RequestFacts facts;
+    facts.method = text(request.method_string());
+    facts.target = text(request.target());
+    if (request.count(http::field::host) == 1) facts.host = text(request[http::field::host]);
+    if (request.count(http::field::origin) > 0) facts.origin = text(request[http::field::origin]);
+    facts.upgrade = websocket::is_upgrade(request);
+    const Verdict verdict = judge(facts, core_.policy, local_address_, core_.files);
+    head_only_ = facts.method == "HEAD";
+    if (verdict.websocket) return become_client();
+    if (verdict.status != 200) return refuse(verdict.status, verdict.reason);
+    if (verdict.file == nullptr) return answer(200, "text/plain; charset=utf-8", "ok\n");
+    answer(200, verdict.file->content_type, verdict.file->bytes);
+  }
+
+  void become_client() {
+    if (core_.clients.size() >= core_.options.limits.clients) {
+      return refuse(503, "There are too many viewers already.");
+    }
+    std::make_shared<ClientSession>(core_, stream_.release_socket())->start(parser_.release());
+  }
+
+  void refuse(int status, std::string_view reason) {
+    refusal_ = std::string(reason) + "\n";
+    answer(status, "text/plain; charset=utf-8", refusal_);
+  }
+
+  void answer(int status, std::string_view content_type, std::string_view body) {
+    const auto view = [](std::string_view text) {
+      return beast::string_view(text.data(), text.size());
+    };
+    response_.result(static_cast<unsigned>(status));
+    response_.version(11);
+    for (const auto& [name, value] : security_headers()) response_.set(view(name), view(value));
+    response_.set(http::field::content_type, view(content_type));
+    response_.keep_alive(false);
+    response_.content_length(body.size());
+    if (!head_only_) response_.body() = beast::span<const char>(body.data(), body.size());
+    stream_.expires_after(milliseconds(core_.options.limits.response_timeout_s));
+    serializer_.emplace(response_);
+    const auto done = [self = shared_from_this()](error_code, std::size_t) {
+      error_code ignored;
+      self->stream_.socket().shutdown(tcp::socket::shutdown_both, ignored);
+    };
+    if (head_only_) {
+      http::async_write_header(stream_, *serializer_, done);
+    } else {
+      http::async_write(stream_, *serializer_, done);
+    }
+  }
+
+  using Body = http::span_body<const char>;
+
+  Core& core_;
+  std::uint64_t id_;
+  beast::tcp_stream stream_;
+  std::string local_address_, refusal_;
+  beast::flat_buffer buffer_;
+  http::request_parser<http::empty_body> parser_;
+  http::response<Body> response_;
+  std::optional<http::response_serializer<Body>> serializer_;
+  bool head_only_ = false;
+};
+
+}  // namespace sgs::viewer::net

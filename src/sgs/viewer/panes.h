@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "sgs/core/image.h"
+#include "sgs/render/rasterizer.h"
+
+namespace sgs::viewer {
+
+// What the panes show, as 8-bit pictures; pure functions.
+
+/// Every `stride`-th pixel in both directions (means of the stride x stride blocks).
+ColorImage shrink(const ColorImage& image, int stride);
+/// Every `stride`-th pixel; depths are not averaged across edges.
+DepthImage shrink(const DepthImage& image, int stride);
+
+/// Near is yellow, far is dark blue, on a logarithmic scale from 0.3 to 10 m; black without
+/// measurement. (Linear blend of five colours of rising lightness: readable when colour-blind.)
+ColorImage depth_picture(const DepthImage& depth);
+/// Clamped to 0..1.
+ColorImage color_picture(const Image<render::Rgbf>& color);
+/// Mean absolute difference of the channels, black 0 to yellow >= 0.25; black where the map is
+/// empty (`alpha` < 0.5) would hide the worst errors, so these are counted like any other.
+ColorImage error_picture(const ColorImage& measured, const ColorImage& rendered);
+
+}  // namespace sgs::viewer

@@ -1,0 +1,145 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+
+#include <future>
+
+#include "sgs/viewer/panes.h"
+#include "sgs/viewer/picture_service.h"
+#include "sgs/viewer/session_feed.h"
+#include "sgs/viewer/test_update.h"
+
+namespace sgs::viewer {
+namespace {
+
+TEST(Panes, ShrinkingTakesMeansOfColourAndSamplesOfDepth) {
+  ColorImage color(4, 3);
+  color(0, 0) = {100, 0, 0};
+  color(1, 1) = {50, 0, 1};
+  const ColorImage small = shrink(color, 2);
+  EXPECT_EQ(small.width(), 2);
+  EXPECT_EQ(small.height(), 1);
+  EXPECT_EQ(small(0, 0), (Rgb8{38, 0, 0}));
+  DepthImage depth(4, 4, 0.0f);
+  depth(2, 0) = 3;
+  depth(3, 0) = 9;
+  EXPECT_EQ(shrink(depth, 2)(1, 0), 3);
+}
+
+TEST(Panes, DepthGetsDarkerWithDistanceAndHolesAreBlack) {
+  DepthImage depth(4, 1);
+  depth(1, 0) = 0.5f;
+  depth(2, 0) = 2;
+  depth(3, 0) = 50;
+  const ColorImage picture = depth_picture(depth);
+  EXPECT_EQ(picture(0, 0), (Rgb8{}));
+  EXPECT_GT(luma(picture(1, 0)), luma(picture(2, 0)) + 30);
+  EXPECT_GT(luma(picture(2, 0)), luma(picture(3, 0)) + 30);
+  EXPECT_GT(luma(picture(3, 0)), 5);
+}
+
+TEST(Panes, ErrorIsBlackWhereEqual) {
+  ColorImage a(2, 1, {10, 20, 30}), b = a;
+  b(1, 0) = {255, 255, 255};
+  const ColorImage error = error_picture(a, b);
+  EXPECT_EQ(error(0, 0), (Rgb8{}));
+  EXPECT_EQ(error(1, 0).r, 255);
+  EXPECT_THROW(error_picture(a, ColorImage(1, 1)), ContractViolation);
+}
+
+/// A map in front of the camera and the frame that goes with it.
+FrameUpdatePtr scene(std::int64_t index) {
+  auto map = testing::snapshot(1, {0, 1, 2});
+  for (auto& g : map->gaussians) {
+    g.mean[0] = 0.2f * (g.mean[0] - 1);
+    g.mean[2] = 2;
+  }
+  FrameUpdate u = testing::update(index, map);
+  u.T_world_camera = SE3();
+  RgbdFrame frame;
+  frame.index = index;
+  frame.camera = {64, 48, 60, 60, 31.5, 23.5};
+  frame.color = ColorImage(64, 48, {90, 90, 90});
+  frame.depth = DepthImage(64, 48, 2.0f);
+  u.frame = std::make_shared<const RgbdFrame>(std::move(frame));
+  return std::make_shared<const FrameUpdate>(std::move(u));
+}
+
+/// Collects what a service makes.
+struct Gallery {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::vector<Picture> pictures;
+
+  PictureService::Deliver deliver() {
+    return [this](Picture p) {
+      const std::scoped_lock lock(mutex);
+      pictures.push_back(std::move(p));
+      changed.notify_all();
+    };
+  }
+  bool wait_for(std::size_t count) {
+    std::unique_lock lock(mutex);
+    return changed.wait_for(lock, std::chrono::seconds(60),
+                            [&] { return pictures.size() >= count; });
+  }
+};
+
+TEST(PictureService, MakesTheWantedPanesOfTheNewestFrameOnce) {
+  Gallery gallery;
+  PictureService service({64, 48, 60, 60, 31.5, 23.5}, gallery.deliver());
+  service.offer(scene(4));
+  service.offer(scene(5));
+  service.set_panes(bit(Pane::kColor) | bit(Pane::kRender) | bit(Pane::kError));
+  ASSERT_TRUE(gallery.wait_for(3));
+  service.set_panes(bit(Pane::kColor) | bit(Pane::kRender) | bit(Pane::kError) | bit(Pane::kDepth));
+  ASSERT_TRUE(gallery.wait_for(4));
+  const std::scoped_lock lock(gallery.mutex);
+  std::vector<Pane> panes;
+  for (const Picture& p : gallery.pictures) {
+    panes.push_back(p.pane);
+    EXPECT_EQ((*p.message)[1], static_cast<char>(p.pane));
+    EXPECT_EQ((*p.message)[4], 5);                   // frame
+    EXPECT_EQ(p.message->substr(8, 2), "\xff\xd8");  // JPEG
+  }
+  EXPECT_THAT(panes,
+              ::testing::ElementsAre(Pane::kColor, Pane::kRender, Pane::kError, Pane::kDepth));
+}
+
+TEST(PictureService, RendersTheNewestViewOfEachClient) {
+  Gallery gallery;
+  PictureService service({64, 48, 60, 60, 31.5, 23.5}, gallery.deliver());
+  ViewRequest request{1, SE3(), 1.0, 80, 60};
+  service.request_view(7, request);
+  request.sequence = 2;
+  service.request_view(7, request);
+  service.request_view(8, request);
+  service.request_view(9, request);
+  service.forget(8);
+  service.offer(scene(0));  // requests wait for the first map
+  ASSERT_TRUE(gallery.wait_for(2));
+  const std::scoped_lock lock(gallery.mutex);
+  EXPECT_EQ(gallery.pictures[0].client, 7u);
+  EXPECT_EQ((*gallery.pictures[0].message)[4], 2);
+  EXPECT_EQ(gallery.pictures[1].client, 9u);
+}
+
+TEST(SessionFeed, PosesFollowTheRefinementOfTheNewestKeyframe) {
+  std::deque<slam::FrameRecord> records(3);
+  for (int i = 0; i < 3; ++i) {
+    records[static_cast<std::size_t>(i)].index = 10 + i;
+    records[static_cast<std::size_t>(i)].T_world_tracked.t.x() = i;
+  }
+  auto map = std::make_shared<map::Snapshot>();
+  EXPECT_EQ(pose_in_map(records[2], records, nullptr).t.x(), 2);
+  EXPECT_EQ(pose_in_map(records[2], records, map).t.x(), 2);
+  map->keyframe_frames = {11};
+  map->T_world_keyframe = {SE3(so3_exp({0, 0, 0.1}), {5, 0, 0})};
+  const SE3 moved = pose_in_map(records[2], records, map);
+  EXPECT_LT((moved.t - Eigen::Vector3d(5 + std::cos(0.1), std::sin(0.1), 0)).norm(), 1e-12);
+  map->keyframe_frames = {99};  // unknown
+  EXPECT_EQ(pose_in_map(records[2], records, map).t.x(), 2);
+}
+
+}  // namespace
+}  // namespace sgs::viewer

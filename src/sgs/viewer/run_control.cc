@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/viewer/run_control.h"
+
+#include <chrono>
+
+#include "sgs/core/stopwatch.h"
+
+namespace sgs::viewer {
+
+void RunControl::pause() {
+  const std::scoped_lock lock(mutex_);
+  paused_ = true;
+  step_ = false;
+}
+
+void RunControl::resume() {
+  {
+    const std::scoped_lock lock(mutex_);
+    paused_ = false;
+    step_ = false;
+  }
+  changed_.notify_all();
+}
+
+void RunControl::step() {
+  {
+    const std::scoped_lock lock(mutex_);
+    paused_ = true;
+    step_ = true;
+  }
+  changed_.notify_all();
+}
+
+bool RunControl::paused() const {
+  const std::scoped_lock lock(mutex_);
+  return paused_;
+}
+
+double RunControl::wait_turn(const std::function<bool()>& stop) {
+  std::unique_lock lock(mutex_);
+  if (!paused_) return 0;
+  const double since_s = wall_time_s();
+  while (paused_ && !step_ && !stop()) {
+    changed_.wait_for(lock, std::chrono::milliseconds(50));
+  }
+  step_ = false;
+  return wall_time_s() - since_s;
+}
+
+}  // namespace sgs::viewer

@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sgs/core/error.h"
+#include "sgs/viewer/frame_update.h"
+#include "sgs/viewer/run_control.h"
+
+namespace sgs::viewer {
+
+/// What keeps a hostile or clumsy client from hurting anybody.
+struct ServerLimits {
+  std::size_t clients = 32;   ///< WebSockets at once; more are refused with 503
+  std::size_t pending = 128;  ///< connections still busy with HTTP; the oldest gives way
+  std::uint32_t header_bytes = 8192;
+  double header_timeout_s = 5;     ///< to send a whole request
+  double response_timeout_s = 30;  ///< to take a whole file
+  double send_timeout_s = 10;      ///< to take one WebSocket message; then the client is dropped
+  double requests_per_s = 200;     ///< WebSocket messages of one client, sustained; twice that
+                                   ///< at once
+  double resume_after_s = 10;      ///< a paused run goes on this long after the last client left
+};
+
+struct ServerOptions {
+  std::string address = "127.0.0.1";  ///< numeric, or "localhost"
+  int port = 8765;                    ///< 0 = any free one
+  std::vector<std::string> names;     ///< further values of the Host header that are accepted
+  bool resume_when_alone = true;      ///< see ServerLimits::resume_after_s
+  ServerLimits limits;
+};
+
+/// Shows a run to browsers: HTTP for the page, a WebSocket for what happens (docs/viewer.md).
+/// One thread serves, another one renders pictures; both have low priority. The thread that posts
+/// never waits for either. All functions are thread-safe.
+class Server {
+ public:
+  /// Listens; fails when the address is not ours or the port is taken.
+  static Result<std::unique_ptr<Server>> start(const ServerOptions& options, const RunInfo& info);
+  /// Says good-bye to the clients (a fraction of a second at most) and stops.
+  ~Server();
+
+  int port() const;
+  /// What to type into a browser on this machine.
+  std::string url() const;
+  /// Connected WebSockets.
+  std::size_t clients() const;
+
+  /// Shows a new state: appends its pose to the path and replaces the newest one.
+  void post(FrameUpdate update);
+  /// The newest update once more, as finished and with the final map.
+  void finish(map::SnapshotPtr final_map);
+  /// A replay starts again from its first frame.
+  void restart();
+  /// Sends the state again: the control was used from this side.
+  void touch();
+  void set_metrics(std::string json);
+  RunControl& control();
+  /// Waits until every client has everything, at most so long.
+  void drain(double timeout_s);
+
+ private:
+  struct Impl;
+  explicit Server(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace sgs::viewer

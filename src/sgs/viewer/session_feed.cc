@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/viewer/session_feed.h"
+
+#include <algorithm>
+
+#include "sgs/core/stopwatch.h"
+
+namespace sgs::viewer {
+
+SE3 pose_in_map(const slam::FrameRecord& record, const std::deque<slam::FrameRecord>& records,
+                const map::SnapshotPtr& snapshot) {
+  if (!snapshot || snapshot->keyframe_frames.empty()) return record.T_world_tracked;
+  const std::int64_t frame = snapshot->keyframe_frames.back();
+  const auto it = std::lower_bound(
+      records.begin(), records.end(), frame,
+      [](const slam::FrameRecord& r, std::int64_t index) { return r.index < index; });
+  if (it == records.end() || it->index != frame || it->bad) return record.T_world_tracked;
+  return snapshot->T_world_keyframe.back() * it->T_world_tracked.inverse() * record.T_world_tracked;
+}
+
+FrameUpdate SessionFeed::update(slam::Session& session, const slam::FeedItem& item,
+                                const slam::FrameRecord& record) {
+  FrameUpdate update;
+  update.record = record;
+  update.map = session.snapshot();
+  update.frame = item.frame;
+  update.T_world_camera = pose_in_map(record, session.records(), update.map);
+  if (const auto& truth = item.frame->truth_T_world_camera) {
+    if (!T_world_truth_) T_world_truth_ = update.T_world_camera * truth->inverse();
+    update.truth = *T_world_truth_ * *truth;
+  }
+  constexpr std::size_t kWindow = 20;
+  times_s_.push_back(wall_time_s());
+  if (times_s_.size() > kWindow + 1) times_s_.pop_front();
+  const double span_s = times_s_.back() - times_s_.front();
+  if (span_s > 0) update.fps = static_cast<double>(times_s_.size() - 1) / span_s;
+  const double busy_s = session.mapper_busy_s();
+  update.map_ms = 1e3 * (busy_s - mapper_busy_s_);
+  mapper_busy_s_ = busy_s;
+  return update;
+}
+
+}  // namespace sgs::viewer
