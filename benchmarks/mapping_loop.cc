@@ -26,6 +26,7 @@ MappingLoop::MappingLoop(const MappingLoopOptions& options)
   const auto gaussians = options.dense ? make_view_filling(options.gaussians, options.sigma)
                                        : make_room(options.gaussians, options.sigma);
   constexpr float kNoLimit = 1e6f;
+  mapper::reserve(store_, gaussians.size());
   for (const map::Gaussian& g : gaussians) store_.append(g, {}, kNoLimit);
   target_ = rasterizer_->prepare(
       disturbed_view(*rasterizer_, gaussians, room_camera(options.width), pose_));

@@ -134,6 +134,9 @@ int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE
   const auto index = static_cast<int>(m.keyframes.size());
   m.keyframes.emplace_back(*frame, T, m.config.insertion.max_depth_m);
   MapKeyframe& keyframe = m.keyframes.back();
+  // Rarely more than one new Gaussian for every 4x4 pixels.
+  reserve(m.store,
+          m.store.size() + static_cast<std::size_t>(m.camera.width * m.camera.height / 16));
   if (m.config.insertion.method == "grid") {
     insert_grid(keyframe, index, m.config.insertion, m.store);
   } else {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sgs/core/huge_pages.h"
+
 namespace sgs::mapper {
 namespace {
 
@@ -46,6 +48,15 @@ void Optimizer::step(std::span<const std::uint32_t> indices, const map::Gaussian
   const AdamRows all = {store.raw.data(),     store.average.data(), store.moment1.data(),
                         store.moment2.data(), store.steps.data(),   store.max_log_scale.data()};
   adam_step(settings_, all, indices.data(), rows, indices.size());
+}
+
+void reserve(map::GaussianStore& store, std::size_t count) {
+  for (auto* rows : {&store.raw, &store.average, &store.moment1, &store.moment2}) {
+    reserve_huge(*rows, count);
+  }
+  reserve_huge(store.anchors, count);
+  reserve_huge(store.steps, count);
+  reserve_huge(store.max_log_scale, count);
 }
 
 }  // namespace sgs::mapper

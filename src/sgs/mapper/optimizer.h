@@ -31,6 +31,9 @@ class Optimizer {
   std::vector<float> correction1_, correction2_;  ///< 1/(1-b1^t), 1/sqrt(1-b2^t)
 };
 
+/// Makes room for `count` Gaussians in memory that the optimiser can walk through quickly.
+void reserve(map::GaussianStore& store, std::size_t count);
+
 /// Steps the Gaussians while a rasterizer's backward pass still has their gradients in the cache.
 class StepWithBackward final : public render::GradientSink {
  public:

@@ -8,6 +8,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "sgs/core/huge_pages.h"
+
 namespace sgs::render::cpu {
 
 /// Cache-line aligned scratch memory of trivial elements that only ever grows.
@@ -24,15 +26,16 @@ class Buffer {
     std::swap(capacity_, other.capacity_);
     return *this;
   }
-  ~Buffer() { ::operator delete(data_, kAlignment); }
+  ~Buffer() { ::operator delete(data_, alignment(capacity_)); }
 
   /// Makes room for `size` elements, keeping the first `keep`. New elements are not initialised.
   void ensure(std::size_t size, std::size_t keep = 0) {
     if (size <= capacity_) return;
     const std::size_t capacity = size + size / 2 + 64;
-    auto* data = static_cast<T*>(::operator new(capacity * sizeof(T), kAlignment));
+    auto* data = static_cast<T*>(::operator new(capacity * sizeof(T), alignment(capacity)));
+    advise_huge_pages(data, capacity * sizeof(T));
     if (keep > 0) std::memcpy(static_cast<void*>(data), data_, keep * sizeof(T));
-    ::operator delete(data_, kAlignment);
+    ::operator delete(data_, alignment(capacity_));
     data_ = data;
     capacity_ = capacity;
   }
@@ -44,7 +47,11 @@ class Buffer {
   const T& operator[](std::size_t i) const { return data_[i]; }
 
  private:
-  static constexpr std::align_val_t kAlignment{64};
+  static std::align_val_t alignment(std::size_t capacity) {
+    constexpr std::size_t kCacheLine = 64;
+    return std::align_val_t{capacity * sizeof(T) >= kHugePageBytes ? kHugePageBytes : kCacheLine};
+  }
+
   T* data_ = nullptr;
   std::size_t capacity_ = 0;
 };
