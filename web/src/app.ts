@@ -175,7 +175,8 @@ export class App {
   }
 
   private togglePause(): void {
-    this.connection.send({ type: "control", action: this.state?.paused ? "resume" : "pause" });
+    const held = this.state?.paused || this.state?.finished;
+    this.connection.send({ type: "control", action: held ? "resume" : "pause" });
   }
 
   private step(): void {
@@ -189,9 +190,11 @@ export class App {
 
   private showTransport(state: State): void {
     const pause = need<HTMLButtonElement>("pause");
-    pause.disabled = state.finished;
-    pause.setAttribute("aria-pressed", String(state.paused));
-    setText(need("pause-label"), state.paused ? "Resume" : "Pause");
+    const replays = this.hello?.live === false;
+    pause.disabled = state.finished && !replays;
+    pause.setAttribute("aria-pressed", String(state.paused || (state.finished && replays)));
+    const resume = state.finished && replays ? "Replay" : "Resume";
+    setText(need("pause-label"), state.paused || (state.finished && replays) ? resume : "Pause");
     need<HTMLButtonElement>("step").disabled = state.finished;
   }
 

@@ -16,18 +16,20 @@ export class Path {
     this.points.length = 0;
   }
 
+  /// Replaces the path from the chunk's first frame on.
   addChunk(chunk: PathChunk): void {
+    this.points.length = Math.min(this.points.length, chunk.first);
     chunk.estimate.forEach((pose, i) => {
-      if (!pose) return;
-      this.points[chunk.first + i] = {
-        pose,
-        truth: chunk.truth[i] ?? null,
-        status: kStatuses[chunk.status[i] ?? 0] ?? "ok",
-      };
+      // A status beyond those we know marks a number that no frame has.
+      const status = kStatuses[chunk.status[i] ?? 0];
+      if (!pose || !status) return;
+      this.points[chunk.first + i] = { pose, truth: chunk.truth[i] ?? null, status };
     });
   }
 
   addState(state: State): void {
+    // Time runs backwards where a replay starts again.
+    this.points.length = Math.min(this.points.length, state.frame + 1);
     if (!state.pose) return;
     this.points[state.frame] = { pose: state.pose, truth: state.truth, status: state.status };
   }

@@ -135,7 +135,6 @@ function drawBody(parent: SVGElement): void {
 /// The camera with its six axes.
 export class CameraIcon {
   private readonly glyphs: AxisGlyph[];
-  private readonly arrows = makeSvg("g");
 
   constructor() {
     const svg = need<SVGSVGElement>("camera-icon");
@@ -148,14 +147,13 @@ export class CameraIcon {
       guides.append(makeSvg("path", { d: pathOf([a, b]) }));
     }
     drawBody(svg);
-    svg.append(this.arrows);
-    this.arrows.setAttribute("hidden", "");
-    this.glyphs = Array.from({ length: 6 }, () => new AxisGlyph(this.arrows));
+    this.glyphs = Array.from({ length: 6 }, () => new AxisGlyph(svg));
   }
 
-  /// `axes` null: directions are not known, no arrows.
+  /// `axes` null: their directions are not known, there is nothing to draw.
   update(axes: readonly ShownAxis[] | null): void {
-    this.arrows.toggleAttribute("hidden", axes === null);
+    need("axes-figure").hidden = axes === null;
+    need("axes-unknown").hidden = axes !== null;
     axes?.forEach((axis, i) => this.glyphs[i]!.update(axis));
   }
 }

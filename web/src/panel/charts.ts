@@ -25,7 +25,9 @@ class Samples {
 
   add(state: State): void {
     const last = this.time_s[this.time_s.length - 1];
-    if (last !== undefined && state.time <= last) return;
+    if (state.time === last) return;
+    // A replay that starts again.
+    if (last !== undefined && state.time < last) this.clear();
     this.time_s.push(state.time);
     this.condition.push(state.condition !== null && state.condition > 0 ? state.condition : null);
     this.planarity.push(state.planarity);

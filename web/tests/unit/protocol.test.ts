@@ -5,7 +5,7 @@ import { test } from "node:test";
 import { kLongestRetry_s, retryDelay } from "../../src/data/connection";
 import { GaussianStore } from "../../src/data/gaussians";
 import { Path } from "../../src/data/path";
-import { decodeBinary, parseText, type MapDiff, type Pose } from "../../src/data/protocol";
+import { decodeBinary, parseText, type MapDiff, type Pose, type State } from "../../src/data/protocol";
 
 interface Sketch {
   flags?: number;
@@ -123,13 +123,25 @@ test("random diffs leave what a plain map would hold", () => {
   }
 });
 
-test("the path takes chunks and states in any order", () => {
+test("a chunk replaces the path from its first frame on", () => {
   const pose = (x: number): Pose => [x, 0, 0, 0, 0, 0, 1];
   const path = new Path();
-  path.addChunk({ type: "path", first: 2, estimate: [pose(2), null], truth: [null, null], status: [1, 2] });
-  assert.equal(path.points[2]?.status, "degenerate");
-  assert.equal(path.points[0], undefined);
-  assert.equal(path.points[3], undefined);
+  const chunk = (first: number, status: number[]) =>
+    path.addChunk({
+      type: "path",
+      first,
+      estimate: status.map((_, i) => pose(first + i)),
+      truth: status.map(() => null),
+      status,
+    });
+  chunk(0, [0, 0, 0, 0]);
+  chunk(2, [1, 3]); // 3: no such frame
+  assert.deepEqual(path.points.map((p) => p?.status), ["ok", "ok", "degenerate"]);
+  path.addState({ frame: 5, pose: pose(5), truth: null, status: "lost" } as State);
+  assert.equal(path.points[4], undefined);
+  assert.equal(path.points[5]?.status, "lost");
+  path.addState({ frame: 0, pose: pose(0), truth: null, status: "ok" } as State);
+  assert.equal(path.points.length, 1, "a replay starts again");
 });
 
 test("attempts to reconnect thin out", () => {
