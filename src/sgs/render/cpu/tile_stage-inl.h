@@ -65,21 +65,55 @@ HWY_INLINE BlockMasks block_masks(const F* s, float tile_x0, float tile_y0) {
   return out;
 }
 
+/// For each mask of eight lanes the numbers of its lanes, lowest first, four bits each.
+struct LaneNumbers {
+  std::uint32_t of[256];
+};
+constexpr LaneNumbers make_lane_numbers() {
+  LaneNumbers out{};
+  for (std::uint32_t mask = 0; mask < 256; ++mask) {
+    int shift = 0;
+    for (std::uint32_t lane = 0; lane < 8; ++lane) {
+      if ((mask >> lane & 1) == 0) continue;
+      out.of[mask] |= lane << shift;
+      shift += 4;
+    }
+  }
+  return out;
+}
+inline constexpr LaneNumbers kLaneNumbers = make_lane_numbers();
+
 /// Appends the Gaussians with numbers first, first + 1, ... to the lists of the 32 blocks whose
 /// bits are set in their lanes of `bits`.
 HWY_INLINE void append_to_lists(VI bits, std::uint32_t first, std::uint32_t* lists,
                                 std::uint32_t* counts) {
   const hn::RebindToUnsigned<FloatTag> u32;
-  if constexpr (kLanes >= 8) {
+  // Whole vectors are written; what lies behind the end is overwritten or never read.
+  if constexpr (kLanes == 16) {
     const auto masks = hn::BitCast(u32, bits);
     const auto numbers = hn::Iota(u32, first);
     auto bit = hn::Set(u32, 1u);
     for (int b = 0; b < 32; ++b) {
       const auto touching = hn::TestBit(masks, bit);
-      // All lanes are written; those behind the last one are overwritten or never read.
       hn::StoreU(hn::Compress(numbers, touching), u32,
                  lists + static_cast<std::uint32_t>(b) * kListStride + counts[b]);
       counts[b] += static_cast<std::uint32_t>(hn::CountTrue(u32, touching));
+      bit = hn::Add(bit, bit);
+    }
+  } else if constexpr (kLanes == 8) {
+    // Own table: that of Highway's Compress is copied to the stack at each call by GCC 12.
+    alignas(32) constexpr std::uint32_t kShifts[8] = {0, 4, 8, 12, 16, 20, 24, 28};
+    const auto masks = hn::BitCast(u32, bits);
+    const auto shifts = hn::Load(u32, kShifts), nibble = hn::Set(u32, 15u);
+    const auto base = hn::Set(u32, first);
+    auto bit = hn::Set(u32, 1u);
+    for (int b = 0; b < 32; ++b) {
+      alignas(8) std::uint8_t touching[8] = {};
+      hn::StoreMaskBits(u32, hn::TestBit(masks, bit), touching);
+      const auto packed = hn::Set(u32, kLaneNumbers.of[touching[0]]);
+      hn::StoreU(hn::Add(base, hn::And(hn::Shr(packed, shifts), nibble)), u32,
+                 lists + static_cast<std::uint32_t>(b) * kListStride + counts[b]);
+      counts[b] += static_cast<std::uint32_t>(__builtin_popcount(touching[0]));
       bit = hn::Add(bit, bit);
     }
   } else {
