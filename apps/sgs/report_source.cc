@@ -35,7 +35,7 @@ Eigen::Vector3d up_of(const FinishedRun& run) {
 /// Positions, aligned to the truth where that is possible, with their errors.
 void set_paths(const FinishedRun& run, const eval::TrajectoryMetrics& scores, double start_s,
                eval::ReportData& report) {
-  constexpr std::size_t kMapPoints = 8000;
+  constexpr std::size_t kMapPoints = 12000;
   constexpr double kSameTime_s = 1e-6, kTruthMargin_s = 0.1;
   const SE3 T_truth_world = scores.T_truth_world.value_or(SE3{});
   auto error = scores.errors.begin();

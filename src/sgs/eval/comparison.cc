@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <span>
 #include <string_view>
 
 #include "sgs/eval/html.h"
@@ -34,7 +35,8 @@ std::string key_html(std::size_t run) {
   return fmt::format("<span class='key c{}'></span>", run % 6);
 }
 
-std::string table_section(Runs runs) {
+/// Rows of all metrics (labels empty) or of some.
+std::string table_html(Runs runs, std::span<const std::string_view> labels) {
   std::vector<Metrics> metrics;
   std::vector<std::vector<MetricLine>> columns;
   std::string html = "<div class='scroll'><table><tr><th></th>";
@@ -47,7 +49,10 @@ std::string table_section(Runs runs) {
   std::string group;
   for (std::size_t line = 0; line < columns[0].size(); ++line) {
     const MetricLine& first = columns[0][line];
-    if (first.group != group) {
+    if (!labels.empty() && std::find(labels.begin(), labels.end(), first.label) == labels.end()) {
+      continue;
+    }
+    if (labels.empty() && first.group != group) {
       group = first.group;
       html += fmt::format("<tr class='group'><td colspan='{}'><h3>{}</h3></td></tr>",
                           runs.size() + 1, html_escaped(group));
@@ -61,7 +66,17 @@ std::string table_section(Runs runs) {
     }
     html += "</tr>";
   }
-  return section_html("Scores side by side", "★ marks the best value.", html + "</table></div>");
+  return html + "</table></div>";
+}
+
+std::string table_section(Runs runs) {
+  constexpr std::array<std::string_view, 12> kMain = {
+      "ATE RMSE",     "ATE max",      "Tracked",          "Degenerate",
+      "Prior active", "PSNR (gsicp)", "PSNR (held out)",  "LPIPS (gsicp)",
+      "Depth L1",     "FPS (system)", "Tracking, median", "Gaussians"};
+  return section_html("Scores side by side", "★ marks the best value.",
+                      table_html(runs, kMain) + "<details><summary>All scores</summary>" +
+                          table_html(runs, {}) + "</details>");
 }
 
 std::string unseen_figure(Runs runs) {

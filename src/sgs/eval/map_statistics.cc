@@ -37,11 +37,16 @@ std::vector<MapPoint> sample_points(std::span<const map::Gaussian> gaussians, st
   };
   std::vector<MapPoint> points;
   const std::size_t kept = std::min(count, solid.size());
+  const float cover =
+      kept > 0 ? std::sqrt(static_cast<float>(solid.size()) / static_cast<float>(kept)) : 1.0f;
   for (std::size_t i = 0; i < kept; ++i) {
     const map::Gaussian& g = *solid[i * solid.size() / kept];
+    std::array<float, 3> scale = {g.log_scale[0], g.log_scale[1], g.log_scale[2]};
+    std::sort(scale.begin(), scale.end());
     const Eigen::Vector3d mean(g.mean[0], g.mean[1], g.mean[2]);
-    points.push_back(
-        {(T_target_world * mean).cast<float>(), {byte(g.rgb[0]), byte(g.rgb[1]), byte(g.rgb[2])}});
+    points.push_back({(T_target_world * mean).cast<float>(),
+                      {byte(g.rgb[0]), byte(g.rgb[1]), byte(g.rgb[2])},
+                      cover * 1.3f * std::exp(0.5f * (scale[1] + scale[2]))});
   }
   return points;
 }

@@ -26,9 +26,10 @@ MapStatistics map_statistics(std::span<const map::Gaussian> gaussians);
 struct MapPoint {
   Eigen::Vector3f position_m;
   Rgb8 color;
+  float radius_m = 0;  ///< of a disc that looks as large as the Gaussian
 };
 /// At most `count` centres of Gaussians more solid than not, evenly out of the map's order and
-/// carried by `T_target_world`.
+/// carried by `T_target_world`; radii grow to cover for what is left out.
 std::vector<MapPoint> sample_points(std::span<const map::Gaussian> gaussians, std::size_t count,
                                     const SE3& T_target_world);
 

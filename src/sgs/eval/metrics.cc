@@ -207,7 +207,7 @@ std::vector<MetricLine> metric_lines(const Metrics& m) {
       {s, "Tracking, median", number(m.track_ms_p50, 1, 1, "ms")},
       {s, "Tracking, 95th percentile", number(m.track_ms_p95, 1, 1, "ms")},
       {s, "Mapping iteration, median", number(m.map_iteration_ms_p50, 1, 1, "ms")},
-      {s, "Peak memory", number(real(m.peak_rss_bytes), kMiB, 0, "MiB")},
+      {s, "Peak memory of SLAM", number(real(m.peak_rss_bytes), kMiB, 0, "MiB")},
       {u, "Preset", m.preset.value_or("n/a")},
       {u, "Tracker", m.tracker.value_or("n/a")},
       {u, "Threads", count(m.threads)},

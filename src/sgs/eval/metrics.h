@@ -35,7 +35,7 @@ struct Metrics {
   Count gaussians, map_bytes, keyframes, mapping_iterations;
   Real fps_system, fps_wall;
   Real track_ms_p50, track_ms_p95, map_iteration_ms_p50;
-  Count peak_rss_bytes;
+  Count peak_rss_bytes;  ///< of input, tracking and mapping: taken before anything is scored
   Real degenerate_percent, prior_percent;
   Count frames_dropped, seed, threads;
   Text preset, tracker, version;

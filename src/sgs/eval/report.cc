@@ -26,8 +26,8 @@ std::string header(const ReportData& data) {
 
 std::string tiles(const std::vector<MetricLine>& lines) {
   std::string html = "<div class='tiles'>";
-  for (const std::string_view label : {"ATE RMSE", "Tracked", "PSNR (gsicp)", "PSNR (held out)",
-                                       "FPS (system)", "Tracking, median", "Gaussians"}) {
+  for (const std::string_view label :
+       {"ATE RMSE", "Tracked", "PSNR (gsicp)", "PSNR (held out)", "FPS (system)", "Gaussians"}) {
     for (const MetricLine& line : lines) {
       if (line.label != label) continue;
       html += "<div class='tile'><b>" + html_escaped(line.value) + "</b><span>" +

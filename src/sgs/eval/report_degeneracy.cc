@@ -41,11 +41,12 @@ Drawing three_rows(const ReportData& data) {
           ? " This run does not decide by the condition number but by the signal-to-noise ratios "
             "below; the dashed line is the paper's threshold."
           : "";
-  return {"degeneracy",
-          "Where the visual prior was active, the condition number of the registration (log scale) "
-          "and the planarity of the observed normals." +
-              decided,
-          figure_svg(figure)};
+  return {
+      "degeneracy",
+      "Where vision helped (prior active), the condition number of the registration (log scale) "
+      "and the planarity of the observed normals." +
+          decided,
+      figure_svg(figure)};
 }
 
 Drawing axis_weights(const ReportData& data) {
@@ -59,9 +60,10 @@ Drawing axis_weights(const ReportData& data) {
     }
   }
   figure.panels = {panel};
+  figure.legend = {{"unseen by geometry, filled by vision", "c0"}};
   return {"weights",
           "Weight of vision along the six principal axes of what geometry sees, the least seen "
-          "first: blank, seen by geometry; blue, unseen and filled by vision.",
+          "first: blank 0, seen; blue 1, unseen.",
           figure_svg(figure)};
 }
 

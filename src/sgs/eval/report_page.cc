@@ -21,7 +21,7 @@ h3{font-size:.78rem;margin:0 0 4px;color:var(--soft);text-transform:uppercase;le
 .sub,.lead,.notes{color:var(--soft);margin:4px 0 12px;overflow-wrap:anywhere}
 .notes{font-size:.85rem;padding-left:18px}
 .warn{border-left:4px solid var(--c1);padding:6px 12px;margin:12px 0;background:var(--card)}
-.tags span{display:inline-block;border:1px solid var(--line);background:var(--card);border-radius:99px;
+.tags>span{display:inline-block;border:1px solid var(--line);background:var(--card);border-radius:99px;
 padding:2px 11px;margin:0 6px 6px 0;font-size:.85rem;overflow-wrap:anywhere}
 .tags b{color:var(--soft);font-weight:500}
 .tiles{display:grid;grid-template-columns:repeat(auto-fit,minmax(135px,1fr));gap:12px;margin:18px 0}
@@ -68,7 +68,7 @@ color:var(--soft);margin:8px 0}
 border:1px solid var(--line);border-radius:6px;padding:2px 10px;cursor:pointer}
 .tools input[type=range]{flex:1;min-width:140px;accent-color:var(--accent)}
 .tools output{font-variant-numeric:tabular-nums;min-width:24ch}
-details summary{cursor:pointer;font-weight:600}
+details{margin-top:12px}section>details{margin-top:0}section>.scroll+details{margin-top:12px}details summary{cursor:pointer;font-weight:600}
 pre{overflow-x:auto;font:12.5px/1.45 ui-monospace,Menlo,Consolas,monospace;margin:12px 0 0}
 @media print{section{break-inside:avoid}.tools{display:none}}
 )css";

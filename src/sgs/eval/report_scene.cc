@@ -18,11 +18,12 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kMaxPositions = 3000, kMaxKeyframes = 60;
+constexpr double kRadiusStep_m = 0.002;
 
 /// Short in the file: a tenth of a millimetre is plenty for a picture.
-Json rounded(double value, double unit = 1e-4) {
+Json rounded(double value, double steps_per_unit = 1e4) {
   if (!std::isfinite(value)) return nullptr;
-  return std::round(value / unit) * unit;
+  return std::round(value * steps_per_unit) / steps_per_unit;
 }
 
 Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -61,22 +62,23 @@ Column unseen_along(const ReportData& run) {
 
 Json run_json(const ReportData& run, std::size_t color) {
   const std::size_t step = thinning(run.estimate_m.size(), kMaxPositions);
-  const auto column_json = [&](const Column& column, double unit, double factor) {
+  const auto column_json = [&](const Column& column, double steps, double factor) {
     Json json = Json::array();
     for (std::size_t i = 0; i < column.size(); i += step) {
-      json.push_back(rounded(factor * column[i], unit));
+      json.push_back(rounded(factor * column[i], steps));
     }
     return column.empty() ? Json() : json;
   };
   return {{"name", run_name(run)},
           {"color", color % 6},
           {"path", path_json(run.estimate_m)},
-          {"time", column_json(run.estimate_time_s, 1e-3, 1)},
-          {"error", column_json(run.estimate_error_m, 1e-3, 100)},
-          {"unseen", column_json(unseen_along(run), 1e-2, 1)}};
+          {"time", column_json(run.estimate_time_s, 1e3, 1)},
+          {"error", column_json(run.estimate_error_m, 1e4, 100)},
+          {"unseen", column_json(unseen_along(run), 1e2, 1)}};
 }
 
-/// Points as 16-bit steps from the low corner, then colours, little endian, base64.
+/// Points as 16-bit steps from the low corner, colours, and radii in steps of 2 mm; little endian,
+/// base64.
 Json points_json(const std::vector<MapPoint>& points) {
   Eigen::Vector3f low = Eigen::Vector3f::Zero(), high = Eigen::Vector3f::Zero();
   if (!points.empty()) low = high = points[0].position_m;
@@ -96,7 +98,11 @@ Json points_json(const std::vector<MapPoint>& points) {
   for (const MapPoint& p : points) {
     for (const std::uint8_t c : {p.color.r, p.color.g, p.color.b}) bytes += static_cast<char>(c);
   }
+  for (const MapPoint& p : points) {
+    bytes += static_cast<char>(std::clamp(std::lround(p.radius_m / kRadiusStep_m), 1L, 255L));
+  }
   return {{"count", points.size()},
+          {"radius_step", kRadiusStep_m},
           {"low", {low.x(), low.y(), low.z()}},
           {"step", step},
           {"data", base64(bytes)}};
@@ -110,7 +116,7 @@ Json keyframes_json(const std::vector<SE3>& keyframes) {
     for (int k = 0; k < 3; ++k) pose.push_back(rounded(keyframes[i].t[k]));
     for (int row = 0; row < 3; ++row) {
       for (int column = 0; column < 3; ++column) {
-        pose.push_back(rounded(keyframes[i].R(row, column), 1e-3));
+        pose.push_back(rounded(keyframes[i].R(row, column), 1e3));
       }
     }
     json.push_back(pose);
@@ -132,8 +138,8 @@ void set_box(Runs runs, Json& json) {
     std::vector<double> values;
     for (const MapPoint& p : runs[0].map_points) values.push_back(p.position_m[k]);
     if (values.empty()) continue;
-    low[k] = std::min(low[k], quantile(values, 0.03));
-    high[k] = std::max(high[k], quantile(values, 0.97));
+    low[k] = std::min(low[k], quantile(values, 0.05));
+    high[k] = std::max(high[k], quantile(values, 0.95));
   }
   json["low"] = vector_json(low);
   json["high"] = vector_json(high);
@@ -153,7 +159,7 @@ Json scene_json(Runs runs) {
   }
   Column errors = runs[0].estimate_error_m;
   std::erase_if(errors, [](double v) { return !std::isfinite(v); });
-  if (!errors.empty()) json["error_max"] = rounded(100 * quantile(errors, 0.98), 1e-4);
+  if (!errors.empty()) json["error_max"] = rounded(100 * quantile(errors, 0.98));
   set_box(runs, json);
   return json;
 }

@@ -40,7 +40,8 @@ function decodePoints(p) {
   const bytes = Uint8Array.from(atob(p.data), c => c.charCodeAt(0));
   const words = new Uint16Array(bytes.buffer, 0, 3 * p.count);
   const xyz = Float32Array.from(words, (v, i) => p.low[i % 3] + v * p.step);
-  return {count: p.count, xyz, rgb: bytes.subarray(6 * p.count)};
+  const radius = Float32Array.from(bytes.subarray(9 * p.count), v => v * p.radius_step);
+  return {count: p.count, xyz, radius, rgb: bytes.subarray(6 * p.count)};
 }
 
 function makeScene(box) {
@@ -59,8 +60,8 @@ function makeScene(box) {
     const back = mix([Math.cos(pitch) * Math.cos(yaw), mix([-1, away])],
                      [Math.cos(pitch) * Math.sin(yaw), data.across], [Math.sin(pitch), data.up]);
     const right = unit(cross(data.up, back)), up = cross(back, right), focal = 1.15 * h;
-    const eye = mix([1, target], [2.35 * radius / view.zoom, back]);
-    return {right, up, focal, scale: 2.35 * radius / view.zoom / focal, project(p) {
+    const eye = mix([1, target], [1.75 * radius / view.zoom, back]);
+    return {right, up, focal, scale: 1.75 * radius / view.zoom / focal, project(p) {
       const d = [p[0] - eye[0], p[1] - eye[1], p[2] - eye[2]], z = -dot(d, back);
       return z < 0.02 * radius ? null
         : [w / 2 + focal * dot(d, right) / z, h / 2 - focal * dot(d, up) / z, z];
@@ -68,28 +69,27 @@ function makeScene(box) {
   }
 
   function drawPoints(cam, w, h) {
-    const image = ctx.getImageData(0, 0, w, h), depth = new Float32Array(w * h).fill(Infinity);
-    const size = Math.max(2, Math.round(0.011 * radius / cam.scale / 2.35 * view.zoom));
+    const image = ctx.createImageData(w, h), depth = new Float32Array(w * h).fill(Infinity);
     for (let i = 0; i < points.count; ++i) {
       const p = cam.project(points.xyz.subarray(3 * i, 3 * i + 3));
       if (!p) continue;
-      const s = Math.max(1, Math.min(size, 12)), u = Math.round(p[0] - s / 2);
-      const v = Math.round(p[1] - s / 2);
+      const s = Math.max(2, Math.min(40, Math.round(2 * points.radius[i] * cam.focal / p[2])));
+      const u = Math.round(p[0] - s / 2), v = Math.round(p[1] - s / 2);
       for (let y = Math.max(0, v); y < Math.min(h, v + s); ++y)
         for (let x = Math.max(0, u); x < Math.min(w, u + s); ++x) {
           const k = y * w + x;
-          if (p[2] >= depth[k]) continue;
+          const dx = 2 * (x - u) + 1 - s, dy = 2 * (y - v) + 1 - s;
+          if (p[2] >= depth[k] || dx * dx + dy * dy > s * s) continue;
           depth[k] = p[2];
           for (let c = 0; c < 3; ++c) image.data[4 * k + c] = points.rgb[3 * i + c];
-          image.data[4 * k + 3] = 255;
+          image.data[4 * k + 3] = 200;
         }
     }
     ctx.putImageData(image, 0, 0);
   }
 
-  function polyline(cam, path, colours, width, dash) {
+  function polyline(cam, path, colours, width) {
     ctx.lineWidth = width;
-    ctx.setLineDash(dash);
     let last = null, colour = null;
     for (let i = 0; i < path.length; i += 3) {
       const p = cam.project(path.slice(i, i + 3));
@@ -104,7 +104,6 @@ function makeScene(box) {
       last = p;
     }
     ctx.stroke();
-    ctx.setLineDash([]);
   }
 
   function frustum(cam, pose, size, colour, width) {
@@ -112,8 +111,8 @@ function makeScene(box) {
     const at = pose.slice(0, 3);
     const corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([a, b]) =>
       mix([1, at], [0.8 * a * size, x], [0.6 * b * size, y], [1.2 * size, z]));
-    for (const c of corners) polyline(cam, [...at, ...c], colour, width, []);
-    polyline(cam, [...corners, corners[0]].flat(), colour, width, []);
+    for (const c of corners) polyline(cam, [...at, ...c], colour, width);
+    polyline(cam, [...corners, corners[0]].flat(), colour, width);
   }
 
   function colours(run, paint) {
@@ -139,12 +138,12 @@ function makeScene(box) {
     if (on('cameras'))
       for (const pose of data.keyframes) frustum(cam, pose, size, paint('soft'), ratio);
     if (on('truth')) {
-      polyline(cam, data.truth, paint('card'), 4 * ratio, []);
-      polyline(cam, data.truth, paint('ink'), 1.4 * ratio, [5 * ratio, 4 * ratio]);
+      polyline(cam, data.truth, paint('card'), 8 * ratio);
+      polyline(cam, data.truth, paint('c5'), 6 * ratio);
     }
     for (const run of data.runs) {
-      polyline(cam, run.path, paint('card'), 5 * ratio, []);
-      polyline(cam, run.path, colours(run, paint), 3 * ratio, []);
+      if (!on('truth')) polyline(cam, run.path, paint('card'), 5 * ratio);
+      polyline(cam, run.path, colours(run, paint), 2.6 * ratio);
     }
     if (moment !== null) for (const run of data.runs) mark(cam, run, paint, ratio);
   }

@@ -6,7 +6,6 @@
 
 #include "sgs/eval/report_drawings.h"
 #include "sgs/eval/svg_bars.h"
-#include "sgs/eval/svg_scale.h"
 
 namespace sgs::eval {
 namespace {
@@ -40,10 +39,9 @@ std::vector<Bar> stage_bars(const std::vector<StageSummary>& stages, double fram
     std::sort(parts.begin(), parts.end(),
               [](const StageSummary& a, const StageSummary& b) { return a.total_ms > b.total_ms; });
     const auto add = [&](const StageSummary& s, bool indented) {
-      std::string text = fmt::format("{} ms", short_number(s.total_ms / frames));
+      std::string text = fmt::format("{:.2f} ms", s.total_ms / frames);
       if (s.calls > 0) {
-        text += fmt::format("  (p50 {}, p95 {}, {}×)", short_number(s.p50_ms),
-                            short_number(s.p95_ms), s.calls);
+        text += fmt::format("  (p50 {:.2f}, p95 {:.2f}, {}×)", s.p50_ms, s.p95_ms, s.calls);
       }
       bars.push_back({indented ? s.name.substr(groups[g].name.size() + 1) : s.name,
                       s.total_ms / frames, 0, text, static_cast<int>(g), indented});

@@ -56,7 +56,7 @@ std::string plane_view(Runs runs, const std::string& title, const Eigen::Vector3
                             along(truth->truth_m, up),
                             {},
                             true,
-                            false});
+                            runs.size() > 1});
   }
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const ReportData& run = runs[i];
@@ -67,7 +67,7 @@ std::string plane_view(Runs runs, const std::string& title, const Eigen::Vector3
                    along(run.estimate_m, up),
                    {},
                    false,
-                   true};
+                   runs.size() == 1 || with_truth(runs) == nullptr};
     if (runs.size() == 1) {
       path.value = run.estimate_error_m;
       for (double& v : path.value) v *= kCm;
@@ -162,15 +162,20 @@ std::vector<Drawing> error_drawings(Runs runs) {
   errors.log_y = errors.series.size() > 1 && low > 0 && high > 8 * low;
   errors.height = 190;
   figure.panels = {rows, errors};
-  figure.legend = {{"tracked", "st-ok"},
-                   {"degenerate: some axis from vision alone", "st-degenerate"},
-                   {"lost", "st-lost"},
-                   {"bad frame", "st-bad"}};
-  if (runs.size() > 1) {
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-      figure.legend.insert(figure.legend.begin() + static_cast<std::ptrdiff_t>(i),
-                           {run_name(runs[i]), fmt::format("c{}", i % 6)});
-    }
+  for (std::size_t i = 0; i < runs.size() && runs.size() > 1; ++i) {
+    figure.legend.emplace_back(run_name(runs[i]), fmt::format("c{}", i % 6));
+  }
+  const std::pair<const char*, const char*> states[] = {
+      {"tracked", "st-ok"},
+      {"degenerate: geometry does not see every axis", "st-degenerate"},
+      {"lost", "st-lost"},
+      {"bad frame", "st-bad"}};
+  for (std::size_t k = 0; k < std::size(states); ++k) {
+    const bool occurs = std::any_of(runs.begin(), runs.end(), [&](const ReportData& run) {
+      return std::find(run.status.begin(), run.status.end(), static_cast<double>(k)) !=
+             run.status.end();
+    });
+    if (occurs) figure.legend.emplace_back(states[k].first, states[k].second);
   }
   Drawing drawing{"error",
                   "Tracking status and translation error per frame, after the alignment" +

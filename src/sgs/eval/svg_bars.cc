@@ -75,8 +75,7 @@ std::string histogram_svg(const std::string& title, const std::string& x_label,
                           u(h.min + bin * static_cast<double>(i + 1)));
     }
     body += fmt::format("<path class='area c{}' d='{}V{:.1f}Z'/>", s.color % 6, path, bottom);
-    if (series.size() > 1)
-      legend.push_back({s.label, fmt::format("c{}", s.color % 6), false, true});
+    if (series.size() > 1) legend.push_back({s.label, fmt::format("c{}", s.color % 6), true});
   }
   body += svg_text(0.5 * (kLeft + right), bottom + 31, x_label, TextAnchor::kMiddle, "label");
   body += fmt::format(

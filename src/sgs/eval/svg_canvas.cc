@@ -34,7 +34,8 @@ svg .head{fill:var(--ink);font-size:12px;font-weight:600}
 .area{fill:currentColor;fill-opacity:.3;stroke:currentColor;stroke-width:1}
 .stack{fill:currentColor;fill-opacity:.8;stroke:none}
 .bar{fill:currentColor}
-.paper{fill:var(--card)}
+.paper{fill:var(--card)}.row{fill:var(--line);fill-opacity:.45}
+.line.band{stroke-width:6;stroke-opacity:.35}
 .threshold{stroke:var(--c1);stroke-width:1.3;stroke-dasharray:6 4}
 svg .threshold-name{fill:var(--c1);paint-order:stroke;stroke:var(--card);stroke-width:3px}
 .c0{color:var(--c0)}.c1{color:var(--c1)}.c2{color:var(--c2)}.c3{color:var(--c3)}.c4{color:var(--c4)}
@@ -87,8 +88,8 @@ std::string svg_legend(const std::vector<LegendEntry>& entries, double u, double
       svg += fmt::format("<rect class='bar {}' x='{:.1f}' y='{:.1f}' width='12' height='10'/>",
                          entry.css_class, at + 3, row - 9);
     } else {
-      svg += fmt::format("<path class='line heavy {}{}' d='M{:.1f} {:.1f}h{}'/>", entry.css_class,
-                         entry.dashed ? " dashed" : "", at, row - 4, kSample);
+      svg += fmt::format("<path class='line {}' d='M{:.1f} {:.1f}h{}'/>", entry.css_class, at,
+                         row - 4, kSample);
     }
     svg += svg_text(at + kSample + kGap, row, entry.label, TextAnchor::kStart);
     at += needed;

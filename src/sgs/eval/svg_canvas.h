@@ -34,9 +34,8 @@ std::string svg_text(double u, double v, std::string_view text, TextAnchor ancho
 /// An entry of a legend inside a drawing.
 struct LegendEntry {
   std::string label;
-  std::string css_class;  ///< gives the colour through currentColor
-  bool dashed = false;
-  bool block = false;  ///< a filled square instead of a line
+  std::string css_class;  ///< colour; dashed, heavy or band for lines
+  bool block = false;     ///< a filled square instead of a line
 };
 /// Entries from left to right, wrapped at `width`; `height` grows by what was used.
 std::string svg_legend(const std::vector<LegendEntry>& entries, double u, double v, double width,

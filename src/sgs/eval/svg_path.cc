@@ -14,7 +14,7 @@
 namespace sgs::eval {
 namespace {
 
-constexpr double kLeft = 58, kRight = 14, kTop = 10, kBottom = 38, kBarWidth = 62;
+constexpr double kLeft = 58, kRight = 14, kTop = 10, kBottom = 38, kBarWidth = 68;
 constexpr std::size_t kMaxPoints = 2500;
 
 /// Widens the shorter axis until both have the same scale.
@@ -42,7 +42,7 @@ std::string path_svg(const PlanePath& path, const PanelScale& scale, double valu
     if (!piece.empty()) {
       svg += fmt::format("<path class='line {}{}{}' d='{}'/>", piece_step < 0 ? "c" : "h",
                          piece_step < 0 ? path.color % 6 : piece_step,
-                         path.dashed      ? " dashed"
+                         path.band        ? " band"
                          : piece_step < 0 ? ""
                                           : " heavy",
                          piece);
@@ -115,7 +115,7 @@ std::string color_bar_svg(const PlaneFigure& figure, double left, double top, do
   return svg + fmt::format(
                    "<text class='label' transform='translate({:.1f} {:.1f}) rotate(-90)' "
                    "text-anchor='middle'>{}</text>",
-                   left + 50, 0.5 * (top + bottom), html_escaped(figure.value_label));
+                   left + 58, 0.5 * (top + bottom), html_escaped(figure.value_label));
 }
 
 }  // namespace
@@ -140,18 +140,16 @@ std::string plane_svg(const PlaneFigure& figure) {
   equalise(scale);
   std::string body = axes_svg(figure, scale);
   for (const PlanePath& path : figure.paths) body += path_svg(path, scale, figure.value_max);
-  if (!figure.paths.empty()) body += ends_svg(figure.paths.back(), scale);
+  for (const PlanePath& path : figure.paths) body += ends_svg(path, scale);
   if (bar) body += color_bar_svg(figure, scale.right + 12, scale.top, scale.bottom);
   double height = figure.height;
   std::vector<LegendEntry> entries;
   for (const PlanePath& path : figure.paths) {
-    if (!path.label.empty()) {
-      const bool heat = !path.value.empty() && figure.value_max > 0;
-      entries.push_back(
-          {path.label,
-           heat ? fmt::format("h{}", kHeatSteps / 2) : fmt::format("c{}", path.color % 6),
-           path.dashed, false});
-    }
+    if (path.label.empty()) continue;
+    const bool heat = !path.value.empty() && figure.value_max > 0;
+    entries.push_back(
+        {path.label, heat ? fmt::format("heavy h{}", kHeatSteps / 2)
+                          : fmt::format("{} c{}", path.band ? "band" : "heavy", path.color % 6)});
   }
   body += svg_legend(entries, kLeft, height + 12, figure.width - kLeft, height);
   return svg_open(figure.width, height, figure.title) + body + "</svg>";

@@ -14,8 +14,8 @@ struct PlanePath {
   int color = 0;
   std::vector<double> x, y;
   std::vector<double> value;
-  bool dashed = false;
-  bool ends = true;  ///< a ring at the start, a disc at the end
+  bool band = false;  ///< wide and pale, for what others are compared with
+  bool ends = true;   ///< a ring at the start, a disc at the end
 };
 
 struct PlaneFigure {

@@ -92,6 +92,8 @@ std::string rows_svg(const PlotPanel& panel, const PanelScale& scale) {
   std::string svg;
   double top = scale.top;
   for (const PlotRow& row : panel.rows) {
+    svg += fmt::format("<rect class='row' x='{}' y='{:.1f}' width='{}' height='{}'/>", scale.left,
+                       top + 2, scale.right - scale.left, kRowHeight - 3);
     svg += row_svg(row, scale, top + 2, top + kRowHeight - 1);
     svg += svg_text(scale.left - 6, top + 0.5 * kRowHeight + 4, row.label, TextAnchor::kEnd);
     top += kRowHeight;
@@ -121,13 +123,15 @@ std::vector<LegendEntry> legend_of(const PlotFigure& figure,
                                    const std::vector<const PlotPanel*>& panels) {
   std::vector<LegendEntry> entries;
   for (const auto& [label, css_class] : figure.legend) {
-    entries.push_back({label, css_class, false, true});
+    entries.push_back({label, css_class, true});
   }
   if (!entries.empty()) return entries;
   for (const PlotPanel* panel : panels) {
     if (panel->series.size() < 2) continue;
     for (const PlotSeries& s : panel->series) {
-      const LegendEntry entry{s.label, fmt::format("c{}", s.color % 6), s.dashed, panel->stacked};
+      const LegendEntry entry{s.label,
+                              fmt::format("heavy c{}{}", s.color % 6, s.dashed ? " dashed" : ""),
+                              panel->stacked};
       const bool known = std::any_of(entries.begin(), entries.end(), [&](const LegendEntry& e) {
         return e.label == entry.label && e.css_class == entry.css_class;
       });

@@ -69,7 +69,8 @@ TEST(Plot, RowsJoinEqualNeighboursAndLeaveGaps) {
   figure.panels = {panel};
   const std::string svg = figure_svg(figure);
   std::size_t rectangles = 0;
-  for (auto at = svg.find("<rect"); at != std::string::npos; at = svg.find("<rect", at + 1)) {
+  for (auto at = svg.find("<rect class='bar"); at != std::string::npos;
+       at = svg.find("<rect class='bar", at + 1)) {
     ++rectangles;
   }
   EXPECT_EQ(rectangles, 3u);

@@ -48,12 +48,24 @@ std::vector<Tick> linear_ticks(const Interval& interval, int count) {
 
 std::vector<Tick> log_ticks(const Interval& interval) {
   if (interval.empty()) return {};
-  const double step = std::max(1.0, std::ceil(interval.length() / 6));
+  const auto text = [](double value) {
+    return value >= 1e-3 && value < 1e5 ? fmt::format("{:g}", value) : fmt::format("{:.0e}", value);
+  };
   std::vector<Tick> ticks;
+  if (interval.length() < 1.7) {
+    for (double decade = std::floor(interval.min); decade <= interval.max; ++decade) {
+      for (const double digit : {1.0, 2.0, 5.0}) {
+        const double at = decade + std::log10(digit);
+        if (at < interval.min - 1e-9 || at > interval.max + 1e-9) continue;
+        ticks.push_back({at, text(digit * std::pow(10, decade))});
+      }
+    }
+    return ticks;
+  }
+  const double step = std::max(1.0, std::ceil(interval.length() / 6));
   for (double t = std::ceil(interval.min / step - 1e-9) * step; t <= interval.max + 1e-9;
        t += step) {
-    ticks.push_back(
-        {t, t >= -3 && t <= 4 ? fmt::format("{:g}", std::pow(10, t)) : fmt::format("1e{:g}", t)});
+    ticks.push_back({t, text(std::pow(10, t))});
   }
   return ticks;
 }

@@ -29,7 +29,8 @@ struct Tick {
 };
 /// About `count` round positions (1, 2 or 5 times a power of ten) within the interval.
 std::vector<Tick> linear_ticks(const Interval& interval, int count);
-/// Powers of ten within an interval of decimal logarithms, at most about six.
+/// Powers of ten within an interval of decimal logarithms, at most about six; 1, 2 and 5 times
+/// powers of ten where the interval is short.
 std::vector<Tick> log_ticks(const Interval& interval);
 
 /// A number for reading: up to `digits` significant digits, no needless zeros.
