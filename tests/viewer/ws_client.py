@@ -34,19 +34,22 @@ class Client:
         if receive_buffer:
             self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
         self.socket.settimeout(timeout)
-        self.socket.connect(("127.0.0.1", port))
-        self.socket.sendall(upgrade_request(port, host, origin))
-        head = b""
-        while b"\r\n\r\n" not in head:
-            chunk = self.socket.recv(4096)
-            if not chunk:
-                raise Closed()
-            head += chunk
-        head, self.buffer = head.split(b"\r\n\r\n", 1)
-        self.status = int(head.split()[1])
-        if self.status != 101:
+        try:
+            self.socket.connect(("127.0.0.1", port))
+            self.socket.sendall(upgrade_request(port, host, origin))
+            head = b""
+            while b"\r\n\r\n" not in head:
+                chunk = self.socket.recv(4096)
+                if not chunk:
+                    raise Closed()
+                head += chunk
+            head, self.buffer = head.split(b"\r\n\r\n", 1)
+            status = int(head.split()[1])
+            if status != 101:
+                raise ConnectionRefusedError(status)
+        except BaseException:
             self.socket.close()
-            raise ConnectionRefusedError(self.status)
+            raise
 
     def close(self):
         self.socket.close()
