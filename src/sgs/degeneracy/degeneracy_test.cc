@@ -179,6 +179,17 @@ TEST(Observability, AnalyticScenesReportTheRightAxes) {
   }
 }
 
+TEST(Observability, CameraAxesAreUnitTwistsThatTheirWeightsBelongTo) {
+  for (const Case& c : cases()) {
+    const Observability o = detect(c.scene());
+    for (int k = 0; k < 6; ++k) {
+      const Vector6d axis = o.camera_axes.col(k);
+      EXPECT_NEAR(axis.norm(), 1, 1e-12) << c.name;
+      EXPECT_LT((o.P * axis - o.weights(k) * axis).norm(), 1e-9) << c.name << " axis " << k;
+    }
+  }
+}
+
 TEST(Observability, NoiseOnlyRatioIsAboutOneOnAPlane) {
   const Observability o = detect(plane(2));
   for (int k = 0; k < 3; ++k) {

@@ -74,6 +74,7 @@ Observability observe(const SurfaceInformation& information, const DegeneracyCon
   }
   out.axes = spectrum(information.H).axes;
   const Matrix6d A = information.camera_from_scaled();
+  out.camera_axes = (A * out.axes).colwise().normalized();
   const Matrix6d A_inverse = information.scaled_from_camera();
   const Matrix6d previous_from_current =
       state.scaled_from_camera * T_previous_current.adjoint() * A;

@@ -37,12 +37,13 @@ SurfaceInformation accumulate(const SurfaceSamples& samples, int noise_stride);
 
 /// What geometry sees: axis k is unseen to the degree w_k.
 struct Observability {
-  Matrix6d axes = Matrix6d::Identity();  ///< columns v_k: scaled and centred twists
-  Vector6d snr = Vector6d::Zero();       ///< v'Hv / v'Nv; infinite where N is 0 but H is not
-  Vector6d weights = Vector6d::Ones();   ///< clamp(ln(2 s0 / SNR) / ln 2, 0, 1)
-  unsigned mask = 0x3f;                  ///< bit k where w_k > 0.5
-  Matrix6d P = Matrix6d::Identity();     ///< camera twists -> their unseen part
-  Matrix6d K = Matrix6d::Zero();         ///< I - P
+  Matrix6d axes = Matrix6d::Identity();         ///< columns v_k: scaled and centred twists
+  Matrix6d camera_axes = Matrix6d::Identity();  ///< the same as unit camera twists
+  Vector6d snr = Vector6d::Zero();              ///< v'Hv / v'Nv; infinite where N is 0 but H is not
+  Vector6d weights = Vector6d::Ones();          ///< clamp(ln(2 s0 / SNR) / ln 2, 0, 1)
+  unsigned mask = 0x3f;                         ///< bit k where w_k > 0.5
+  Matrix6d P = Matrix6d::Identity();            ///< camera twists -> their unseen part
+  Matrix6d K = Matrix6d::Zero();                ///< I - P
 };
 
 /// Which subspace was weak in the last frame. Single axes cannot be followed: inside a weak

@@ -78,6 +78,7 @@ void GicpTracker::describe_spectrum(const Matrix6d& H, Diagnostics& d) {
     d.degenerate_mask =
         degeneracy::condition_mask(spectrum, config_.degeneracy.condition_threshold);
     for (unsigned k = 0; k < 6; ++k) d.weights[k] = (d.degenerate_mask >> k) & 1u;
+    d.axes = spectrum.axes;
     return;
   }
   const auto observability =
@@ -86,6 +87,7 @@ void GicpTracker::describe_spectrum(const Matrix6d& H, Diagnostics& d) {
     d.snr[static_cast<std::size_t>(k)] = observability.snr[k];
     d.weights[static_cast<std::size_t>(k)] = observability.weights[k];
   }
+  d.axes = observability.camera_axes;
   d.degenerate_mask = observability.mask;
 }
 

@@ -147,6 +147,7 @@ degeneracy::AxisPrior PriorTracker::choose_axes(const Matrix6d& H_icp, const Pos
   const degeneracy::Spectrum spectrum = degeneracy::spectrum(H_icp);
   d.condition_number = spectrum.condition_number();
   for (int k = 0; k < 6; ++k) d.eigenvalues[static_cast<std::size_t>(k)] = spectrum.eigenvalues[k];
+  d.axes = spectrum.axes;
   d.planarity = planarity();
   degeneracy::DegeneracyConfig config = config_.degeneracy;
   double eta = d.planarity;

@@ -88,6 +88,7 @@ void SpectralTracker::observe_geometry(Diagnostics& d) {
     d.snr[static_cast<std::size_t>(k)] = observability_.snr[k];
     d.weights[static_cast<std::size_t>(k)] = observability_.weights[k];
   }
+  d.axes = observability_.camera_axes;
   d.degenerate_mask = observability_.mask;
   constexpr std::size_t kStride = 4;
   std::vector<Eigen::Vector3f> normals;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "sgs/geometry/se3.h"
@@ -26,7 +27,10 @@ struct Diagnostics {
   std::array<double, 6> eigenvalues = {kNone, kNone, kNone, kNone, kNone, kNone};  ///< of H, rising
   std::array<double, 6> snr = {kNone, kNone, kNone, kNone, kNone, kNone};  ///< per axis, as weights
   std::array<double, 6> weights = {0, 0, 0, 0, 0, 0};  ///< w_k: 0 seen .. 1 unseen by geometry
-  unsigned degenerate_mask = 0;                        ///< bit k set where w_k > 0.5
+  /// Columns: the unit camera twists (rotation first) that weights and snr speak of; empty where
+  /// the tracker does not ask.
+  std::optional<Matrix6d> axes;
+  unsigned degenerate_mask = 0;       ///< bit k set where w_k > 0.5
   double condition_number = kNone;    ///< lambda_max / lambda_min of the registration Hessian
   double planarity = kNone;           ///< eta of the Gaussians' normals, 0..1
   std::string prior_source = "none";  ///< none | zero (motion) | cvm | orb | photometric

@@ -25,6 +25,7 @@ FrameUpdate SessionFeed::update(slam::Session& session, const slam::FeedItem& it
   update.record = record;
   update.map = session.snapshot();
   update.frame = item.frame;
+  update.axes = record.diagnostics.axes;
   update.T_world_camera = pose_in_map(record, session.records(), update.map);
   if (const auto& truth = item.frame->truth_T_world_camera) {
     if (!T_world_truth_) T_world_truth_ = update.T_world_camera * truth->inverse();
