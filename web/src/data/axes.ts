@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-import { combine, dot, eigenSymmetric, orthonormalise, type Vector } from "./linalg";
+import { coefficients, combine, dot, eigenSymmetric, orthonormalise, type Vector } from "./linalg";
 import type { Six, State } from "./protocol";
 
 /// Names of the six camera axes in the order rows and arrows are shown.
@@ -47,42 +47,58 @@ export function axisReadings(state: State, axes: readonly ShownAxis[] | null): A
 /// within each we take the basis that separates slidings from turnings and lies closest to x, y, z.
 /// Returns six entries in the order of kAxisNames.
 export function shownAxes(spectrum: Spectrum): ShownAxis[] {
-  const unseen = spectrum.axes.filter((_, k) => (spectrum.mask >> k) & 1);
-  const seen = spectrum.axes.filter((_, k) => !((spectrum.mask >> k) & 1));
-  const unseen_basis = orthonormalise(unseen);
-  // Camera twists of scaled axes are not quite orthogonal; unit vectors fill what might be missing.
+  const unseen = members(spectrum, true);
+  const unseen_basis = orthonormalise(unseen.map((m) => m.axis));
+  // Camera twists of scaled axes are not orthogonal to one another. What geometry sees is shown as
+  // what is left when the unseen is taken out; unit vectors fill up where that leaves gaps.
+  const seen = members(spectrum, false).flatMap((m) => {
+    const [rest] = orthonormalise([m.axis], unseen_basis);
+    return rest ? [{ ...m, axis: rest }] : [];
+  });
   const units = kAxisNames.map((_, i) => kAxisNames.map((_, j) => (i === j ? 1 : 0)));
-  const seen_basis = orthonormalise([...seen, ...units], unseen_basis).slice(0, 6 - unseen_basis.length);
+  const all_seen = orthonormalise([...seen.map((m) => m.axis), ...units], unseen_basis);
+  const seen_basis = all_seen.slice(0, 6 - unseen_basis.length);
   const candidates = [
-    ...separate(unseen_basis).map((twist) => ({ twist, unseen: true })),
-    ...separate(seen_basis).map((twist) => ({ twist, unseen: false })),
+    ...separate(unseen_basis).map((twist) => ({ twist, unseen: true, ...measures(twist, unseen) })),
+    ...separate(seen_basis).map((twist) => ({ twist, unseen: false, ...measures(twist, seen) })),
   ];
   return assign(candidates.map((c) => c.twist)).map((slot, position) => {
-    const { twist, unseen: is_unseen } = candidates[slot]!;
+    const { twist, ...measured } = candidates[slot]!;
     const kind = position < 3 ? "slide" : "turn";
     const letter = position % 3;
     const part = kind === "slide" ? twist.slice(3) : twist.slice(0, 3);
     const norm = Math.sqrt(dot(part, part)) * (part[letter]! < 0 ? -1 : 1);
     const unit = part.map((x) => x / (norm || 1)) as [number, number, number];
-    return { kind, letter, direction: unit, unseen: is_unseen, ...measures(twist, spectrum) };
+    return { kind, letter, direction: unit, ...measured };
   });
 }
 
-/// Weight and signal-to-noise of a twist: means over the axes it is made of.
-function measures(twist: Vector, spectrum: Spectrum): { weight: number; snr: number | null } {
-  const shares = spectrum.axes.map((axis) => dot(axis, twist) ** 2);
-  const total = shares.reduce((a, b) => a + b, 0) || 1;
-  const weight = dot(shares, spectrum.weights) / total;
-  if (!spectrum.snr) return { weight, snr: null };
-  // Means of logarithms: ratios lie decades apart. A share below a thousandth says nothing.
-  let log_sum = 0;
-  let log_total = 0;
-  spectrum.snr.forEach((value, k) => {
-    if (shares[k]! < 1e-3 * total) return;
-    log_sum += shares[k]! * Math.log(Math.max(1e-6, value ?? Infinity));
-    log_total += shares[k]!;
+/// An axis of the spectrum with what was measured on it. snr: null = not measured.
+interface Member {
+  axis: Vector;
+  weight: number;
+  snr: number | null;
+}
+
+function members(spectrum: Spectrum, unseen: boolean): Member[] {
+  return spectrum.axes.flatMap((axis, k) => {
+    if (((spectrum.mask >> k) & 1) !== (unseen ? 1 : 0)) return [];
+    const snr = spectrum.snr ? (spectrum.snr[k] ?? Infinity) : null;
+    return [{ axis, weight: spectrum.weights[k]!, snr }];
   });
-  return { weight, snr: Math.exp(log_sum / log_total) };
+}
+
+/// Weight and signal-to-noise of a twist: means over the axes of its group that it is made of.
+function measures(twist: Vector, group: readonly Member[]): { weight: number; snr: number | null } {
+  const shares = coefficients(twist, group.map((m) => m.axis)).map((c) => c * c);
+  const total = shares.reduce((a, b) => a + b, 0) || 1;
+  const weight = dot(shares, group.map((m) => m.weight)) / total;
+  if (group.some((m) => m.snr === null)) return { weight, snr: null };
+  // Means of logarithms: ratios lie decades apart. A share below a thousandth says nothing.
+  const logs = group.map((m, k) =>
+    shares[k]! < 1e-3 * total ? 0 : (shares[k]! / total) * Math.log(Math.max(1e-6, m.snr!)),
+  );
+  return { weight, snr: Math.exp(logs.reduce((a, b) => a + b, 0)) };
 }
 
 /// Turns an orthonormal basis of twists so that slidings and turnings separate, each as close to the

@@ -34,6 +34,22 @@ export function orthonormalise(vectors: readonly Vector[], basis: readonly Vecto
   return out;
 }
 
+/// Coefficients of `v` in linearly independent unit vectors that span it (normal equations, solved by
+/// elimination; they are well-conditioned at the sizes and angles that occur here).
+export function coefficients(v: Vector, basis: readonly Vector[]): number[] {
+  const n = basis.length;
+  const rows = basis.map((a) => [...basis.map((b) => dot(a, b)), dot(a, v)]);
+  for (let p = 0; p < n; ++p) {
+    const pivot = rows[p]!;
+    for (let r = 0; r < n; ++r) {
+      if (r === p) continue;
+      const factor = rows[r]![p]! / (pivot[p]! || 1);
+      rows[r] = rows[r]!.map((x, i) => x - factor * pivot[i]!);
+    }
+  }
+  return rows.map((row, p) => row[n]! / (row[p]! || 1));
+}
+
 /// Eigenvalues, rising, and eigenvectors of a symmetric matrix by Jacobi rotations (Golub, Van Loan,
 /// Matrix Computations, section 8.5).
 export function eigenSymmetric(matrix: readonly Vector[]): { values: number[]; vectors: Vector[] } {

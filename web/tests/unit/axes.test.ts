@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { axisReadings, kAxisNames, shownAxes } from "../../src/data/axes";
-import { dot, eigenSymmetric, orthonormalise } from "../../src/data/linalg";
+import { coefficients, dot, eigenSymmetric, orthonormalise } from "../../src/data/linalg";
 import type { Six, State } from "../../src/data/protocol";
 import { statusWords } from "../../src/data/words";
 
@@ -43,6 +43,12 @@ test("orthonormalising leaves out what adds nothing", () => {
   const basis = orthonormalise([[1, 1, 0], [2, 2, 0], [1, 0, 0]]);
   assert.equal(basis.length, 2);
   assert.ok(Math.abs(dot(basis[0]!, basis[1]!)) < 1e-12);
+});
+
+test("coefficients in a skew basis", () => {
+  const h = Math.SQRT1_2;
+  const [a, b] = coefficients([3, 2], [[1, 0], [h, h]]);
+  assert.ok(Math.abs(a! - 1) < 1e-12 && Math.abs(b! - 2 / h) < 1e-12);
 });
 
 test("a corridor: one sliding", () => {
@@ -115,6 +121,23 @@ test("axes of scaled twists need not be orthogonal", () => {
     words(s, "degenerate"),
     "sliding along x and turning about z are unobservable: vision fills them",
   );
+});
+
+test("weights of axes about a far centroid stay apart", () => {
+  // A plane 2 m ahead: what is seen are turnings about x and y around its centroid.
+  const unit = (v: Six): Six => v.map((x) => x / Math.hypot(...v)) as Six;
+  const weak = [units[kSlide.x]!, units[kSlide.y]!, units[kTurn.z]!];
+  const seen = [
+    unit(twist([kTurn.y, 1], [kSlide.x, -2])),
+    unit(twist([kTurn.x, 1], [kSlide.y, 2])),
+    units[kSlide.z]!,
+  ];
+  const plane = { ...spectrum(weak, seen), snr: [1, 1, 1, 5000, 5000, 5000] as Six };
+  for (const axis of shownAxes(plane)) {
+    assert.ok(Math.abs(axis.weight - (axis.unseen ? 1 : 0)) < 1e-9);
+    assert.ok(Math.abs(axis.snr! / (axis.unseen ? 1 : 5000) - 1) < 1e-6);
+  }
+  assert.deepEqual(shownAxes(plane).map((axis) => axis.unseen), [true, true, false, false, false, true]);
 });
 
 test("words for the other states", () => {
