@@ -26,14 +26,18 @@ void ViewerRequest::add_run_options(CLI::App& sub, std::string& input) {
       ->expected(0, 1)
       ->type_name("[PORT]");
   sub.add_option("--viewer-address", address, "Where the viewer listens; 0.0.0.0 = everywhere");
-  sub.add_option("--viewer-host", names, "Name by which browsers may call the viewer (repeatable)");
+  sub.add_option("--viewer-host", names, "Name by which browsers may call the viewer (repeatable)")
+      ->take_all()
+      ->allow_extra_args(false);
   sub.add_flag("--viewer-stay", stay, "Keep the viewer after the run until Ctrl-C");
 }
 
 void ViewerRequest::add_view_options(CLI::App& sub) {
   sub.add_option("--port", port, "Port (default 8765, 0 = any free one)");
   sub.add_option("--viewer-address", address, "Where to listen; 0.0.0.0 = everywhere");
-  sub.add_option("--viewer-host", names, "Name by which browsers may call it (repeatable)");
+  sub.add_option("--viewer-host", names, "Name by which browsers may call it (repeatable)")
+      ->take_all()
+      ->allow_extra_args(false);
 }
 
 }  // namespace sgs::app

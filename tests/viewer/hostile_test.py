@@ -22,6 +22,7 @@ import threading
 import time
 import unittest
 
+sys.dont_write_bytecode = True  # the source tree stays as it is
 from ws_client import Client, Closed, is_type, upgrade_request
 
 SGS = pathlib.Path(sys.argv.pop(1)).resolve()

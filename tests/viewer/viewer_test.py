@@ -19,6 +19,7 @@ import threading
 import time
 import unittest
 
+sys.dont_write_bytecode = True  # the source tree stays as it is
 from ws_client import Client, Closed, MapView, PathView, is_type
 
 SGS = pathlib.Path(sys.argv.pop(1)).resolve()

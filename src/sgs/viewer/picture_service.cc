@@ -135,7 +135,7 @@ void PictureService::forget(std::uint64_t client) {
 }
 
 void PictureService::loop() {
-  lower_thread_priority(19);
+  lower_thread_priority(10);
   Worker worker(camera_, deliver_);
   double next_view_s = 0, next_panes_s = 0;
   std::unique_lock lock(mutex_);

@@ -23,7 +23,7 @@ struct Picture {
   std::shared_ptr<const std::string> message;
 };
 
-/// Makes the panes' and the clients' pictures on a thread of its own: lowest priority, one core,
+/// Makes the panes' and the clients' pictures on a thread of its own: low priority, one core,
 /// a few pictures a second and never more than half of the time at work. Nothing is made that
 /// nobody asked for. Of frames and of each client's requests only the newest waits. Thread-safe.
 class PictureService {

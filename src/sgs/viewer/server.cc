@@ -172,7 +172,7 @@ void Server::Impl::tick() {
 }
 
 void Server::Impl::run() {
-  lower_thread_priority(10);
+  lower_thread_priority(5);
   while (true) {
     try {
       core.io.run();
