@@ -95,20 +95,29 @@ void set_columns(const FrameTable& table, eval::ReportData& report) {
   }
 }
 
-/// Stages of timings.json; what is not as expected there is left out.
-std::vector<eval::StageSummary> stages_of(const std::string& timings_json) {
-  std::vector<eval::StageSummary> stages;
-  const auto json = nlohmann::json::parse(timings_json, nullptr, false);
-  if (!json.is_object()) return stages;
-  for (const auto& [name, stage] : json.items()) {
+void add_stages(const nlohmann::json& tree, const std::string& prefix,
+                std::vector<eval::StageSummary>& stages) {
+  if (!tree.is_object()) return;
+  for (const auto& [name, stage] : tree.items()) {
+    if (!stage.is_object()) continue;
     const auto number = [&stage = stage](const char* key) {
       const auto found = stage.find(key);
       return found != stage.end() && found->is_number() ? found->template get<double>() : 0.0;
     };
-    if (!stage.is_object()) continue;
-    stages.push_back({name, static_cast<std::int64_t>(number("calls")), number("total_ms"),
-                      number("p50_ms"), number("p95_ms")});
+    if (stage.contains("calls")) {
+      stages.push_back({prefix + name, static_cast<std::int64_t>(number("calls")),
+                        number("total_ms"), number("p50_ms"), number("p95_ms")});
+    }
+    if (const auto children = stage.find("children"); children != stage.end()) {
+      add_stages(*children, prefix + name + "/", stages);
+    }
   }
+}
+
+/// Stages of timings.json; what is not as expected there is left out.
+std::vector<eval::StageSummary> stages_of(const std::string& timings_json) {
+  std::vector<eval::StageSummary> stages;
+  add_stages(nlohmann::json::parse(timings_json, nullptr, false), "", stages);
   return stages;
 }
 

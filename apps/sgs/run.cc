@@ -8,9 +8,11 @@
 #include "interrupt.h"
 #include "log_setup.h"
 #include "play.h"
+#include "preloaded_source.h"
 #include "run_request.h"
 #include "score.h"
 #include "sgs/core/log.h"
+#include "sgs/io/atomic_file.h"
 #include "sgs/io/trajectory_io.h"
 #include "timings.h"
 #include "version.h"
@@ -111,7 +113,11 @@ Result<int> run_sequence(const RunRequest& request, const slam::SessionConfig& c
   run.trajectory = session->trajectory();
   run.keyframes = session->keyframe_trajectory();
   run.frames_csv = slam::frames_csv(session->records());
-  run.timings_json = timings_json(session->times());
+  const StageTimes times = session->times();
+  run.timings_json = timings_json(times);
+  if (!request.trace.empty()) {
+    SGS_RETURN_IF_ERROR(io::write_file(request.trace, chrome_trace(times)));
+  }
   run.frames = clock ? clock->frames_in : static_cast<std::int64_t>(session->records().size());
   if (const auto snapshot = session->snapshot()) run.gaussians = snapshot->gaussians;
   save_session(*session, run, folder);
@@ -157,6 +163,7 @@ int run_command(RunRequest request) {
   if (!folder) return report(folder.error());
   setup_logging(folder->path() / "log.txt", request.quiet);
   for (const std::string& warning : input->info.warnings) log().warn("{}", warning);
+  if (request.preload) input->source = preload(std::move(input->source));
   const auto code = run_sequence(request, *config, *input, *folder);
   return code ? *code : report(code.error());
 }
@@ -189,6 +196,10 @@ void add_run(CLI::App& app, Action& action) {
       ->check(CLI::PositiveNumber);
   sub->add_option("--record", request->record, "Keep the input in this folder (TUM layout)");
   request->viewer.add_run_options(*sub, request->input.input);
+  sub->add_option("--trace", request->trace,
+                  "Write a time line of both threads to this file (Chrome trace format)");
+  sub->add_flag("--preload", request->preload,
+                "Decode all frames before the clock starts (takes 2 MB per frame of 640x480)");
   sub->add_flag("--realtime", request->realtime, "Frames at the sensor's rate, late ones dropped");
   sub->add_flag("--no-eval", request->no_eval, "Skip the rendering scores");
   sub->add_flag("--quiet", request->quiet, "No progress, no warnings on the terminal");

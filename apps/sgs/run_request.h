@@ -14,12 +14,12 @@ namespace sgs::app {
 /// What `sgs run` was asked to do, as given on the command line.
 struct RunRequest {
   InputSpec input;
-  std::string output, config_file, preset, tracker, lpips_weights, record;
+  std::string output, config_file, preset, tracker, lpips_weights, record, trace;
   std::vector<std::string> assignments;  ///< --set key=value
   std::string seed;                      ///< empty = as configured
   int threads = 2;
   int lpips_stride = 8;
-  bool realtime = false, no_eval = false, quiet = false, json = false;
+  bool realtime = false, preload = false, no_eval = false, quiet = false, json = false;
   ViewerRequest viewer;
 };
 

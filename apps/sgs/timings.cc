@@ -4,20 +4,64 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
 namespace sgs::app {
 
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Where stage `name` belongs below `root`.
+Json& node_of(Json& root, const std::string& name) {
+  const auto slash = name.find('/');
+  if (slash == std::string::npos) return root[name];
+  return node_of(root[name.substr(0, slash)]["children"], name.substr(slash + 1));
+}
+
+}  // namespace
+
 std::string timings_json(const StageTimes& times) {
-  nlohmann::ordered_json json;
-  for (const auto& [name, values] : times.stages()) {
-    json[name] = {{"calls", values.size()},
-                  {"total_ms", std::accumulate(values.begin(), values.end(), 0.0)},
-                  {"p50_ms", quantile(values, 0.5)},
-                  {"p95_ms", quantile(values, 0.95)}};
+  Json root = Json::object();
+  for (const auto& [name, values] : times.stages()) {  // parents come before their parts
+    Json& node = node_of(root, name);
+    node["calls"] = values.size();
+    node["total_ms"] = std::accumulate(values.begin(), values.end(), 0.0);
+    node["p50_ms"] = quantile(values, 0.5);
+    node["p95_ms"] = quantile(values, 0.95);
   }
-  return json.dump(2) + "\n";
+  return root.dump(2) + "\n";
+}
+
+std::string chrome_trace(const StageTimes& times) {
+  double begin_s = std::numeric_limits<double>::infinity();
+  for (const auto& interval : times.intervals()) begin_s = std::min(begin_s, interval.start_s);
+  std::map<std::string, int> threads;
+  Json events = Json::array();
+  for (const auto& interval : times.intervals()) {
+    const auto [thread, is_new] =
+        threads.try_emplace(interval.thread, static_cast<int>(threads.size()) + 1);
+    if (is_new) {
+      events.push_back({{"ph", "M"},
+                        {"name", "thread_name"},
+                        {"pid", 1},
+                        {"tid", thread->second},
+                        {"args", {{"name", interval.thread}}}});
+    }
+    constexpr double kMicroseconds = 1e6, kPerMillisecond = 1e3;
+    events.push_back({{"ph", "X"},
+                      {"name", interval.stage},
+                      {"pid", 1},
+                      {"tid", thread->second},
+                      {"ts", std::round(kMicroseconds * (interval.start_s - begin_s))},
+                      {"dur", std::round(kPerMillisecond * interval.duration_ms)}});
+  }
+  return Json({{"traceEvents", std::move(events)}, {"displayTimeUnit", "ms"}}).dump() + "\n";
 }
 
 std::int64_t peak_rss_bytes() {

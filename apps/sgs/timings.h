@@ -9,8 +9,12 @@
 
 namespace sgs::app {
 
-/// timings.json: per stage calls, total, median and 95th percentile in milliseconds.
+/// timings.json: a tree of stages, each with calls, total, median and 95th percentile in
+/// milliseconds, and its parts under "children".
 std::string timings_json(const StageTimes& times);
+/// The run on a time line, one row per thread, in Chrome's trace event format (chrome://tracing,
+/// ui.perfetto.dev).
+std::string chrome_trace(const StageTimes& times);
 
 /// Largest resident set of this process so far, bytes; 0 when the system does not tell.
 std::int64_t peak_rss_bytes();

@@ -120,5 +120,19 @@ TEST(Stopwatch, QuantilesAndMerging) {
   EXPECT_GE(a.stages().at("map").at(0), 0);
 }
 
+TEST(Stopwatch, IntervalsKeepTheirThreadThroughMerging) {
+  StageTimes tracking("tracking"), mapping("mapping");
+  tracking.add("track", 5);  // has no place in time
+  tracking.add_interval("track", 10, 3);
+  mapping.add_trace_only("map/iteration", 11, 4);
+  tracking.merge(mapping);
+  ASSERT_EQ(tracking.intervals().size(), 2u);
+  EXPECT_EQ(tracking.intervals()[0].thread, "tracking");
+  EXPECT_EQ(tracking.intervals()[1].thread, "mapping");
+  EXPECT_EQ(tracking.intervals()[1].start_s, 11);
+  EXPECT_THAT(tracking.stages().at("track"), testing::ElementsAre(5, 3));
+  EXPECT_EQ(tracking.stages().count("map/iteration"), 0u);
+}
+
 }  // namespace
 }  // namespace sgs

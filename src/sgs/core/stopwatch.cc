@@ -24,7 +24,17 @@ void StageTimes::add(const std::string& name, double milliseconds) {
   stages_[name].push_back(milliseconds);
 }
 
+void StageTimes::add_interval(const std::string& name, double start_s, double milliseconds) {
+  add(name, milliseconds);
+  add_trace_only(name, start_s, milliseconds);
+}
+
+void StageTimes::add_trace_only(const std::string& name, double start_s, double milliseconds) {
+  intervals_.push_back({name, thread_, start_s, milliseconds});
+}
+
 void StageTimes::merge(const StageTimes& other) {
+  intervals_.insert(intervals_.end(), other.intervals_.begin(), other.intervals_.end());
   for (const auto& [name, values] : other.stages_) {
     auto& mine = stages_[name];
     mine.insert(mine.end(), values.begin(), values.end());

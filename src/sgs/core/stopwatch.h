@@ -4,6 +4,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace sgs {
@@ -16,15 +17,34 @@ double thread_cpu_time_s();
 /// Durations collected per named stage. Not thread-safe: one per thread, merged at the end.
 class StageTimes {
  public:
+  /// One observation's place in time.
+  struct Interval {
+    std::string stage;
+    std::string thread;  ///< of the StageTimes that it was added to
+    double start_s = 0;  ///< as wall_time_s()
+    double duration_ms = 0;
+  };
+
+  /// `thread` names the thread that the observations belong to.
+  explicit StageTimes(std::string thread = "") : thread_(std::move(thread)) {}
+
   /// Adds one observation (milliseconds) to stage `name`; '/' in names separates levels of a tree.
   void add(const std::string& name, double milliseconds);
+  /// The same, and remembers when it was.
+  void add_interval(const std::string& name, double start_s, double milliseconds);
+  /// Remembers an interval without counting it as an observation.
+  void add_trace_only(const std::string& name, double start_s, double milliseconds);
   /// Appends all of another thread's observations.
   void merge(const StageTimes& other);
   /// All observations of each stage, in order of arrival.
   const std::map<std::string, std::vector<double>>& stages() const { return stages_; }
+  /// Those with a place in time, in order of arrival within each thread.
+  const std::vector<Interval>& intervals() const { return intervals_; }
 
  private:
+  std::string thread_;
   std::map<std::string, std::vector<double>> stages_;
+  std::vector<Interval> intervals_;
 };
 
 /// Measures the wall time of a scope and adds it to a StageTimes.
@@ -32,7 +52,7 @@ class ScopedTimer {
  public:
   ScopedTimer(StageTimes& times, std::string name)
       : times_(times), name_(std::move(name)), start_s_(wall_time_s()) {}
-  ~ScopedTimer() { times_.add(name_, 1e3 * (wall_time_s() - start_s_)); }
+  ~ScopedTimer() { times_.add_interval(name_, start_s_, 1e3 * (wall_time_s() - start_s_)); }
   ScopedTimer(const ScopedTimer&) = delete;
   ScopedTimer& operator=(const ScopedTimer&) = delete;
 

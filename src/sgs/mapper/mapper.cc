@@ -68,7 +68,7 @@ struct Mapper::Impl {
   bool changed = true;
   std::uint64_t version = 0;
   map::SnapshotPtr newest;
-  StageTimes times;
+  StageTimes times{"mapping"};
 };
 
 void Mapper::Impl::step() {
@@ -80,7 +80,9 @@ void Mapper::Impl::step() {
                           full_steps++ % config.objective.dssim_interval == 0;
   loss.dssim_weight = structural ? static_cast<float>(config.objective.dssim_weight) : 0.0f;
   loss.gain = keyframe.gain;
+  const double asked_s = wall_time_s();
   const auto target = targets.get(keyframe, index, level);
+  times.add_interval("map/iteration/target", asked_s, 1e3 * (wall_time_s() - asked_s));
   StepWithBackward step_with_backward(optimizer, store);
   rasterizer->evaluate(store.raw, *target, keyframe.T_world_camera, loss, gradients,
                        {nullptr, &step_with_backward});

@@ -48,7 +48,10 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& frame) 
   SGS_CHECK(frame->color.width() == camera_.width && frame->color.height() == camera_.height &&
                 frame->depth.width() == camera_.width && frame->depth.height() == camera_.height,
             "frame size differs from the session's camera");
+  const double waiting_since_s = wall_time_s();
   const MapView view = worker_->view_for(frames_fed_);
+  track_times_.add_interval("wait for map", waiting_since_s,
+                            1e3 * (wall_time_s() - waiting_since_s));
 
   FrameRecord record;
   record.index = frame->index;
@@ -57,9 +60,10 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& frame) 
   record.gaussians = view.snapshot ? static_cast<std::int64_t>(view.snapshot->gaussians.size()) : 0;
   record.iterations = view.iterations;
 
-  const double start_s = thread_cpu_time_s();
+  const double wall_start_s = wall_time_s(), start_s = thread_cpu_time_s();
   const tracker::TrackResult result = tracker_->track(*frame, view.snapshot);
   record.track_ms = 1e3 * (thread_cpu_time_s() - start_s);
+  const double wall_ms = 1e3 * (wall_time_s() - wall_start_s);
   record.T_world_tracked = result.T_world_camera;
   record.status = result.status;
   record.tracking_keyframe = result.keyframe;
@@ -76,16 +80,28 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& frame) 
   worker_->submit(std::move(job));
   ++frames_fed_;
 
-  const tracker::Diagnostics& d = record.diagnostics;
-  track_times_.add("track", record.track_ms);
-  track_times_.add("track/points", d.ms_points);
-  track_times_.add("track/index", d.ms_index);
-  track_times_.add("track/geometry", d.ms_geometry);
-  track_times_.add("track/visual", d.ms_visual);
-  track_times_.add("track/update", d.ms_update);
+  note_times(record, wall_start_s, wall_ms);
   records_.push_back(std::move(record));
   if (on_frame_) on_frame_(records_.back());
   return records_.back();
+}
+
+/// Stage times are CPU time of the thread; their place on the time line is where they would lie had
+/// nothing interrupted them.
+void Session::note_times(const FrameRecord& record, double wall_start_s, double wall_ms) {
+  const tracker::Diagnostics& d = record.diagnostics;
+  track_times_.add("track", record.track_ms);
+  track_times_.add_trace_only("track", wall_start_s, wall_ms);
+  double at_s = wall_start_s;
+  const std::pair<const char*, double> parts[] = {{"track/points", d.ms_points},
+                                                  {"track/index", d.ms_index},
+                                                  {"track/geometry", d.ms_geometry},
+                                                  {"track/visual", d.ms_visual},
+                                                  {"track/update", d.ms_update}};
+  for (const auto& [name, ms] : parts) {
+    track_times_.add_interval(name, at_s, ms);
+    at_s += 1e-3 * ms;
+  }
 }
 
 void Session::feed_bad(std::int64_t index, double timestamp_s, const std::string& reason) {

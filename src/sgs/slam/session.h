@@ -80,6 +80,7 @@ class Session {
   Session(const SessionConfig& config, const PinholeCamera& camera, const SessionOptions& options,
           std::unique_ptr<tracker::Tracker> tracker);
   bool wants_mapping_keyframe(const FrameRecord& record) const;
+  void note_times(const FrameRecord& record, double wall_start_s, double wall_ms);
 
   SessionConfig config_;
   PinholeCamera camera_;
@@ -90,7 +91,7 @@ class Session {
   std::int64_t frames_fed_ = 0;
   std::int64_t last_mapping_keyframe_ = -1;  // in frames fed
   bool keyframe_pending_ = true;  // a tracking keyframe waits for a frame the mapper may use
-  StageTimes track_times_;
+  StageTimes track_times_{"tracking"};
   FrameEvent on_frame_;
 };
 
