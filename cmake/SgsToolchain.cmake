@@ -27,8 +27,10 @@ find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc imgcodecs features2d cali
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(nanoflann REQUIRED)
+find_package(ZLIB REQUIRED)
 find_library(SGS_HWY_LIBRARY hwy REQUIRED)
 find_library(SGS_TOMLPLUSPLUS_LIBRARY tomlplusplus REQUIRED)
+include(SgsOpenVdb)
 
 add_library(sgs_opencv INTERFACE)
 target_include_directories(sgs_opencv SYSTEM INTERFACE ${OpenCV_INCLUDE_DIRS})

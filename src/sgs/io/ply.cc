@@ -13,6 +13,7 @@
 
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/ply_header.h"
+#include "sgs/io/splat_check.h"
 #include "sgs/io/text.h"
 
 namespace sgs::io {
@@ -20,8 +21,6 @@ namespace fs = std::filesystem;
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "PLY bodies are copied as they are");
-
-constexpr double kSh0 = 0.28209479177387814;  // 1 / (2 sqrt(pi)): SH basis function of degree 0
 
 // The sigmoid of this differs from 1 by one float step; tools that store opacity in eight bits
 // write the logit of 0 and 1 as infinities.
@@ -154,6 +153,13 @@ void append_float(std::string& out, double value) {
   out.append(bytes, sizeof f);
 }
 
+void append_point(std::string& out, const ColoredPoint& point) {
+  for (int k = 0; k < 3; ++k) append_float(out, point.position[k]);
+  for (const std::uint8_t c : {point.color.r, point.color.g, point.color.b}) {
+    out += static_cast<char>(c);
+  }
+}
+
 }  // namespace
 
 Result<std::vector<map::Gaussian>> load_splats(const fs::path& path) {
@@ -176,6 +182,7 @@ Result<std::vector<map::Gaussian>> load_splats(const fs::path& path) {
 }
 
 Status save_splats(const fs::path& path, std::span<const map::Gaussian> splats) {
+  SGS_RETURN_IF_ERROR(check_splats(path, splats));
   std::string out =
       fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", splats.size());
   for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "opacity",
@@ -184,27 +191,13 @@ Status save_splats(const fs::path& path, std::span<const map::Gaussian> splats) 
   }
   out += "end_header\n";
   out.reserve(out.size() + splats.size() * 17 * sizeof(float));
-  for (std::size_t i = 0; i < splats.size(); ++i) {
-    const map::Gaussian& g = splats[i];
-    const double norm = std::hypot(std::hypot(double{g.rotation[0]}, double{g.rotation[1]}),
-                                   std::hypot(double{g.rotation[2]}, double{g.rotation[3]}));
-    bool finite = std::isfinite(g.opacity_logit) && std::isfinite(norm) && norm > 0;
-    for (int k = 0; k < 3; ++k) {
-      finite = finite && std::isfinite(g.mean[k]) && std::isfinite(g.log_scale[k]) &&
-               std::isfinite(g.rgb[k]);
-    }
-    if (!finite) {
-      return fail(ErrorCode::kInvalidArgument,
-                  fmt::format("{}: Gaussian {} has a value that is not finite or a zero rotation; "
-                              "nothing was written",
-                              path.string(), i));
-    }
+  for (const map::Gaussian& g : splats) {
     for (const float v : g.mean) append_float(out, v);
     for (int k = 0; k < 3; ++k) append_float(out, 0);
     for (const float v : g.rgb) append_float(out, (double{v} - 0.5) / kSh0);
     append_float(out, g.opacity_logit);
     for (const float v : g.log_scale) append_float(out, v);
-    for (const float v : g.rotation) append_float(out, v / norm);
+    for (const double v : unit_rotation(g)) append_float(out, v);
   }
   return write_file(path, out);
 }
@@ -215,10 +208,25 @@ Status save_points(const fs::path& path, std::span<const ColoredPoint> points) {
       "y\nproperty float z\nproperty uchar red\nproperty uchar green\nproperty uchar "
       "blue\nend_header\n",
       points.size());
-  for (const ColoredPoint& point : points) {
-    for (int k = 0; k < 3; ++k) append_float(out, point.position[k]);
-    for (const std::uint8_t c : {point.color.r, point.color.g, point.color.b}) {
-      out += static_cast<char>(c);
+  for (const ColoredPoint& point : points) append_point(out, point);
+  return write_file(path, out);
+}
+
+Status save_mesh(const fs::path& path, std::span<const ColoredPoint> vertices,
+                 std::span<const std::array<std::uint32_t, 3>> triangles) {
+  std::string out = fmt::format(
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float "
+      "y\nproperty float z\nproperty uchar red\nproperty uchar green\nproperty uchar "
+      "blue\nelement face {}\nproperty list uchar uint vertex_indices\nend_header\n",
+      vertices.size(), triangles.size());
+  for (const ColoredPoint& vertex : vertices) append_point(out, vertex);
+  for (const auto& triangle : triangles) {
+    out += '\3';
+    for (const std::uint32_t index : triangle) {
+      SGS_CHECK(index < vertices.size(), "a triangle names a vertex that does not exist");
+      char bytes[sizeof index];
+      std::memcpy(bytes, &index, sizeof index);
+      out.append(bytes, sizeof index);
     }
   }
   return write_file(path, out);

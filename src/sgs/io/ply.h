@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <vector>
@@ -34,5 +36,10 @@ struct ColoredPoint {
 
 /// Writes a point cloud (x y z float, red green blue uchar, binary little endian).
 Status save_points(const std::filesystem::path& path, std::span<const ColoredPoint> points);
+
+/// Writes a triangle mesh with coloured vertices (binary little endian); counter-clockwise
+/// triangles face the viewer.
+Status save_mesh(const std::filesystem::path& path, std::span<const ColoredPoint> vertices,
+                 std::span<const std::array<std::uint32_t, 3>> triangles);
 
 }  // namespace sgs::io

@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace sgs::io {
+
+/// One gzip member (RFC 1952) holding `bytes`; the same bytes always give the same stream.
+std::string gzip_compressed(std::string_view bytes);
+
+/// What a gzip member holds; empty when it is damaged, truncated or larger than `max_bytes`.
+std::optional<std::string> gzip_decompressed(std::string_view stream, std::size_t max_bytes);
+
+}  // namespace sgs::io
