@@ -2,6 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/viewer/client_stream.h"
 
+#include <algorithm>
+#include <utility>
+
+#include "sgs/core/stopwatch.h"
+
 namespace sgs::viewer {
 namespace {
 
@@ -19,12 +24,16 @@ std::shared_ptr<const std::string> SharedEncoder::state(const Board::State& stat
 }
 
 std::shared_ptr<const MapStep> SharedEncoder::step(const ClientMapPtr& from,
-                                                   const FrameUpdate& update) {
+                                                   const FrameUpdate& update, double now_s) {
   if (!step_ || step_from_ != from || step_map_ != update.map || step_exact_ != update.finished) {
+    constexpr double kRestFactor = 5;
+    if (now_s < next_step_s_ && !update.finished) return nullptr;
+    const double start_s = wall_time_s();
     step_ = std::make_shared<const MapStep>(map_step(from, *update.map, update.finished));
     step_from_ = from;
     step_map_ = update.map;
     step_exact_ = update.finished;
+    next_step_s_ = now_s + kRestFactor * (wall_time_s() - start_s);
   }
   return step_;
 }
@@ -111,7 +120,8 @@ std::optional<Outgoing> ClientStream::next_map(double now_s) {
     if (!state.update || !state.update->map || now_s < next_step_s_) return std::nullopt;
     const bool newer = !map_ || map_->version != state.update->map->version;
     if (!newer && (map_exact_ || !state.update->finished)) return std::nullopt;
-    step_ = encoder_.step(map_, *state.update);
+    step_ = encoder_.step(map_, *state.update, now_s);
+    if (!step_) return std::nullopt;
     step_message_ = 0;
     next_step_s_ = now_s + kMapInterval_s;
     map_exact_ = state.update->finished;

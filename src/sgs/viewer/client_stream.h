@@ -27,7 +27,9 @@ class SharedEncoder {
   explicit SharedEncoder(const Board& board) : board_(board) {}
   const Board& board() const { return board_; }
   std::shared_ptr<const std::string> state(const Board::State& state, bool paused);
-  std::shared_ptr<const MapStep> step(const ClientMapPtr& from, const FrameUpdate& update);
+  /// Null when steps of large maps would take more than a fifth of this thread's time: later.
+  std::shared_ptr<const MapStep> step(const ClientMapPtr& from, const FrameUpdate& update,
+                                      double now_s);
 
  private:
   const Board& board_;
@@ -37,6 +39,7 @@ class SharedEncoder {
   map::SnapshotPtr step_map_;
   bool step_exact_ = false;
   std::shared_ptr<const MapStep> step_;
+  double next_step_s_ = 0;
 };
 
 /// Decides what one client gets next. Nothing is queued: whenever the client has taken a message,
