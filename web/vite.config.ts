@@ -28,7 +28,12 @@ const backend = process.env["SGS_VIEWER"] ?? "127.0.0.1:8091";
 export default defineConfig({
   base: "./",
   plugins: [licences()],
-  server: { proxy: { "/ws": { target: `http://${backend}`, ws: true, changeOrigin: true } } },
+  server: {
+    proxy: {
+      // The viewer talks only to its own page: the proxy speaks in its name.
+      "/ws": { target: `http://${backend}`, ws: true, changeOrigin: true, headers: { Origin: `http://${backend}` } },
+    },
+  },
   build: {
     target: "es2022",
     assetsInlineLimit: 0,

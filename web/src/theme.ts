@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
+import { need } from "./dom";
 
-/// Colours for what is drawn on canvases, read from the style sheet so that both themes are written
-/// down once.
+/// Colours for what is drawn on canvases, read from the style sheet so that they are written down
+/// once.
 export interface Theme {
   ink: string;
   muted: string;
@@ -15,32 +16,29 @@ export interface Theme {
   planarity: string;
 }
 
-const kVariables: Record<keyof Theme, string> = {
-  ink: "--ink",
-  muted: "--muted",
-  line: "--line",
-  stage: "--stage",
-  ok: "--ok",
-  degenerate: "--degenerate",
-  lost: "--lost",
-  truth: "--truth",
-  planarity: "--planarity",
-};
+const kNames: (keyof Theme)[] = [
+  "ink", "muted", "line", "stage", "ok", "degenerate", "lost", "truth", "planarity",
+];
 
-function read(): Theme {
-  const style = getComputedStyle(document.documentElement);
-  const entries = Object.entries(kVariables).map(([key, name]) => [
-    key,
-    style.getPropertyValue(name).trim(),
-  ]);
+/// Colours as they are for `element`.
+function read(element: Element): Theme {
+  const style = getComputedStyle(element);
+  const entries = kNames.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]);
   return Object.fromEntries(entries) as Theme;
 }
 
-let current: Theme | null = null;
+let page: Theme | null = null;
+let stage: Theme | null = null;
 const listeners: (() => void)[] = [];
 
+/// Colours of the page around the stage.
 export function theme(): Theme {
-  return (current ??= read());
+  return (page ??= read(document.documentElement));
+}
+
+/// Colours over the map.
+export function stageTheme(): Theme {
+  return (stage ??= read(need("stage")));
 }
 
 export function onThemeChange(listener: () => void): void {
@@ -48,6 +46,7 @@ export function onThemeChange(listener: () => void): void {
 }
 
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-  current = null;
+  page = null;
+  stage = null;
   for (const listener of listeners) listener();
 });

@@ -57,7 +57,7 @@ export interface State {
   snr: Six<number | null> | null;
   /// 0 = seen by geometry .. 1 = unseen.
   weights: Six;
-  /// Unit twists in the camera frame, rotation first; null = not known (saved runs keep none).
+  /// Unit twists in the camera frame, rotation first; null = not known.
   axes: Six<Six> | null;
   mask: number;
   eigenvalues: Six<number | null> | null;

@@ -23,11 +23,12 @@ export function motionWords(axes: readonly ShownAxis[]): string {
 }
 
 /// What fills the axes that geometry does not see.
-function filler(source: string): string {
-  switch (source) {
+export function filler(state: Pick<State, "status" | "prior_active" | "prior_source">): string {
+  if (!state.prior_active || state.status === "lost") return "nothing";
+  switch (state.prior_source) {
     case "cvm":
     case "zero":
-      return "the motion model";
+      return "motion model";
     case "none":
       return "nothing";
     default:
@@ -51,7 +52,7 @@ export function statusWords(
     return `lost: nothing sees ${bits === 6 ? "any axis" : motionWords(unseen)}; the pose is held`;
   }
   if (bits === 0) return "all six axes are seen by geometry";
-  const by = filler(state.prior_active ? state.prior_source : "none");
+  const by = filler(state) === "motion model" ? "the motion model" : filler(state);
   if (bits === 6) return `geometry sees no axis: ${by} fills them all`;
   const subject = unseen ? motionWords(unseen) : countWords(bits);
   return bits === 1

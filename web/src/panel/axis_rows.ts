@@ -34,7 +34,8 @@ export class AxisRows {
     need("axis-rows").append(...this.rows.map(({ row }) => row));
   }
 
-  update(axes: readonly AxisReading[]): void {
+  /// `filler`: who decides on the unseen ones.
+  update(axes: readonly AxisReading[], filler: string): void {
     axes.forEach((axis, i) => {
       const { row, label, bar, weight, snr, verdict } = this.rows[i]!;
       setText(label, axis.name);
@@ -42,7 +43,7 @@ export class AxisRows {
       bar.style.setProperty("--weight", axis.weight.toFixed(3));
       setText(weight, axis.weight.toFixed(2));
       setText(snr, ratioText(axis.snr));
-      setText(verdict, axis.unseen ? "○ vision" : "● geometry");
+      setText(verdict, axis.unseen ? `○ ${filler}` : "● geometry");
     });
   }
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { axisReadings, shownAxes } from "../data/axes";
 import type { Metrics, State } from "../data/protocol";
-import { statusWords } from "../data/words";
+import { filler, statusWords } from "../data/words";
 import { need, setText } from "../dom";
 import { AxisRows } from "./axis_rows";
 import { CameraIcon } from "./camera_icon";
@@ -28,7 +28,7 @@ export class Panel {
   setState(state: State): void {
     const axes = state.axes ? shownAxes({ ...state, axes: state.axes }) : null;
     this.icon.update(axes);
-    this.rows.update(axisReadings(state, axes));
+    this.rows.update(axisReadings(state, axes), filler(state));
     this.charts.add(state);
     this.charts.showLatest(state);
     this.status_text = statusWords(state, axes);

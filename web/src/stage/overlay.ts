@@ -3,7 +3,7 @@
 import { Matrix4, Vector3, type PerspectiveCamera } from "three";
 import type { Path } from "../data/path";
 import type { Camera, Pose, Status } from "../data/protocol";
-import { theme } from "../theme";
+import { stageTheme as theme } from "../theme";
 import { position, rotation } from "./pose";
 
 const kFrustumDepth_m = 0.18;
