@@ -270,6 +270,7 @@ class View(Case):
             self.assertFalse(client.receive()["live"])
             kinds = set()
             started = time.monotonic()
+            axes = []
             while True:
                 message = client.receive()
                 if isinstance(message, bytes):
@@ -280,10 +281,13 @@ class View(Case):
                     kinds.add("metrics")
                 else:
                     path.apply(message)
+                    axes.append(message.get("axes"))
                     if message.get("finished") and message["paused"]:
                         break
             self.assertGreater(time.monotonic() - started, 0.5 * FRAMES / 30)  # sensor rate
             self.assertEqual(len(path.estimate), FRAMES)
+            for axis in axes[-1]:
+                self.assertAlmostEqual(sum(x * x for x in axis), 1, places=2)
             client.send({"type": "control", "action": "resume"})
             again = client.wait_for(lambda m: isinstance(m, dict) and m["type"] == "path")
             self.assertEqual((again["first"], again["estimate"]), (0, []))

@@ -74,6 +74,19 @@ std::vector<slam::FrameRecord> records_of(const FrameTable& table) {
   return records;
 }
 
+/// The axes of observability, frame by frame; empty where the tracker did not hand them out.
+std::vector<std::optional<Matrix6d>> axes_of(const FrameTable& table) {
+  std::vector<std::optional<Matrix6d>> axes(table.rows(), Matrix6d::Zero());
+  for (int k = 0; k < 36; ++k) {
+    const auto values = table.numbers(fmt::format("axis_{}_{}", k / 6, k % 6));
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      if (!std::isfinite(values[i])) axes[i].reset();
+      if (axes[i]) axes[i]->data()[k] = values[i];
+    }
+  }
+  return axes;
+}
+
 /// The ground truth moved so that its first pose is the estimate's.
 void add_truth(const Trajectory& truth, std::vector<viewer::FrameUpdate>& updates) {
   constexpr double kMaxGap_s = 0.1;
@@ -104,12 +117,16 @@ Result<Replay> load_replay(const std::string& folder) {
   replay.info.preset = saved.config.preset;
   replay.info.live = false;
   replay.info.frames_total = static_cast<std::int64_t>(table.rows());
-  for (slam::FrameRecord& record : records_of(table)) {
+  auto records = records_of(table);
+  const auto axes = axes_of(table);
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    slam::FrameRecord& record = records[i];
     const auto pose = trajectory.trajectory.at(record.timestamp_s, 0);
     if (record.bad || !pose) continue;
     viewer::FrameUpdate update;
     update.record = std::move(record);
     update.T_world_camera = *pose;
+    update.axes = axes[i];
     update.map = replay.map;
     replay.updates.push_back(std::move(update));
   }

@@ -34,6 +34,7 @@ std::string record_line(const FrameRecord& r) {
   for (const double ms : {d.ms_points, d.ms_index, d.ms_geometry, d.ms_visual, d.ms_update}) {
     line += "," + cell(ms);
   }
+  for (int k = 0; k < 36; ++k) line += d.axes ? fmt::format(",{:.4g}", d.axes->data()[k]) : ",";
   return line;
 }
 
@@ -47,7 +48,9 @@ std::string frames_csv(const std::deque<FrameRecord>& records) {
   for (const char* name : {"eigenvalue", "snr", "weight"}) {
     for (int k = 0; k < 6; ++k) text += fmt::format(",{}_{}", name, k);
   }
-  text += ",ms_points,ms_index,ms_geometry,ms_visual,ms_update\n";
+  text += ",ms_points,ms_index,ms_geometry,ms_visual,ms_update";
+  for (int k = 0; k < 36; ++k) text += fmt::format(",axis_{}_{}", k / 6, k % 6);
+  text += "\n";
   for (const FrameRecord& record : records) text += record_line(record) + "\n";
   return text;
 }

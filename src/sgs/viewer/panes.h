@@ -19,8 +19,8 @@ DepthImage shrink(const DepthImage& image, int stride);
 ColorImage depth_picture(const DepthImage& depth);
 /// Clamped to 0..1.
 ColorImage color_picture(const Image<render::Rgbf>& color);
-/// Mean absolute difference of the channels, black 0 to yellow >= 0.25; black where the map is
-/// empty (`alpha` < 0.5) would hide the worst errors, so these are counted like any other.
+/// Mean absolute difference of the channels, black 0 to yellow >= 0.25. Where the map is empty the
+/// rendering is black, and that counts like any other error.
 ColorImage error_picture(const ColorImage& measured, const ColorImage& rendered);
 
 }  // namespace sgs::viewer
