@@ -151,6 +151,7 @@ Result<int> run_sequence(const RunRequest& request, const slam::SessionConfig& c
 }
 
 int run_command(RunRequest request) {
+  return_freed_images();
   const auto config = resolve_config(request);
   if (!config) return report(config.error());
   if (request.input.input.empty()) {

@@ -3,6 +3,9 @@
 #include "timings.h"
 
 #include <sys/resource.h>
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
 
 #include <algorithm>
 #include <cmath>
@@ -62,6 +65,13 @@ std::string chrome_trace(const StageTimes& times) {
                       {"dur", std::round(kPerMillisecond * interval.duration_ms)}});
   }
   return Json({{"traceEvents", std::move(events)}, {"displayTimeUnit", "ms"}}).dump() + "\n";
+}
+
+void return_freed_images() {
+#if defined(__GLIBC__)
+  constexpr int kMebibyte = 1 << 20;
+  mallopt(M_MMAP_THRESHOLD, kMebibyte);
+#endif
 }
 
 std::int64_t peak_rss_bytes() {

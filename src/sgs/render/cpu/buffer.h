@@ -28,16 +28,14 @@ class Buffer {
   }
   ~Buffer() { ::operator delete(data_, alignment(capacity_)); }
 
-  /// Makes room for `size` elements, keeping the first `keep`. New elements are not initialised.
+  /// Makes room for `size` elements and some more, keeping the first `keep`. New elements are not
+  /// initialised.
   void ensure(std::size_t size, std::size_t keep = 0) {
-    if (size <= capacity_) return;
-    const std::size_t capacity = size + size / 2 + 64;
-    auto* data = static_cast<T*>(::operator new(capacity * sizeof(T), alignment(capacity)));
-    advise_huge_pages(data, capacity * sizeof(T));
-    if (keep > 0) std::memcpy(static_cast<void*>(data), data_, keep * sizeof(T));
-    ::operator delete(data_, alignment(capacity_));
-    data_ = data;
-    capacity_ = capacity;
+    if (size > capacity_) grow(size + size / 2 + 64, keep);
+  }
+  /// Makes room for just `size` elements: for what lives long and never grows.
+  void ensure_exactly(std::size_t size) {
+    if (size > capacity_) grow(size, 0);
   }
 
   T* data() { return data_; }
@@ -47,6 +45,15 @@ class Buffer {
   const T& operator[](std::size_t i) const { return data_[i]; }
 
  private:
+  void grow(std::size_t capacity, std::size_t keep) {
+    auto* data = static_cast<T*>(::operator new(capacity * sizeof(T), alignment(capacity)));
+    advise_huge_pages(data, capacity * sizeof(T));
+    if (keep > 0) std::memcpy(static_cast<void*>(data), data_, keep * sizeof(T));
+    ::operator delete(data_, alignment(capacity_));
+    data_ = data;
+    capacity_ = capacity;
+  }
+
   static std::align_val_t alignment(std::size_t capacity) {
     constexpr std::size_t kCacheLine = 64;
     return std::align_val_t{capacity * sizeof(T) >= kHugePageBytes ? kHugePageBytes : kCacheLine};

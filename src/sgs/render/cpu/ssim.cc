@@ -34,12 +34,18 @@ HWY_INLINE F columns_inside(int x, int width, F v) {
 void FilterProducts(const SsimTaps& taps, int width, const float* x, const float* y, float* out_x,
                     float* out_xx, float* out_xy) {
   for (int i = 0; i < width; i += kLanes) {
-    const auto at = [&](int k) HWY_ATTR { return load(x + i + k); };
-    const auto at_xx = [&](int k) HWY_ATTR { return load(x + i + k) * load(x + i + k); };
-    const auto at_xy = [&](int k) HWY_ATTR { return load(x + i + k) * load(y + i + k); };
-    store(filter(taps, at), out_x + i);
-    store(filter(taps, at_xx), out_xx + i);
-    store(filter(taps, at_xy), out_xy + i);
+    // Each product once, not once per tap that needs it on either side.
+    F sum_x(0.0f), sum_xx(0.0f), sum_xy(0.0f);
+    const auto add = [&](F w, int k) HWY_ATTR {
+      const F value = load(x + i + k), weighted = w * value;
+      sum_x = sum_x + weighted;
+      sum_xx = mul_add(weighted, value, sum_xx);
+      sum_xy = mul_add(weighted, load(y + i + k), sum_xy);
+    };
+    for (int k = -5; k <= 5; ++k) add(F(taps.w[k < 0 ? -k : k]), k);
+    store(sum_x, out_x + i);
+    store(sum_xx, out_xx + i);
+    store(sum_xy, out_xy + i);
   }
 }
 
@@ -65,46 +71,68 @@ void TargetRow(const SsimTaps& taps, int width, int stride, const float* m, cons
   }
 }
 
-/// Vertical filter of the three moments, SSIM and its derivatives by them; returns sum (1 - SSIM).
-double SsimRow(const SsimTaps& taps, int width, int stride, const float* const* moments,
-               const float* target_mean, const float* target_variance, float* const* derivative) {
+/// Columns of a band that are filtered vertically at a time: few enough that the rows the window
+/// reaches stay in the first cache.
+constexpr int kStrip = 64;
+
+/// Vertical filter of the three moments, SSIM and its derivatives by them over rows [y0, y1);
+/// returns sum (1 - SSIM).
+double SsimBand(const SsimTaps& taps, const PaddedPlane* moments, const PaddedPlane& target_mean,
+                const PaddedPlane& target_variance, int y0, int y1, PaddedPlane* derivative) {
   const F c1(0.01f * 0.01f), c2(0.03f * 0.03f), one(1.0f), two(2.0f), zero(0.0f);
+  const int width = moments[0].width, stride = moments[0].stride;
   double sum = 0;
-  for (int i = 0; i < width; i += kLanes) {
-    F m[3];
-    for (int k = 0; k < 3; ++k) {
-      const auto at = [&](int o) HWY_ATTR { return load(moments[k] + i + o * stride); };
-      m[k] = filter(taps, at);
+  for (int x0 = 0; x0 < width; x0 += kStrip) {
+    const int x1 = x0 + kStrip < width ? x0 + kStrip : width;
+    F lost = zero;
+    for (int y = y0; y < y1; ++y) {
+      for (int i = x0; i < x1; i += kLanes) {
+        F m[3];
+        for (int k = 0; k < 3; ++k) {
+          const float* column = moments[k].row(y) + i;
+          const auto at = [&](int o) HWY_ATTR { return load(column + o * stride); };
+          m[k] = filter(taps, at);
+        }
+        const F mx = m[0], my = load(target_mean.row(y) + i);
+        const F A1 = mul_add(two * mx, my, c1), A2 = mul_add(two, neg_mul_add(mx, my, m[2]), c2);
+        const F B1 = mul_add(mx, mx, mul_add(my, my, c1));
+        const F B2 = neg_mul_add(mx, mx, m[1]) + load(target_variance.row(y) + i) + c2;
+        const F inv = one / (B1 * B2);
+        const F ssim = A1 * A2 * inv;
+        const F d_xx = zero - ssim * B1 * inv, d_xy = two * A1 * inv;
+        const F d_x = two * (my * A2 * inv - mx * ssim * B2 * inv - mx * d_xx) - my * d_xy;
+        store(columns_inside(i, width, d_x), derivative[0].row(y) + i);
+        store(columns_inside(i, width, d_xx), derivative[1].row(y) + i);
+        store(columns_inside(i, width, d_xy), derivative[2].row(y) + i);
+        lost = lost + columns_inside(i, width, one - ssim);
+      }
     }
-    const F mx = m[0], my = load(target_mean + i);
-    const F A1 = mul_add(two * mx, my, c1), A2 = mul_add(two, neg_mul_add(mx, my, m[2]), c2);
-    const F B1 = mul_add(mx, mx, mul_add(my, my, c1));
-    const F B2 = neg_mul_add(mx, mx, m[1]) + load(target_variance + i) + c2;
-    const F inv = one / (B1 * B2);
-    const F ssim = A1 * A2 * inv;
-    const F d_xx = zero - ssim / B2, d_xy = two * A1 * inv;
-    const F d_x = two * (my * A2 * inv - mx * ssim / B1 - mx * d_xx) - my * d_xy;
-    store(columns_inside(i, width, d_x), derivative[0] + i);
-    store(columns_inside(i, width, d_xx), derivative[1] + i);
-    store(columns_inside(i, width, d_xy), derivative[2] + i);
     alignas(64) float lanes[16];
-    store(columns_inside(i, width, one - ssim), lanes);
+    store(lost, lanes);
     for (int l = 0; l < kLanes; ++l) sum += static_cast<double>(lanes[l]);
   }
   return sum;
 }
 
-/// Vertical filter of the derivatives, combined to the gradient of (1 - SSIM).
-void GradientRow(const SsimTaps& taps, int width, int stride, const float* const* derivative,
-                 const float* x, const float* y, float* gradient) {
-  for (int i = 0; i < width; i += kLanes) {
-    F d[3];
-    for (int k = 0; k < 3; ++k) {
-      const auto at = [&](int o) HWY_ATTR { return load(derivative[k] + i + o * stride); };
-      d[k] = filter(taps, at);
+/// Vertical filter of the derivatives over rows [y0, y1), combined to the gradient of (1 - SSIM).
+void GradientBand(const SsimTaps& taps, const PaddedPlane* derivative, const PaddedPlane& x,
+                  const PaddedPlane& y_plane, int y0, int y1, PaddedPlane& gradient) {
+  const int width = x.width, stride = x.stride;
+  for (int x0 = 0; x0 < width; x0 += kStrip) {
+    const int x1 = x0 + kStrip < width ? x0 + kStrip : width;
+    for (int y = y0; y < y1; ++y) {
+      for (int i = x0; i < x1; i += kLanes) {
+        F d[3];
+        for (int k = 0; k < 3; ++k) {
+          const float* column = derivative[k].row(y) + i;
+          const auto at = [&](int o) HWY_ATTR { return load(column + o * stride); };
+          d[k] = filter(taps, at);
+        }
+        const F g = mul_add(F(2.0f) * load(x.row(y) + i), d[1],
+                            mul_add(load(y_plane.row(y) + i), d[2], d[0]));
+        store(F(0.0f) - columns_inside(i, width, g), gradient.row(y) + i);
+      }
     }
-    const F g = mul_add(F(2.0f) * load(x + i), d[1], mul_add(load(y + i), d[2], d[0]));
-    store(F(0.0f) - columns_inside(i, width, g), gradient + i);
   }
 }
 
@@ -116,8 +144,8 @@ namespace sgs::render::cpu {
 HWY_EXPORT(FilterProducts);
 HWY_EXPORT(FilterRows);
 HWY_EXPORT(TargetRow);
-HWY_EXPORT(SsimRow);
-HWY_EXPORT(GradientRow);
+HWY_EXPORT(SsimBand);
+HWY_EXPORT(GradientBand);
 
 namespace {
 
@@ -135,10 +163,16 @@ SsimTaps make_taps() {
 const SsimTaps kTaps = make_taps();
 constexpr int kBand = 16;  // rows per chunk of work
 
+/// Calls `body(band, y0, y1)` for the bands of rows [y0, y1) of an image.
+template <class Body>
+void for_bands(int height, ThreadPool& pool, const Body& body) {
+  pool.run((height + kBand - 1) / kBand,
+           [&](int band, int) { body(band, band * kBand, std::min(height, (band + 1) * kBand)); });
+}
 template <class Body>
 void for_rows(int height, ThreadPool& pool, const Body& body) {
-  pool.run((height + kBand - 1) / kBand, [&](int band, int) {
-    for (int y = band * kBand; y < std::min(height, (band + 1) * kBand); ++y) body(y);
+  for_bands(height, pool, [&](int, int y0, int y1) {
+    for (int y = y0; y < y1; ++y) body(y);
   });
 }
 
@@ -165,7 +199,7 @@ void Dssim::reserve(int width, int height) {
   for (auto* planes : {rows_, derivative_}) {
     for (int k = 0; k < 3; ++k) match_size(planes[k], width, height);
   }
-  row_values_.resize(static_cast<std::size_t>(height));
+  band_values_.resize(static_cast<std::size_t>((height + kBand - 1) / kBand));
 }
 
 double Dssim::evaluate(const PaddedPlane& x, const TargetMoments& target, PaddedPlane& gradient,
@@ -177,11 +211,9 @@ double Dssim::evaluate(const PaddedPlane& x, const TargetMoments& target, Padded
     HWY_DYNAMIC_DISPATCH(FilterProducts)
     (kTaps, w, x.row(y), target.y.row(y), rows_[0].row(y), rows_[1].row(y), rows_[2].row(y));
   });
-  for_rows(h, pool, [&](int y) {
-    const float* const moments[3] = {rows_[0].row(y), rows_[1].row(y), rows_[2].row(y)};
-    float* const out[3] = {derivative_[0].row(y), derivative_[1].row(y), derivative_[2].row(y)};
-    row_values_[static_cast<std::size_t>(y)] = HWY_DYNAMIC_DISPATCH(SsimRow)(
-        kTaps, w, x.stride, moments, target.mean.row(y), target.variance.row(y), out);
+  for_bands(h, pool, [&](int band, int y0, int y1) {
+    band_values_[static_cast<std::size_t>(band)] = HWY_DYNAMIC_DISPATCH(SsimBand)(
+        kTaps, rows_, target.mean, target.variance, y0, y1, derivative_);
   });
   for_rows(h, pool, [&](int y) {
     const float* const in[3] = {derivative_[0].row(y), derivative_[1].row(y),
@@ -189,13 +221,11 @@ double Dssim::evaluate(const PaddedPlane& x, const TargetMoments& target, Padded
     float* const out[3] = {rows_[0].row(y), rows_[1].row(y), rows_[2].row(y)};
     HWY_DYNAMIC_DISPATCH(FilterRows)(kTaps, w, in, out);
   });
-  for_rows(h, pool, [&](int y) {
-    const float* const in[3] = {rows_[0].row(y), rows_[1].row(y), rows_[2].row(y)};
-    HWY_DYNAMIC_DISPATCH(GradientRow)
-    (kTaps, w, x.stride, in, x.row(y), target.y.row(y), gradient.row(y));
+  for_bands(h, pool, [&](int, int y0, int y1) {
+    HWY_DYNAMIC_DISPATCH(GradientBand)(kTaps, rows_, x, target.y, y0, y1, gradient);
   });
   double sum = 0;
-  for (const double v : row_values_) sum += v;
+  for (const double v : band_values_) sum += v;
   return sum;
 }
 

@@ -56,7 +56,7 @@ class Dssim {
  private:
   void reserve(int width, int height);
   PaddedPlane rows_[3], derivative_[3];
-  std::vector<double> row_values_;
+  std::vector<double> band_values_;
 };
 
 }  // namespace sgs::render::cpu

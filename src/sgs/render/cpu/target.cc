@@ -9,7 +9,7 @@ namespace sgs::render::cpu {
 CpuTarget::CpuTarget(const TrainingImage& image)
     : PreparedTarget(image.camera), grid_(image.camera.width, image.camera.height) {
   const std::size_t size = static_cast<std::size_t>(grid_.tiles()) * tile_floats(kTargetChannels);
-  pixels_.ensure(size);
+  pixels_.ensure_exactly(size);
   std::fill_n(pixels_.data(), size, 0.0f);
   for (int y = 0; y < grid_.height; ++y) {
     for (int x = 0; x < grid_.width; ++x) {
