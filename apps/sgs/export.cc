@@ -2,13 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
+#include <array>
 #include <memory>
 
 #include "commands.h"
+#include "export_scene.h"
+#include "log_setup.h"
+#include "run_request.h"
+#include "sgs/core/log.h"
+#include "sgs/eval/map_page.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/ply.h"
+#include "sgs/io/splat_file.h"
+#include "sgs/io/spz.h"
 #include "sgs/io/trajectory_io.h"
 
 namespace sgs::app {
@@ -17,22 +23,11 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ExportCommand {
-  std::string run, output, format;
+  std::string run, format, output;
+  MeshOptions mesh;
+  /// Output of each format asked for by an option of its own, in the order of kFormats.
+  std::vector<std::string> outputs;
 };
-
-/// Centres of the Gaussians that are more solid than not, as coloured points.
-std::vector<io::ColoredPoint> to_points(const std::vector<map::Gaussian>& gaussians) {
-  std::vector<io::ColoredPoint> points;
-  const auto byte = [](float v) {
-    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0f, 1.0f)));
-  };
-  for (const map::Gaussian& g : gaussians) {
-    if (g.opacity_logit < 0) continue;
-    points.push_back(
-        {{g.mean[0], g.mean[1], g.mean[2]}, {byte(g.rgb[0]), byte(g.rgb[1]), byte(g.rgb[2])}});
-  }
-  return points;
-}
 
 /// KITTI odometry text: the upper 3x4 of each pose, row by row, no times.
 std::string kitti_text(const Trajectory& trajectory) {
@@ -48,37 +43,134 @@ std::string kitti_text(const Trajectory& trajectory) {
   return text;
 }
 
-Status export_run(const ExportCommand& command) {
-  const fs::path run = command.run, output = command.output;
-  if (command.format == "tum" || command.format == "kitti") {
-    SGS_ASSIGN_OR_RETURN(const auto loaded, io::load_trajectory(run / "trajectory.txt"));
-    return command.format == "tum" ? io::save_trajectory(output, loaded.trajectory)
-                                   : io::write_file(output, kitti_text(loaded.trajectory));
+Result<Trajectory> load_poses(const std::string& run) {
+  SGS_ASSIGN_OR_RETURN(auto loaded, io::load_trajectory(fs::path(run) / "trajectory.txt"));
+  return std::move(loaded.trajectory);
+}
+
+/// RUN is a run folder or a splat PLY.
+Result<std::vector<map::Gaussian>> load_map(const std::string& run) {
+  std::error_code error;
+  return io::load_splats(fs::is_directory(run, error) ? fs::path(run) / "map.ply" : fs::path(run));
+}
+
+/// Views of a run for its page; a map alone, or a run whose input is gone, has fewer of them.
+eval::MapPage map_page_of(const std::string& run) {
+  eval::MapPage page;
+  std::error_code error;
+  page.title = fs::weakly_canonical(run, error).stem().string();
+  if (!fs::is_directory(run, error)) return page;
+  if (const auto keyframes = io::load_trajectory(fs::path(run) / "keyframes.txt")) {
+    for (const StampedPose& pose : keyframes->trajectory.poses()) {
+      page.cameras.push_back(pose.T_world_camera);
+    }
   }
-  SGS_ASSIGN_OR_RETURN(const auto gaussians, io::load_splats(run / "map.ply"));
-  return command.format == "ply" ? io::save_splats(output, gaussians)
-                                 : io::save_points(output, to_points(gaussians));
+  const auto saved = load_saved_run(run);
+  if (!saved) return page;
+  page.title = saved->input.input;
+  if (const auto input = open_input(saved->input, 1)) {
+    page.camera = input->source->camera();
+  } else {
+    log().warn("the page gets a default field of view: {}", input.error().message);
+  }
+  return page;
+}
+
+struct Format {
+  const char* name;
+  const char* what;
+  Status (*write)(const ExportCommand& command, const fs::path& output);
+};
+
+template <class Save>
+Status with_map(const ExportCommand& command, const Save& save) {
+  SGS_ASSIGN_OR_RETURN(const auto gaussians, load_map(command.run));
+  return save(gaussians);
+}
+
+const std::array<Format, 9> kFormats = {{
+    {"ply", "splats in the 3DGS vertex layout",
+     [](const ExportCommand& c, const fs::path& out) {
+       return with_map(c, [&](const auto& map) { return io::save_splats(out, map); });
+     }},
+    {"splat", "splats in 32-byte records",
+     [](const ExportCommand& c, const fs::path& out) {
+       return with_map(c, [&](const auto& map) { return io::save_splat_file(out, map); });
+     }},
+    {"spz", "splats compressed (Niantic SPZ 2)",
+     [](const ExportCommand& c, const fs::path& out) {
+       return with_map(c, [&](const auto& map) { return io::save_spz(out, map); });
+     }},
+    {"points", "coloured point PLY",
+     [](const ExportCommand& c, const fs::path& out) {
+       return with_map(c, [&](const auto& map) { return io::save_points(out, to_points(map)); });
+     }},
+    {"html", "one page that shows the map",
+     [](const ExportCommand& c, const fs::path& out) {
+       return with_map(
+           c, [&](const auto& map) { return eval::save_map_page(out, map, map_page_of(c.run)); });
+     }},
+    {"mesh", "coloured mesh PLY by depth fusion",
+     [](const ExportCommand& c, const fs::path& out) {
+       return with_map(c, [&](const auto& map) { return export_mesh(c.run, map, c.mesh, out); });
+     }},
+    {"colmap", "folder with COLMAP text model and keyframe pictures",
+     [](const ExportCommand& c, const fs::path& out) {
+       return with_map(c, [&](const auto& map) { return export_colmap(c.run, map, out); });
+     }},
+    {"tum", "trajectory, TUM text",
+     [](const ExportCommand& c, const fs::path& out) -> Status {
+       SGS_ASSIGN_OR_RETURN(const auto poses, load_poses(c.run));
+       return io::save_trajectory(out, poses);
+     }},
+    {"kitti", "trajectory, KITTI text",
+     [](const ExportCommand& c, const fs::path& out) -> Status {
+       SGS_ASSIGN_OR_RETURN(const auto poses, load_poses(c.run));
+       return io::write_file(out, kitti_text(poses));
+     }},
+}};
+
+int run_export(ExportCommand command) {
+  setup_logging({}, false);
+  bool any = false;
+  for (std::size_t i = 0; i < kFormats.size(); ++i) {
+    if (command.format == kFormats[i].name) command.outputs[i] = command.output;
+    if (command.outputs[i].empty()) continue;
+    any = true;
+    const Status status = kFormats[i].write(command, command.outputs[i]);
+    if (!status) return report(status.error());
+    fmt::print("{}\n", command.outputs[i]);
+  }
+  if (any) return kExitDone;
+  return report({ErrorCode::kInvalidArgument, "nothing to export",
+                 "name a format and a file, for example `sgs export RUN spz map.spz`"});
 }
 
 }  // namespace
 
 void add_export(CLI::App& app, Action& action) {
   auto command = std::make_shared<ExportCommand>();
-  auto* sub = app.add_subcommand("export", "Write a run's map or trajectory in another format");
-  sub->add_option("RUN", command->run, "Run folder")->required();
-  sub->add_option("FORMAT", command->format,
-                  "ply (splats), points (coloured point PLY), tum or kitti (trajectory)")
-      ->required()
-      ->check(CLI::IsMember({"ply", "points", "tum", "kitti"}));
-  sub->add_option("OUT", command->output, "File to write")->required();
-  sub->callback([command, &action] {
-    action = [command]() -> int {
-      const Status status = export_run(*command);
-      if (!status) return report(status.error());
-      fmt::print("{}\n", command->output);
-      return kExitDone;
-    };
-  });
+  auto* sub = app.add_subcommand("export", "Write a run's map or trajectory in other formats");
+  sub->add_option("RUN", command->run, "Run folder, or a splat PLY")->required();
+  std::vector<std::string> names;
+  std::string list;
+  for (const Format& format : kFormats) {
+    names.emplace_back(format.name);
+    list += (list.empty() ? "" : ", ") + names.back();
+  }
+  auto* format = sub->add_option("FORMAT", command->format, list)->check(CLI::IsMember(names));
+  auto* output = sub->add_option("OUT", command->output, "File (colmap: folder) to write");
+  format->needs(output);
+  command->outputs.resize(kFormats.size());
+  for (std::size_t i = 0; i < kFormats.size(); ++i) {
+    sub->add_option("--" + names[i], command->outputs[i], kFormats[i].what)->type_name("OUT");
+  }
+  sub->add_option("--voxel", command->mesh.voxel_m, "mesh: size of a voxel in metres")
+      ->check(CLI::Range(0.001, 1.0));
+  sub->add_flag("--measured-depth", command->mesh.measured,
+                "mesh: fuse the camera's depth instead of the map's");
+  sub->add_option("--threads", command->mesh.threads, "Threads")->check(CLI::Range(1, 256));
+  sub->callback([command, &action] { action = [command] { return run_export(*command); }; });
 }
 
 }  // namespace sgs::app
