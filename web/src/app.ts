@@ -112,17 +112,21 @@ export class App {
     }
   }
 
-  /// Every connection starts from nothing: the server sends the whole path and map again.
+  /// Every connection starts from nothing: the server sends the whole path and map again. The
+  /// viewpoint and the charts stay when it is the same run.
   private greet(hello: Hello): void {
     const same_run = this.hello?.input === hello.input && this.hello.tracker === hello.tracker;
     this.hello = hello;
     this.state = null;
     this.path.clear();
     this.store.clear();
-    this.panel.clear();
     this.header.start(hello);
-    if (same_run) this.stage.restart();
-    else this.stage.start(hello);
+    if (same_run) {
+      this.stage.restart();
+    } else {
+      this.panel.clear();
+      this.stage.start(hello);
+    }
     if (hello.protocol !== kProtocol) {
       this.notice.show(`The viewer speaks protocol ${hello.protocol}, this page ${kProtocol}: reload it.`);
     }

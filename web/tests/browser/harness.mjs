@@ -11,7 +11,7 @@ const kFlags = [
   "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
   "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run",
 ];
-const kPatience_ms = 60_000;
+const kPatience_ms = 90_000;
 
 export const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
@@ -64,6 +64,7 @@ export async function startBrowser(t) {
 /// The page of a viewer. `complaints` collects console errors, exceptions and requests to elsewhere.
 export async function openPage(browser, url, options = {}) {
   const page = await browser.newPage({ viewport: { width: 1280, height: 800 }, ...options });
+  page.setDefaultTimeout(2 * kPatience_ms);
   const complaints = [];
   const own = new URL(url).host;
   page.on("console", (message) => {
