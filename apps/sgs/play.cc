@@ -35,7 +35,7 @@ Status feed_item(const slam::FeedItem& item, slam::Session& session, const PlayO
 }  // namespace
 
 Result<RunClock> play(Input& input, slam::Session& session, const PlayOptions& options) {
-  constexpr std::size_t kLiveQueue = 2;
+  constexpr std::size_t kLiveQueue = 6;  // frames: a fifth of a second
   RunClock clock;
   Progress progress("frames", input.source->size(), options.quiet);
   std::unique_ptr<slam::LiveFeed> live;

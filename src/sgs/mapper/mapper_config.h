@@ -74,8 +74,8 @@ struct ScheduleConfig {
 /// Exposure gains and poses of keyframes, refined along with the map.
 struct KeyframeRefinementConfig {
   bool exposure = true;
-  double exposure_prior = 0.5;  ///< weight of gain 1 against the measured gain
-  double exposure_step = 0.5;   ///< share of the way per visit
+  double exposure_prior = 2;   ///< weight of gain 1 against the measured gain
+  double exposure_step = 0.5;  ///< share of the way per visit
   bool pose = true;
   double pose_rate = 5e-4;   ///< radians and metres per step
   int pose_first_visit = 3;  ///< visits of a keyframe before its pose may move
