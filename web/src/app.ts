@@ -122,6 +122,7 @@ export class App {
     this.store.clear();
     this.header.start(hello);
     if (same_run) {
+      this.panel.setMetrics(null);
       this.stage.restart();
     } else {
       this.panel.clear();

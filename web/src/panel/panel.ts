@@ -36,7 +36,8 @@ export class Panel {
     this.sentence.dataset["status"] = state.status;
   }
 
-  setMetrics(metrics: Metrics): void {
+  /// Null = the run is not finished.
+  setMetrics(metrics: Metrics | null): void {
     showMetrics(metrics);
   }
 }
