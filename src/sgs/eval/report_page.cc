@@ -98,11 +98,11 @@ std::string figures_html(const std::vector<Drawing>& drawings, bool side_by_side
 
 std::string slider_html(const FramePictures& p) {
   return fmt::format(
-      "<div class='shot'><div class='slide'><img loading='lazy' alt='camera, frame {0}' "
-      "src='{1}'><div class='over'><img loading='lazy' alt='rendering, frame {0}' src='{2}'></div>"
+      "<div class='shot'><div class='slide'><img alt='camera, frame {0}' "
+      "src='{1}'><div class='over'><img alt='rendering, frame {0}' src='{2}'></div>"
       "<div class='bar-line'></div><span class='tip l'>camera</span><span class='tip r'>rendering"
       "</span><input type='range' min='0' max='100' value='50' aria-label='camera to the left, "
-      "rendering to the right, frame {0}'><img class='err' loading='lazy' alt='error, frame {0}' "
+      "rendering to the right, frame {0}'><img class='err' alt='error, frame {0}' "
       "src='{3}'></div><label><input type='checkbox'> error</label><p class='sub'>Frame {0}{4} · "
       "{5:.2f} dB</p></div>\n",
       p.index, jpeg_data_uri(p.truth), jpeg_data_uri(p.rendering), jpeg_data_uri(p.error),

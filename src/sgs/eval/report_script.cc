@@ -60,8 +60,8 @@ function makeScene(box) {
     const back = mix([Math.cos(pitch) * Math.cos(yaw), mix([-1, away])],
                      [Math.cos(pitch) * Math.sin(yaw), data.across], [Math.sin(pitch), data.up]);
     const right = unit(cross(data.up, back)), up = cross(back, right), focal = 1.15 * h;
-    const eye = mix([1, target], [1.75 * radius / view.zoom, back]);
-    return {right, up, focal, scale: 1.75 * radius / view.zoom / focal, project(p) {
+    const eye = mix([1, target], [1.95 * radius / view.zoom, back]);
+    return {right, up, focal, scale: 1.95 * radius / view.zoom / focal, project(p) {
       const d = [p[0] - eye[0], p[1] - eye[1], p[2] - eye[2]], z = -dot(d, back);
       return z < 0.02 * radius ? null
         : [w / 2 + focal * dot(d, right) / z, h / 2 - focal * dot(d, up) / z, z];
