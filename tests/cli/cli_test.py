@@ -136,6 +136,23 @@ class Contract(Case):
         self.assertEqual(len(list((self.folder / "pictures").glob("render_*.png"))), 2)
         self.assertEqual(len(list((self.folder / "pictures").glob("depth_*.png"))), 2)
 
+    def test_compare_and_plots_draw_from_what_is_there(self):
+        out, _ = self.run_folder(self.master)
+        self.sgs("run", self.master, "-o", self.folder / "gicp", "--tracker", "gicp", "--quiet", "--no-eval")
+        before = {path: path.stat().st_mtime_ns for path in out.rglob("*")}
+        self.sgs("eval", out, self.folder / "gicp", "--compare", "-o", self.folder / "both.html",
+                 "--plots", self.folder / "plots")
+        page = (self.folder / "both.html").read_text()
+        self.assertIn("★", page)
+        self.assertIn("tracker.type", page)
+        self.assertNotRegex(page, r"https?://(?!www\.w3\.org)")
+        self.assertTrue((self.folder / "plots" / "error.svg").exists())
+        self.sgs("eval", out, "--plots", self.folder / "one")
+        for name in ("trajectory_top", "degeneracy", "weights", "timing", "map_growth"):
+            self.assertTrue((self.folder / "one" / f"{name}.svg").exists(), name)
+        self.assertEqual(before, {path: path.stat().st_mtime_ns for path in out.rglob("*")})
+        self.sgs("eval", out, "-o", self.folder / "x.html", code=2)
+
     def test_progress_on_a_terminal_and_plain_lines_elsewhere(self):
         command = [str(SGS), "run", str(self.master), "--no-eval", "-o"]
         try:
