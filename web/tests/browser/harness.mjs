@@ -36,7 +36,10 @@ export function temporaryFolder(t) {
 /// `sgs run ... --viewer PORT`, stopped after the test. Resolves when the address is printed.
 export async function startRun(t, args, { port = 0, folder = temporaryFolder(t) } = {}) {
   const common = ["--viewer", String(port), "--viewer-stay", "--no-eval", "--output", join(folder, `run-${Date.now()}`)];
-  const child = spawn(process.env.SGS, ["run", ...args, ...common], { stdio: ["ignore", "ignore", "pipe"] });
+  const child = spawn(process.env.SGS, ["run", ...args, ...common], {
+    cwd: folder, // where `runs/latest` is then written
+    stdio: ["ignore", "ignore", "pipe"],
+  });
   let printed = "";
   child.stderr.on("data", (data) => (printed += data));
   const ended = new Promise((resolve) => child.on("exit", resolve));
