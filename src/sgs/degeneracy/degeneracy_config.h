@@ -17,6 +17,7 @@ struct DegeneracyConfig {
   double planarity_ratio_max = 6;     ///< r at which the paper's eta is 1
   double planarity_alpha = 5;         ///< of the soft gate exp(-alpha (1 - eta))
   double planarity_full_prior = 0.5;  ///< above it the paper adds all of Omega
+  bool planarity_alone = false;       ///< that planarity is enough, whatever the eigenvalues say
   bool soft_gate = true;              ///< off: included axes have weight 1
   double geometry_weight = 0.3;       ///< wg: points share windows and noise (docs/accuracy.md)
   double damping = 1e-3;              ///< on the diagonal
@@ -39,6 +40,8 @@ struct DegeneracyConfig {
           {0, 1000});
     p.add("planarity_full_prior", planarity_full_prior,
           "Above this planarity the paper adds the whole prior.", "", {0, 1e6});
+    p.add("planarity_alone", planarity_alone,
+          "Above that planarity the whole prior is added even when no axis is degenerate (paper).");
     p.add("soft_gate", soft_gate, "Weigh the paper's prior by planarity; off = weight 1.");
     p.add("geometry_weight", geometry_weight, "Factor on the geometric normal equations.", "",
           {0, 1});

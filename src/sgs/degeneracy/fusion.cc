@@ -14,9 +14,10 @@ AxisPrior make_axis_prior(const Matrix6d& H_icp, const SE3& T_prior, const Matri
   const Spectrum s = spectrum(H_icp);
   prior.mask = condition_mask(s, config.condition_threshold);
   const double trace = omega.trace();
-  if (prior.mask == 0 || !(trace > 0)) return prior;
+  const bool planar = eta > config.planarity_full_prior;
+  if (!(trace > 0) || (prior.mask == 0 && !(planar && config.planarity_alone))) return prior;
   const Matrix6d scaled = omega * (H_icp.trace() / trace);
-  prior.full = eta > config.planarity_full_prior;
+  prior.full = planar;
   if (prior.full) {
     prior.weight = 0.5 * (scaled + scaled.transpose());
     return prior;

@@ -19,12 +19,14 @@ struct NormalEquations {
 struct AxisPrior {
   SE3 T_prior;                         ///< world from camera
   Matrix6d weight = Matrix6d::Zero();  ///< W = sum w_k (v_k^T Omega v_k) v_k v_k^T, or all of Omega
-  unsigned mask = 0;                   ///< degenerate axes of H_icp; 0 = the prior does nothing
+  unsigned mask = 0;                   ///< degenerate axes of H_icp
   bool full = false;                   ///< eta so high that all of Omega is used
 };
 
 /// `omega` is first rescaled to trace(omega) = trace(H_icp); axes are those of H_icp whose
-/// condition exceeds the threshold, w = exp(-alpha (1 - eta)) or 1 with the soft gate off.
+/// condition exceeds the threshold, w = exp(-alpha (1 - eta)) or 1 with the soft gate off. All of
+/// Omega is used where eta exceeds `planarity_full_prior` and an axis is degenerate, or
+/// `planarity_alone` is set.
 AxisPrior make_axis_prior(const Matrix6d& H_icp, const SE3& T_prior, const Matrix6d& omega,
                           double eta, const DegeneracyConfig& config);
 

@@ -13,37 +13,40 @@ constexpr int kFlush = 128;    // points per float sum
 constexpr int kLogBatch = 16;  // factors per logarithm; (1 + r^2/5)^16 stays far below 1e308
 constexpr float kNearPlane_m = 0.1f;
 
-// Upper triangle of the 8x8 normal equations in [rotation, translation, gain, offset]: sums of at
-// most kFlush points in float, then in double.
+// Unknowns of one reference: pose, rotation of the readout, gain, offset; padded to whole vectors.
+constexpr int kPose = 6, kReadout = 3, kUnknowns = 11, kPadded = 12;
+using FullMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+
+// Upper triangle of the normal equations: sums of at most kFlush points in float, then in double.
 class Accumulator {
  public:
-  void add(const float (&J)[8], float weight, float residual) {
-    for (int a = 0; a < 8; ++a) {
+  void add(const float (&J)[kPadded], float weight, float residual) {
+    for (int a = 0; a < kUnknowns; ++a) {
       const float wj = weight * J[a];
       // Whole vectors of four: faster than skipping the lower triangle element by element.
-      for (int c = a < 4 ? 0 : 4; c < 8; ++c) H_[a][c] += wj * J[c];
+      for (int c = a - a % 4; c < kPadded; ++c) H_[a][c] += wj * J[c];
     }
     const float wr = weight * residual;
-    for (int a = 0; a < 8; ++a) b_[a] += wr * J[a];
+    for (int a = 0; a < kPadded; ++a) b_[a] += wr * J[a];
     if (++count_ % kFlush == 0) flush();
   }
 
   void flush() {
-    for (int a = 0; a < 8; ++a) {
-      for (int c = a; c < 8; ++c) H(a, c) += static_cast<double>(H_[a][c]);
+    for (int a = 0; a < kUnknowns; ++a) {
+      for (int c = a; c < kUnknowns; ++c) H(a, c) += static_cast<double>(H_[a][c]);
       b(a) += static_cast<double>(b_[a]);
     }
-    std::fill_n(&H_[0][0], 64, 0.0f);
-    std::fill_n(b_, 8, 0.0f);
+    std::fill_n(&H_[0][0], kPadded * kPadded, 0.0f);
+    std::fill_n(b_, kPadded, 0.0f);
   }
 
   int count() const { return count_; }
-  Eigen::Matrix<double, 8, 8> H = Eigen::Matrix<double, 8, 8>::Zero();
-  Eigen::Matrix<double, 8, 1> b = Eigen::Matrix<double, 8, 1>::Zero();
+  FullMatrix H = FullMatrix::Zero();
+  Eigen::Matrix<double, kUnknowns, 1> b = Eigen::Matrix<double, kUnknowns, 1>::Zero();
 
  private:
-  alignas(16) float H_[8][8] = {};
-  alignas(16) float b_[8] = {};
+  alignas(16) float H_[kPadded][kPadded] = {};
+  alignas(16) float b_[kPadded] = {};
   int count_ = 0;
 };
 
@@ -78,7 +81,7 @@ int full_pixel(float level_coordinate, int level, int size) {
 // Eliminates gain and offset, whose prior keeps the 2x2 block regular.
 void eliminate_brightness(const Accumulator& sums, const AffineBrightness& brightness,
                           const PhotometricConfig& config, PhotometricLinearization& out) {
-  Eigen::Matrix<double, 8, 8> H = sums.H;
+  FullMatrix H = sums.H;
   H.triangularView<Eigen::StrictlyLower>() = sums.H.transpose();
   const double wa = 1 / (config.gain_sigma * config.gain_sigma);
   const double wb = 1 / (config.offset_sigma * config.offset_sigma);
@@ -86,11 +89,20 @@ void eliminate_brightness(const Accumulator& sums, const AffineBrightness& brigh
   out.H_brightness.diagonal() += Eigen::Vector2d(wa, wb);
   out.b_brightness = sums.b.tail<2>();
   out.b_brightness += Eigen::Vector2d(wa * (brightness.gain - 1), wb * brightness.offset);
-  out.H_pose_brightness = H.topRightCorner<6, 2>();
-  const Eigen::Matrix<double, 6, 2> G = out.H_pose_brightness * out.H_brightness.inverse();
-  out.H = H.topLeftCorner<6, 6>() - G * out.H_pose_brightness.transpose();
-  out.H = (0.5 * (out.H + out.H.transpose())).eval();
-  out.b = sums.b.head<6>() - G * out.b_brightness;
+  constexpr int kMotion = kPose + kReadout;
+  const Eigen::Matrix<double, kMotion, 2> C = H.topRightCorner<kMotion, 2>();
+  const Eigen::Matrix<double, kMotion, 2> G = C * out.H_brightness.inverse();
+  Eigen::Matrix<double, kMotion, kMotion> motion =
+      H.topLeftCorner<kMotion, kMotion>() - G * C.transpose();
+  motion = (0.5 * (motion + motion.transpose())).eval();
+  const Eigen::Matrix<double, kMotion, 1> b = sums.b.head<kMotion>() - G * out.b_brightness;
+  out.H = motion.topLeftCorner<kPose, kPose>();
+  out.H_pose_readout = motion.topRightCorner<kPose, kReadout>();
+  out.H_readout = motion.bottomRightCorner<kReadout, kReadout>();
+  out.b = b.head<kPose>();
+  out.b_readout = b.tail<kReadout>();
+  out.H_pose_brightness = C.topRows<kPose>();
+  out.H_readout_brightness = C.bottomRows<kReadout>();
   out.cost += 0.5 * (wa * (brightness.gain - 1) * (brightness.gain - 1) +
                      wb * brightness.offset * brightness.offset);
 }
@@ -135,7 +147,8 @@ int PhotometricConfig::block_at(int level) const {
 PhotometricReference::PhotometricReference(const GrayPyramid& pyramid, const DepthImage& depth,
                                            const SE3& T_world_keyframe,
                                            const PhotometricConfig& config,
-                                           const DepthLookup& smooth_depth)
+                                           const DepthLookup& smooth_depth,
+                                           const ReadoutMotion& readout)
     : T_world_keyframe_(T_world_keyframe) {
   SGS_CHECK(!pyramid.empty() && depth.width() == pyramid.level(0).camera.width &&
                 depth.height() == pyramid.level(0).camera.height,
@@ -173,17 +186,21 @@ PhotometricReference::PhotometricReference(const GrayPyramid& pyramid, const Dep
                            full_pixel(static_cast<float>(by), l, depth.height()));
         }
         if (!(z > kNearPlane_m)) continue;
+        const Eigen::Vector3f p_row =
+            level.camera.back_project(bx, by, static_cast<double>(z)).cast<float>();
+        const float offset = ReadoutMotion::offset(static_cast<float>(by), level.gray.height());
         points_[static_cast<std::size_t>(l)].push_back(
-            {level.camera.back_project(bx, by, static_cast<double>(z)).cast<float>(),
-             level.gray(bx, by)});
+            {readout.to_middle(p_row, offset), level.gray(bx, by)});
       }
     }
   }
 }
 
 AffineBrightness PhotometricLinearization::updated(const AffineBrightness& before,
-                                                   const Vector6d& xi) const {
-  const Eigen::Vector2d rhs = b_brightness + H_pose_brightness.transpose() * xi;
+                                                   const Vector6d& xi,
+                                                   const Eigen::Vector3d& readout_step) const {
+  const Eigen::Vector2d rhs = b_brightness + H_pose_brightness.transpose() * xi +
+                              H_readout_brightness.transpose() * readout_step;
   const Eigen::Vector2d step = -(H_brightness.inverse() * rhs);
   return {before.gain + step(0), before.offset + step(1)};
 }
@@ -191,7 +208,7 @@ AffineBrightness PhotometricLinearization::updated(const AffineBrightness& befor
 PhotometricLinearization linearize(const PhotometricReference& reference, int level,
                                    const GrayPyramid& current, const DepthImage& current_depth,
                                    const SE3& T_world_camera, const AffineBrightness& brightness,
-                                   const PhotometricConfig& config) {
+                                   const PhotometricConfig& config, const ReadoutMotion& readout) {
   SGS_CHECK(level >= 0 && level < reference.levels() && level < current.levels(),
             "no such pyramid level");
   const auto& image = current.level(level);
@@ -202,7 +219,7 @@ PhotometricLinearization linearize(const PhotometricReference& reference, int le
   const float fx = f(image.camera.fx), fy = f(image.camera.fy);
   const float cx = f(image.camera.cx), cy = f(image.camera.cy);
   const float max_u = f(image.camera.width - 3), max_v = f(image.camera.height - 3);
-  const float gain = f(brightness.gain), offset = f(brightness.offset);
+  const float gain = f(brightness.gain), shade = f(brightness.offset);
   const float gate = f(config.depth_gate_m), gate_ratio = f(config.depth_gate_ratio);
   const float nu = f(config.t_dof);
   const float inverse_variance = f(1 / (config.sigma_at(level) * config.sigma_at(level)));
@@ -211,8 +228,13 @@ PhotometricLinearization linearize(const PhotometricReference& reference, int le
   Accumulator sums;
   LogSum log_sum;
   for (const PhotometricPoint& point : reference.points(level)) {
-    const Eigen::Vector3f X = R * point.p_keyframe + t;
-    if (!(X.z() > kNearPlane_m)) continue;
+    const Eigen::Vector3f X_middle = R * point.p_keyframe + t;
+    if (!(X_middle.z() > kNearPlane_m)) continue;
+    // The row that sees the point follows from where the middle row's camera would: the readout
+    // moves it by a pixel or two, a negligible part of the picture's height.
+    const float row = X_middle.y() / X_middle.z() * fy + cy;
+    const float offset = std::clamp(ReadoutMotion::offset(row, image.camera.height), -0.5f, 0.5f);
+    const Eigen::Vector3f X = readout.to_row(X_middle, offset);
     const float inverse_z = 1 / X.z(), x = X.x() * inverse_z, y = X.y() * inverse_z;
     const float u = x * fx + cx, v = y * fy + cy;
     if (!(u >= 2 && v >= 2 && u < max_u && v < max_v)) continue;
@@ -222,19 +244,16 @@ PhotometricLinearization linearize(const PhotometricReference& reference, int le
     if (measured > 0 && std::abs(measured - X.z()) > gate + gate_ratio * X.z()) continue;
 
     const GraySample s = image.interpolate(u, v);
-    const float residual = s.intensity - gain * point.intensity - offset;
+    const float residual = s.intensity - gain * point.intensity - shade;
     const float e2 = residual * residual * inverse_variance;
     log_sum.add(1 + static_cast<double>(e2 / nu));
     const float weight = (nu + 1) / (nu + e2) * inverse_variance;
     const float gX = s.gx * fx * inverse_z, gY = s.gy * fy * inverse_z, gZ = -(gX * x + gY * y);
-    const float J[8] = {gY * X.z() - gZ * X.y(),
-                        gZ * X.x() - gX * X.z(),
-                        gX * X.y() - gY * X.x(),
-                        -gX,
-                        -gY,
-                        -gZ,
-                        -point.intensity,
-                        -1};
+    const float turn[3] = {gY * X.z() - gZ * X.y(), gZ * X.x() - gX * X.z(),
+                           gX * X.y() - gY * X.x()};
+    const float J[kPadded] = {
+        turn[0],          turn[1],          turn[2],          -gX, -gY, -gZ, offset * turn[0],
+        offset * turn[1], offset * turn[2], -point.intensity, -1,  0};
     sums.add(J, weight, residual);
   }
   sums.flush();

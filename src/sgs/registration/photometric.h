@@ -8,6 +8,7 @@
 #include "sgs/camera/pyramid.h"
 #include "sgs/core/config.h"
 #include "sgs/geometry/se3.h"
+#include "sgs/registration/rolling_shutter.h"
 
 namespace sgs::registration {
 
@@ -49,10 +50,11 @@ class PhotometricReference {
  public:
   /// `depth` decides which pixels can be selected (a measurement within max_depth_m);
   /// `smooth_depth`, where given, supplies the depth that is used and drops the pixels for which
-  /// it returns 0 (an inverse-depth plane fit: depth edges and noise do not survive it).
+  /// it returns 0 (an inverse-depth plane fit: depth edges and noise do not survive it). Points are
+  /// kept as the middle row's camera sees them; `readout` is the motion that takes them there.
   PhotometricReference(const GrayPyramid& pyramid, const DepthImage& depth,
                        const SE3& T_world_keyframe, const PhotometricConfig& config,
-                       const DepthLookup& smooth_depth = {});
+                       const DepthLookup& smooth_depth = {}, const ReadoutMotion& readout = {});
 
   const SE3& T_world_keyframe() const { return T_world_keyframe_; }
   /// Follows a keyframe that refinement has moved.
@@ -74,31 +76,41 @@ struct AffineBrightness {
 };
 
 /// Normal equations of one reference at one level: H xi = -b on twists of the current camera, gain
-/// and offset eliminated by their Schur complement. Those of several references add up.
+/// and offset eliminated by their Schur complement. Those of several references add up. The turn of
+/// the camera during the readout (rolling_shutter.h) is a further unknown of the current frame,
+/// common to all references, and left to the caller.
 struct PhotometricLinearization {
   Matrix6d H = Matrix6d::Zero();
   Vector6d b = Vector6d::Zero();
+  Eigen::Matrix<double, 6, 3> H_pose_readout = Eigen::Matrix<double, 6, 3>::Zero();
+  Eigen::Matrix3d H_readout = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d b_readout = Eigen::Vector3d::Zero();
   double cost = 0;  ///< sum (nu+1)/2 ln(1 + r^2/(nu sigma^2)) + the brightness prior
   int used = 0;     ///< pixels in the sums: inside the image and not hidden
   int visible = 0;  ///< pixels inside the image, hidden ones counted
 
   Eigen::Matrix<double, 6, 2> H_pose_brightness = Eigen::Matrix<double, 6, 2>::Zero();
+  Eigen::Matrix<double, 3, 2> H_readout_brightness = Eigen::Matrix<double, 3, 2>::Zero();
   Eigen::Matrix2d H_brightness = Eigen::Matrix2d::Identity();
   Eigen::Vector2d b_brightness = Eigen::Vector2d::Zero();
 
-  /// Gain and offset after the pose was moved by `xi` (back substitution).
-  AffineBrightness updated(const AffineBrightness& before, const Vector6d& xi) const;
+  /// Gain and offset after the pose was moved by `xi` and the readout's rotation changed by
+  /// `readout_step` (back substitution).
+  AffineBrightness updated(const AffineBrightness& before, const Vector6d& xi,
+                           const Eigen::Vector3d& readout_step = Eigen::Vector3d::Zero()) const;
 };
 
 /// Residual r = I(pi(T^-1 T_kf p)) - gain I_kf - offset, T = T_world_camera of the *current* frame
 /// perturbed on the right, weights of the t distribution (Kerl, Sturm, Cremers: Robust Odometry
 /// Estimation for RGB-D Cameras, ICRA 2013, eq. 13). With X the point in the current camera and
-/// g = dI/dX: dr/dxi = [(g x X)^T, -g^T], dr/d(gain, offset) = [-I_kf, -1].
+/// g = dI/dX: dr/dxi = [(g x X)^T, -g^T], dr/d(gain, offset) = [-I_kf, -1]; a readout at offset o
+/// (`readout`) turns X by o times its rotation, so its derivative is o (g x X)^T.
 /// A pixel is hidden where `current_depth` (full size; 0 = unknown passes) differs from its depth
 /// by more than the gate. Deterministic, allocation-free, thread-safe.
 PhotometricLinearization linearize(const PhotometricReference& reference, int level,
                                    const GrayPyramid& current, const DepthImage& current_depth,
                                    const SE3& T_world_camera, const AffineBrightness& brightness,
-                                   const PhotometricConfig& config);
+                                   const PhotometricConfig& config,
+                                   const ReadoutMotion& readout = {});
 
 }  // namespace sgs::registration

@@ -42,11 +42,13 @@ struct View {
   DepthImage depth;
 };
 
-View render(const TexturedPlane& scene, const PinholeCamera& camera, const SE3& T, int levels,
-            double gain = 1, double offset = 0) {
+View render(const TexturedPlane& scene, const PinholeCamera& camera, const SE3& T_middle,
+            int levels, double gain = 1, double offset = 0,
+            const Vector6d& readout = Vector6d::Zero()) {
   View view{camera, {}, DepthImage(camera.width, camera.height)};
   Image<float> gray(camera.width, camera.height);
   for (int v = 0; v < camera.height; ++v) {
+    const SE3 T = T_middle * SE3::exp(((v + 0.5) / camera.height - 0.5) * readout);
     for (int u = 0; u < camera.width; ++u) {
       const Eigen::Vector3d ray = T.R * camera.back_project(u, v, 1);
       const double z = (scene.offset - scene.normal.dot(T.t)) / scene.normal.dot(ray);
@@ -210,6 +212,67 @@ TEST(Photometric, GainAndOffsetAreEstimatedAndDoNotMoveThePose) {
   EXPECT_LT(error.angle(), 5e-4);
   EXPECT_NEAR(ab.gain, 1.2, 0.01);
   EXPECT_NEAR(ab.offset, -15, 1.5);
+}
+
+// Gauss-Newton with the readout's rotation as three more unknowns of the frame.
+struct RollingAlignment {
+  SE3 T;
+  Vector6d readout = Vector6d::Zero();
+};
+RollingAlignment align_rolling(const PhotometricReference& reference, const View& view, SE3 T,
+                               const PhotometricConfig& config) {
+  RollingAlignment out{T, Vector6d::Zero()};
+  AffineBrightness ab;
+  for (int level = reference.levels() - 1; level >= 0; --level) {
+    for (int iteration = 0; iteration < 20; ++iteration) {
+      const auto l = linearize(reference, level, view.pyramid, view.depth, out.T, ab, config,
+                               ReadoutMotion(out.readout));
+      Eigen::Matrix<double, 9, 9> H;
+      H << l.H, l.H_pose_readout, l.H_pose_readout.transpose(), l.H_readout;
+      H.diagonal().array() += 1e-3;
+      Eigen::Matrix<double, 9, 1> b;
+      b << l.b, l.b_readout;
+      const Eigen::Matrix<double, 9, 1> step = -H.ldlt().solve(b);
+      out.T = out.T * SE3::exp(step.head<6>());
+      out.readout.head<3>() += step.tail<3>();
+      ab = l.updated(ab, step.head<6>(), step.tail<3>());
+    }
+  }
+  return out;
+}
+
+TEST(Photometric, TurnOfARollingShutterIsSeenAndDoesNotMoveThePose) {
+  const PhotometricConfig config;
+  const View kf = render({}, kCamera, world_pose(), 5);
+  const PhotometricReference reference(kf.pyramid, kf.depth, world_pose(), config);
+  Vector6d motion, readout;
+  motion << 0.01, -0.012, 0.008, 0.015, 0.01, -0.01;
+  readout << 0.012, -0.016, 0.006, 0, 0, 0;  // half a rad/s for 30 ms
+  const SE3 truth = world_pose() * SE3::exp(motion);
+  const View view = render({}, kCamera, truth, 5, 1, 0, readout);
+  const RollingAlignment found = align_rolling(reference, view, world_pose(), config);
+  EXPECT_LT((found.readout - readout).norm(), 0.1 * readout.norm());
+  const SE3 error = truth.inverse() * found.T;
+  EXPECT_LT(error.t.norm(), 2e-3);
+  EXPECT_LT(error.angle(), 2e-3);
+  AffineBrightness ab;
+  const SE3 unaware = align(reference, view, world_pose(), ab, config);
+  EXPECT_GT((truth.inverse() * unaware).t.norm(), 4 * error.t.norm());
+}
+
+TEST(Photometric, KeyframesOfARollingShutterAreStraightened) {
+  const PhotometricConfig config;
+  Vector6d readout;
+  readout << 0.01, -0.015, 0.02, 0.004, -0.006, 0.002;
+  const View kf = render({}, kCamera, world_pose(), 3, 1, 0, readout);
+  const PhotometricReference reference(kf.pyramid, kf.depth, world_pose(), config, {},
+                                       ReadoutMotion(readout));
+  const TexturedPlane plane;
+  for (const auto& p : reference.points(0)) {
+    const Eigen::Vector3d world = world_pose() * p.p_keyframe.cast<double>();
+    EXPECT_NEAR(plane.normal.dot(world), plane.offset, 1e-3);
+    EXPECT_NEAR(plane.gray(world), static_cast<double>(p.intensity), 8);
+  }
 }
 
 TEST(Photometric, HiddenPixelsCountAsVisibleButAreNotUsed) {

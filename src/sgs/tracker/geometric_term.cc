@@ -2,9 +2,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/tracker/geometric_term.h"
 
+#include "sgs/registration/rolling_shutter.h"
+
 namespace sgs::tracker {
 
 using registration::make_sampler;
+using registration::ReadoutMotion;
+
+namespace {
+
+// Points as the middle row's camera sees them, given as each row's camera does. `change` is small,
+// and so what it does is linear: corrections may be applied one after the other.
+void move_points(registration::SourceCloud& cloud, const Vector6d& change, int height) {
+  const ReadoutMotion motion(change);
+  for (registration::SourcePoint& p : cloud.points) {
+    const float offset = ReadoutMotion::offset(static_cast<float>(p.v), height);
+    p.point = motion.to_middle(p.point, offset);
+    p.normal = motion.direction_to_middle(p.normal, offset);
+  }
+}
+
+}  // namespace
 
 GeometricTerm::GeometricTerm(const TrackerConfig& config, const PinholeCamera& camera,
                              const SE3& T_map_world)
@@ -24,6 +42,16 @@ void GeometricTerm::set_frame(const RgbdFrame& frame, const map::SnapshotPtr& sn
   targets_->update(snapshot);
   depth_ = &frame.depth;
   prepared_ = false;
+  readout_.setZero();
+  coarse_source_.points.clear();
+  coarse_source_.covariances.clear();
+}
+
+void GeometricTerm::set_readout(const Vector6d& readout) {
+  const Vector6d change = readout - readout_;
+  if (change.isZero(0)) return;
+  move_points(source_, change, depth_->height());
+  readout_ = readout;
   coarse_source_.points.clear();
   coarse_source_.covariances.clear();
 }
@@ -100,6 +128,7 @@ void GeometricTerm::insert_keyframe(const SE3& T_map_camera) {
   // Denser than the source points: keyframes are rare, and a dense map leaves less of a curved
   // surface between a point and its target.
   target_sampler_->sample(*depth_, keyframe_source_);
+  if (!readout_.isZero(0)) move_points(keyframe_source_, readout_, depth_->height());
   targets_->insert(keyframe_source_, T_map_camera, prepared_ ? search_.get() : nullptr);
 }
 

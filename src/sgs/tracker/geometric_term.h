@@ -24,6 +24,9 @@ class GeometricTerm {
 
   /// Samples the frame's points and takes over the newest state of the Gaussian map.
   void set_frame(const RgbdFrame& frame, const map::SnapshotPtr& snapshot);
+  /// Corrects the frame's points for the camera's motion during the readout (twist, rotation
+  /// first); replaces the motion given before.
+  void set_readout(const Vector6d& readout);
   /// Whether there is anything to register to.
   bool has_targets() const { return !targets_->cloud().points.empty(); }
   /// Prepares the search for a frame expected at `T_map_predicted`; needs targets.
@@ -66,6 +69,7 @@ class GeometricTerm {
   registration::GeometricCost coarse_cost_;
   registration::SourceCloud coarse_source_;  // every n-th point of source_, made on demand
   const DepthImage* depth_ = nullptr;        // of the current frame
+  Vector6d readout_ = Vector6d::Zero();      // that its points are corrected for
   SE3 T_reference_map_;
   bool prepared_ = false;
   std::vector<Eigen::Vector3f> sample_points_, sample_normals_;  // scratch of surface_information()

@@ -17,6 +17,13 @@ SE3 MotionModel::predict(double timestamp_s) const {
   return T_ * SE3::exp(config_.velocity_decay * ratio * velocity_);
 }
 
+Vector6d MotionModel::rate_to(const SE3& T, double timestamp_s) const {
+  constexpr double kLongest_s = 0.2;
+  const double dt = timestamp_s - timestamp_s_;
+  if (!has_pose_ || frames_held_ > 0 || !(dt > 0) || dt > kLongest_s) return Vector6d::Zero();
+  return (T_.inverse() * T).log() / dt;
+}
+
 bool MotionModel::plausible(const SE3& T) const {
   if (!T.all_finite()) return false;
   const SE3 motion = T_.inverse() * T;

@@ -16,6 +16,9 @@ class MotionModel {
   /// Start pose for a frame at `timestamp_s`: the last pose, moved on by the decayed last motion
   /// (scaled with the time passed).
   SE3 predict(double timestamp_s) const;
+  /// Mean camera twist per second from the last trusted pose to `T` at `timestamp_s`; zero where
+  /// that is unknown or long ago.
+  Vector6d rate_to(const SE3& T, double timestamp_s) const;
   /// Whether going from the last trusted pose to `T` is possible. After lost frames the limits grow
   /// with the time passed, up to fourfold.
   bool plausible(const SE3& T) const;

@@ -67,7 +67,7 @@ TrackResult PriorTracker::track(const RgbdFrame& frame, const map::SnapshotPtr& 
     const CpuTimer timer(d.ms_update);
     geometry_.insert_keyframe(T);
   }
-  if (d.degenerate_mask != 0) result.status = TrackingStatus::kDegenerate;
+  if (d.degenerate_mask != 0 || d.prior_active) result.status = TrackingStatus::kDegenerate;
   result.T_world_camera = (T_world_map_ * T).normalized();
   return result;
 }

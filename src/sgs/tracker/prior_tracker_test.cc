@@ -75,9 +75,20 @@ TEST(PriorTracker, RejectedPriorStandsForNoMotion) {
   EXPECT_NEAR(run.results.back().T_world_camera.t.z(), wall_pose(kFrames - 1).t.z(), 0.01);
 }
 
+TEST(PriorTracker, PlanarityAloneCallsForThePrior) {
+  TrackerConfig config = paper_config();
+  config.degeneracy.condition_threshold = 1e12;
+  const WallRun run = run_wall(config);
+  const TrackResult& last = run.results.back();
+  EXPECT_TRUE(last.diagnostics.prior_active);
+  EXPECT_EQ(last.diagnostics.degenerate_mask, 0u);
+  EXPECT_EQ(last.status, TrackingStatus::kDegenerate);
+}
+
 TEST(PriorTracker, AnUnreachableThresholdSwitchesThePriorOff) {
   TrackerConfig config = paper_config(), gicp = config;
   config.degeneracy.condition_threshold = 1e12;
+  config.degeneracy.planarity_alone = false;
   gicp.type = "gicp";
   const WallRun a = run_wall(config), b = run_wall(gicp);
   for (std::size_t i = 0; i < a.results.size(); ++i) {

@@ -25,6 +25,7 @@ SnapshotTargets::SnapshotTargets(Kind kind, const TrackerConfig& config, const S
           static_cast<float>(std::log(std::max(config.target.min_opacity, 1e-9) /
                                       std::max(1 - config.target.min_opacity, 1e-9)))),
       covariance_floor_(static_cast<float>(config.points.covariance_floor)),
+      scale_sigmas_(static_cast<float>(config.target.scale_sigmas)),
       with_ellipses_(config.factor.type == "gicp"),
       R_map_world_(T_map_world.R.cast<float>()),
       t_map_world_(T_map_world.t.cast<float>()),
@@ -85,7 +86,7 @@ void SnapshotTargets::set_target(std::size_t target, const map::Gaussian& g,
       R_map_world_ * Eigen::Quaternionf(g.rotation[0], g.rotation[1], g.rotation[2], g.rotation[3])
                          .normalized()
                          .toRotationMatrix();
-  const Eigen::Vector3f log_scale(g.log_scale[0], g.log_scale[1], g.log_scale[2]);
+  Eigen::Vector3f log_scale(g.log_scale[0], g.log_scale[1], g.log_scale[2]);
   Eigen::Index thin = 0;
   log_scale.minCoeff(&thin);
   p.point = R_map_world_ * Eigen::Vector3f(g.mean[0], g.mean[1], g.mean[2]) + t_map_world_;
@@ -93,6 +94,9 @@ void SnapshotTargets::set_target(std::size_t target, const map::Gaussian& g,
   if (p.normal.dot(R_map_world_ * anchor.normal) < 0) p.normal = -p.normal;
   if (!p.point.allFinite() || !p.normal.allFinite()) p.variance_m2 = 0;
   if (!with_ellipses_) return;
+  if (scale_sigmas_ > 0 && anchor.sigma_n_m > 0) {
+    log_scale = log_scale.cwiseMax(std::log(scale_sigmas_ * anchor.sigma_n_m));
+  }
   Eigen::Vector3f sorted = log_scale;
   std::sort(sorted.data(), sorted.data() + 3);
   const Eigen::Vector3f values =

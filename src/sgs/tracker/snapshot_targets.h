@@ -35,6 +35,7 @@ class SnapshotTargets : public TargetMap {
   Kind kind_;
   float min_opacity_logit_;
   float covariance_floor_;
+  float scale_sigmas_;
   bool with_ellipses_;
   Eigen::Matrix3f R_map_world_;
   Eigen::Vector3f t_map_world_;

@@ -40,7 +40,8 @@ SpectralTracker::SpectralTracker(const TrackerConfig& config, const PinholeCamer
       geometry_(config, camera, T_world_first.inverse()),
       vision_(config.photometric, config.spectral),
       relocaliser_(config.spectral, config.orb, config.visual_pose),
-      motion_(config.motion, SE3{}) {}
+      motion_(config.motion, SE3{}),
+      readout_(config.readout) {}
 
 TrackResult SpectralTracker::track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) {
   Diagnostics d;
@@ -56,13 +57,15 @@ TrackResult SpectralTracker::track(const RgbdFrame& frame, const map::SnapshotPt
   const bool first = !geometry_.has_targets() && vision_.keyframes() == 0;
   Outcome outcome{motion_.pose(), d.source_points >= config_.loss.min_points};
   if (!first) {
-    outcome = align(lost_frames_ > 0 ? T_bridge_ : motion_.predict(frame.timestamp_s), d);
+    const double t = frame.timestamp_s;
+    outcome = align(lost_frames_ > 0 ? T_bridge_ : motion_.predict(t), t, d);
     // The prediction may have been the problem (an abrupt stop): once more from the last pose.
-    if (!outcome.trusted && lost_frames_ == 0) outcome = align(motion_.pose(), d);
+    if (!outcome.trusted && lost_frames_ == 0) outcome = align(motion_.pose(), t, d);
     if (!outcome.trusted) outcome = recover(frame, d);
   }
   if (!outcome.trusted) return lost(frame.timestamp_s, d);
 
+  if (!first && lost_frames_ == 0) learn_readout(outcome.T_map_camera, frame.timestamp_s, d);
   if (lost_frames_ > 0) motion_.hold();  // whatever the velocity was, it is over
   lost_frames_ = 0;
   motion_.accept(outcome.T_map_camera, frame.timestamp_s);
@@ -98,7 +101,8 @@ void SpectralTracker::observe_geometry(Diagnostics& d) {
 }
 
 // Coarse to fine from one start pose.
-SpectralTracker::Outcome SpectralTracker::align(const SE3& T_start, Diagnostics& d) {
+SpectralTracker::Outcome SpectralTracker::align(const SE3& T_start, double timestamp_s,
+                                                Diagnostics& d) {
   const bool use_geometry = geometry_.has_targets() && d.source_points >= config_.loss.min_points;
   {
     const CpuTimer timer(d.ms_index);
@@ -107,7 +111,14 @@ SpectralTracker::Outcome SpectralTracker::align(const SE3& T_start, Diagnostics&
   }
   Outcome outcome{T_start, false};
   const int coarsest = vision_.has_references() ? vision_.levels() - 1 : 0;
+  const auto belief = [&] {
+    return readout_.predict(motion_.rate_to(outcome.T_map_camera, timestamp_s),
+                            vision_.newest_keyframe());
+  };
+  vision_.set_readout(belief());
   for (int level = coarsest; level >= 0; --level) {
+    if (level < coarsest) vision_.update_belief(belief());
+    geometry_.set_readout(frame_readout());
     align_level(level, use_geometry, outcome.T_map_camera, d);
   }
   outcome.trusted = explains_frame(outcome.T_map_camera, use_geometry, d);
@@ -135,7 +146,7 @@ void SpectralTracker::align_level(int level, bool use_geometry, SE3& T, Diagnost
                 : degeneracy::fuse_joint(geometry, vision, config_.degeneracy);
     const Vector6d xi = capped_step(joint, config_.solver);
     T = T * SE3::exp(xi);
-    vision_.move_brightness(xi);
+    vision_.back_substitute(xi);
     if (is_small(xi, config_.solver)) break;
   }
 }
@@ -143,9 +154,15 @@ void SpectralTracker::align_level(int level, bool use_geometry, SE3& T, Diagnost
 // Whether geometry and vision together pin down all six axes at `T`, and agree with the frame.
 bool SpectralTracker::explains_frame(const SE3& T, bool use_geometry, Diagnostics& d) {
   bool geometry_holds = false;
+  H_geometry_.setZero();
   if (use_geometry) {
     const CpuTimer timer(d.ms_geometry);
     const auto g = geometry_.linearize(T);
+    H_geometry_ =
+        degeneracy::fuse_removed(normal_equations(g),
+                                 remove_ ? observability_.K : Matrix6d(Matrix6d::Identity()), {},
+                                 config_.degeneracy)
+            .H;
     d.inliers = g.inliers;
     d.cost = g.error;
     d.overlap = geometry_.overlap(T);
@@ -182,6 +199,21 @@ bool SpectralTracker::explains_frame(const SE3& T, bool use_geometry, Diagnostic
          motion.angle() <= growth * config_.motion.max_rotation_rad;
 }
 
+// Camera twist over the readout of the frame: what is seen, without the keyframe's share.
+Vector6d SpectralTracker::frame_readout() const {
+  Vector6d readout = vision_.readout();
+  readout.head<3>() -= readout_.keyframe_error(vision_.newest_keyframe());
+  return readout;
+}
+
+// What this frame's picture tells about the sensor's readout time.
+void SpectralTracker::learn_readout(const SE3& T, double timestamp_s, const Diagnostics& d) {
+  if (d.prior_source != "photometric") return;
+  const Eigen::Vector3d rate = motion_.rate_to(T, timestamp_s).head<3>();
+  const auto seen = vision_.measured_readout(H_geometry_);
+  readout_.update(rate, seen.rotation, seen.information, vision_.newest_keyframe());
+}
+
 // The next frames after a loss: looks for the camera among the keyframes, now and then.
 SpectralTracker::Outcome SpectralTracker::recover(const RgbdFrame& frame, Diagnostics& d) {
   Outcome outcome{motion_.pose(), false};
@@ -195,7 +227,7 @@ SpectralTracker::Outcome SpectralTracker::recover(const RgbdFrame& frame, Diagno
   // The jump is what relocalisation is for: judge the alignment as a motion from there.
   const MotionModel before = motion_;
   motion_ = MotionModel(config_.motion, *found);
-  outcome = align(*found, d);
+  outcome = align(*found, frame.timestamp_s, d);
   if (!outcome.trusted) motion_ = before;
   return outcome;
 }
@@ -218,7 +250,8 @@ bool SpectralTracker::extend_map(const RgbdFrame& frame, const SE3& T, const Dia
   const bool enough_depth = d.source_points >= config_.loss.min_points;
   if (enough_depth && vision_.wants_keyframe(T)) {
     const int before = vision_.keyframes();
-    vision_.insert_keyframe(T, [this](int u, int v) { return geometry_.smooth_depth(u, v); });
+    vision_.insert_keyframe(T, frame_readout(),
+                            [this](int u, int v) { return geometry_.smooth_depth(u, v); });
     if (vision_.keyframes() > before) relocaliser_.add_keyframe(frame, T);
   }
   const bool first = !geometry_.has_targets();

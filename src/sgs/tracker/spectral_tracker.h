@@ -5,6 +5,7 @@
 #include "sgs/degeneracy/observability.h"
 #include "sgs/tracker/geometric_term.h"
 #include "sgs/tracker/motion_model.h"
+#include "sgs/tracker/readout_estimator.h"
 #include "sgs/tracker/relocaliser.h"
 #include "sgs/tracker/tracker.h"
 #include "sgs/tracker/visual_term.h"
@@ -32,9 +33,11 @@ class SpectralTracker : public Tracker {
     bool trusted = false;
   };
   void observe_geometry(Diagnostics& d);
-  Outcome align(const SE3& T_start, Diagnostics& d);
+  Outcome align(const SE3& T_start, double timestamp_s, Diagnostics& d);
   void align_level(int level, bool use_geometry, SE3& T, Diagnostics& d);
   bool explains_frame(const SE3& T, bool use_geometry, Diagnostics& d);
+  Vector6d frame_readout() const;
+  void learn_readout(const SE3& T, double timestamp_s, const Diagnostics& d);
   Outcome recover(const RgbdFrame& frame, Diagnostics& d);
   bool extend_map(const RgbdFrame& frame, const SE3& T, const Diagnostics& d);
   TrackResult lost(double timestamp_s, const Diagnostics& d);
@@ -46,9 +49,11 @@ class SpectralTracker : public Tracker {
   VisualTerm vision_;
   Relocaliser relocaliser_;
   MotionModel motion_;  // camera to map
+  ReadoutEstimator readout_;
   degeneracy::HysteresisState hysteresis_;
   degeneracy::SurfaceInformation surfaces_;
   degeneracy::Observability observability_;
+  Matrix6d H_geometry_ = Matrix6d::Zero();  // of the last pose checked, as it was weighted
   double lost_since_s_ = 0;
   int lost_frames_ = 0;
   SE3 T_bridge_;  // camera to map while lost

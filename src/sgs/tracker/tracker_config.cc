@@ -37,6 +37,10 @@ void TargetConfig::declare(ParameterList& p) {
         {"optimised", "anchor", "grid"});
   p.add("min_opacity", min_opacity, "Least opacity of Gaussians that serve as targets.", "",
         {0, 1});
+  p.add("scale_sigmas", scale_sigmas,
+        "Least scale of optimised Gaussians as targets, in standard deviations of the depth they "
+        "were born from; 0 = as they are (the paper's ablation \"Scale\").",
+        "", {0, 100});
   p.add("step_px", step_px, "Spacing of the pixels that a keyframe adds as own points.", "px",
         {2, 64});
   p.add("spacing", spacing, "No own point is added nearer than this to another one.", "steps",
@@ -69,6 +73,16 @@ void SpectralConfig::declare(ParameterList& p) {
         "Frames between relocalisation attempts while lost.", "frames", {1, 1000});
   p.add("relocalise_keyframes", relocalise_keyframes,
         "Newest visual keyframes kept for relocalisation.", "", {1, 1000});
+}
+
+void ReadoutConfig::declare(ParameterList& p) {
+  p.add("estimate", estimate, "Learn the readout time of a rolling shutter; off: use fixed_s.");
+  p.add("fixed_s", fixed_s, "Time from the first row of a picture to the last; 0 = global shutter.",
+        "s", {-0.1, 0.1});
+  p.add("prior_sigma_s", prior_sigma_s, "Uncertainty of a readout time of 0 at the start.", "s",
+        {1e-6, 0.1});
+  p.add("rate_sigma", rate_sigma, "Change of the turning rate within a frame interval.", "rad/s",
+        {1e-4, 10});
 }
 
 void PriorConfig::declare(ParameterList& p) {
@@ -115,6 +129,7 @@ void TrackerConfig::declare(ParameterList& p) {
   in_group("degeneracy", degeneracy);
   in_group("photometric", photometric);
   in_group("spectral", spectral);
+  in_group("readout", readout);
   in_group("orb", orb);
   in_group("visual_pose", visual_pose);
   in_group("prior", prior);
@@ -140,6 +155,7 @@ TrackerConfig paper_tracker_config() {
               .stop_rad = 2e-3,
               .stop_m = 5e-4};
   c.fusion = "prior";
+  c.degeneracy.planarity_alone = true;
   c.motion.start = "previous";
   c.target.source = "optimised";
   c.target.step_px = c.points.step_px;

@@ -43,6 +43,7 @@ struct LossConfig {
 struct TargetConfig {
   std::string source = "grid";  ///< optimised | anchor | grid
   double min_opacity = 0.09;    ///< of Gaussians that serve as targets
+  double scale_sigmas = 0;      ///< optimised: least scale in depth noises (the paper's "Scale")
   int step_px = 4;              ///< grid: spacing of the pixels a keyframe contributes
   double spacing = 1.0;         ///< grid: nothing is inserted nearer than this many of its steps
 
@@ -64,6 +65,16 @@ struct SpectralConfig {
   double revisit_distance = 0.45;  ///< how far an older keyframe's view may be off
   int relocalise_interval = 5;     ///< frames between relocalisation attempts while lost
   int relocalise_keyframes = 20;   ///< newest visual keyframes kept for relocalisation
+
+  void declare(ParameterList& p);
+};
+
+/// Rolling shutter: time from the first row of a picture to the last.
+struct ReadoutConfig {
+  bool estimate = true;         ///< learn it from the pictures; off: it is `fixed_s`
+  double fixed_s = 0;           ///< 0 = global shutter
+  double prior_sigma_s = 0.01;  ///< belief before the first picture: 0 with this uncertainty
+  double rate_sigma = 0.1;      ///< change of the turning rate within a frame interval, rad/s
 
   void declare(ParameterList& p);
 };
@@ -104,6 +115,7 @@ struct TrackerConfig {
   degeneracy::DegeneracyConfig degeneracy;
   registration::PhotometricConfig photometric;
   SpectralConfig spectral;
+  ReadoutConfig readout;
   features::OrbConfig orb;
   features::VisualPoseConfig visual_pose;
   PriorConfig prior;

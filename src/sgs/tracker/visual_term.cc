@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/tracker/visual_term.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -68,30 +70,61 @@ void VisualTerm::choose_references(const SE3& T_map_predicted) {
   }
 }
 
+void VisualTerm::set_readout(const ReadoutEstimator::Belief& belief) {
+  belief_ = belief;
+  readout_ = belief.mean;
+}
+
 degeneracy::NormalEquations VisualTerm::linearize(int level, const SE3& T_map_camera) {
-  degeneracy::NormalEquations sum;
-  used_ = 0;
-  cost_ = 0;
+  sum_ = {};
+  const registration::ReadoutMotion readout(readout_);
   for (Reference& r : references_) {
     const auto& reference = keyframes_[r.keyframe].reference;
     if (level >= reference.levels()) continue;
     r.last = registration::linearize(reference, level, pyramid_, frame_->depth, T_map_camera,
-                                     r.brightness, photometric_);
-    sum.H += r.last.H;
-    sum.b += r.last.b;
-    sum.cost += r.last.cost;
-    used_ += r.last.used;
-    cost_ += r.last.cost;
+                                     r.brightness, photometric_, readout);
+    sum_.H += r.last.H;
+    sum_.b += r.last.b;
+    sum_.H_pose_readout += r.last.H_pose_readout;
+    sum_.H_readout += r.last.H_readout;
+    sum_.b_readout += r.last.b_readout;
+    sum_.cost += r.last.cost;
+    sum_.used += r.last.used;
     if (r.keyframe == newest_) {
       newest_share_ = static_cast<double>(r.last.used) /
                       static_cast<double>(std::max<std::size_t>(1, reference.points(level).size()));
     }
   }
-  return sum;
+  const Eigen::Vector3d off = (readout_ - belief_.mean).head<3>();
+  const Eigen::Vector3d b_readout = sum_.b_readout + belief_.information * off;
+  const Eigen::Matrix3d H_readout = sum_.H_readout + belief_.information;
+  if (H_readout.isZero(0)) return {sum_.H, sum_.b, sum_.cost};
+  const Eigen::Matrix<double, 6, 3> G = sum_.H_pose_readout * H_readout.inverse();
+  return {sum_.H - G * sum_.H_pose_readout.transpose(), sum_.b - G * b_readout,
+          sum_.cost + 0.5 * off.dot(belief_.information * off)};
 }
 
-void VisualTerm::move_brightness(const Vector6d& xi) {
-  for (Reference& r : references_) r.brightness = r.last.updated(r.brightness, xi);
+void VisualTerm::back_substitute(const Vector6d& xi) {
+  Eigen::Vector3d step = Eigen::Vector3d::Zero();
+  const Eigen::Matrix3d H_readout = sum_.H_readout + belief_.information;
+  if (!H_readout.isZero(0)) {
+    const Eigen::Vector3d off = (readout_ - belief_.mean).head<3>();
+    const Eigen::Vector3d b = sum_.b_readout + belief_.information * off;
+    step = -(H_readout.inverse() * (b + sum_.H_pose_readout.transpose() * xi));
+    readout_.head<3>() += step;
+  }
+  for (Reference& r : references_) r.brightness = r.last.updated(r.brightness, xi, step);
+}
+
+VisualTerm::ReadoutMeasurement VisualTerm::measured_readout(const Matrix6d& H_others) const {
+  const auto pose = (sum_.H + H_others).ldlt();
+  const Eigen::Matrix<double, 6, 3> G = pose.solve(sum_.H_pose_readout);
+  ReadoutMeasurement out;
+  out.information = sum_.H_readout - sum_.H_pose_readout.transpose() * G;
+  out.information = (0.5 * (out.information + out.information.transpose())).eval();
+  // At the optimum the belief's pull balances the picture's.
+  out.rotation = readout_.head<3>() - out.information.inverse() * sum_.b_readout;
+  return out;
 }
 
 // Within `share` of the limits that make a new keyframe.
@@ -106,7 +139,7 @@ bool VisualTerm::wants_keyframe(const SE3& T_map_camera) const {
          newest_share_ < config_.keyframe_visible;
 }
 
-void VisualTerm::insert_keyframe(const SE3& T_map_camera,
+void VisualTerm::insert_keyframe(const SE3& T_map_camera, const Vector6d& readout,
                                  const registration::DepthLookup& smooth_depth) {
   constexpr double kSameView = 0.8;
   for (const Reference& r : references_) {
@@ -117,9 +150,10 @@ void VisualTerm::insert_keyframe(const SE3& T_map_camera,
     newest_ = r.keyframe;
     return;
   }
-  keyframes_.push_back({registration::PhotometricReference(pyramid_, frame_->depth, T_map_camera,
-                                                           photometric_, smooth_depth),
-                        mean_depth(frame_->depth, photometric_.max_depth_m)});
+  keyframes_.push_back(
+      {registration::PhotometricReference(pyramid_, frame_->depth, T_map_camera, photometric_,
+                                          smooth_depth, registration::ReadoutMotion(readout)),
+       mean_depth(frame_->depth, photometric_.max_depth_m)});
   newest_ = keyframes_.size() - 1;
 }
 

@@ -9,6 +9,7 @@
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/degeneracy/fusion.h"
 #include "sgs/registration/photometric.h"
+#include "sgs/tracker/readout_estimator.h"
 #include "sgs/tracker/tracker_config.h"
 
 namespace sgs::tracker {
@@ -29,21 +30,40 @@ class VisualTerm {
   bool has_references() const { return !references_.empty(); }
   int levels() const { return levels_; }
 
-  /// Normal equations of all references at a level; needs references.
+  /// What is believed of the camera's motion during the readout of the frame; the estimate starts
+  /// there.
+  void set_readout(const ReadoutEstimator::Belief& belief);
+  /// The same once the pose is known better: the estimate stays.
+  void update_belief(const ReadoutEstimator::Belief& belief) { belief_ = belief; }
+  /// Normal equations of all references at a level, gains, offsets and the readout's rotation
+  /// eliminated; needs references.
   degeneracy::NormalEquations linearize(int level, const SE3& T_map_camera);
-  /// Back-substitutes gains and offsets after the pose has moved by `xi`.
-  void move_brightness(const Vector6d& xi);
+  /// Back-substitutes what linearize() eliminated after the pose has moved by `xi`.
+  void back_substitute(const Vector6d& xi);
+  /// Camera twist over the readout of the frame, as it appears against the newest keyframe.
+  const Vector6d& readout() const { return readout_; }
+  /// Number of the keyframe the camera was last at.
+  std::size_t newest_keyframe() const { return newest_; }
+  /// The rotation over the readout that the last linearize() sees without any belief about it,
+  /// with its information; `H_others` is what other terms know of the pose.
+  struct ReadoutMeasurement {
+    Eigen::Vector3d rotation;
+    Eigen::Matrix3d information;
+  };
+  ReadoutMeasurement measured_readout(const Matrix6d& H_others) const;
 
   /// Of the last linearize(): pixels used, mean cost per pixel, and the newest reference's share of
   /// its pixels that were used.
-  int used() const { return used_; }
-  double mean_cost() const { return used_ > 0 ? cost_ / used_ : 0.0; }
+  int used() const { return sum_.used; }
+  double mean_cost() const { return sum_.used > 0 ? sum_.cost / sum_.used : 0.0; }
   double newest_share() const { return newest_share_; }
 
   /// Whether the frame at `T_map_camera` is far enough from the newest keyframe to become one.
   bool wants_keyframe(const SE3& T_map_camera) const;
   /// Makes the current frame a keyframe, unless an old one that sees the same takes its place.
-  void insert_keyframe(const SE3& T_map_camera, const registration::DepthLookup& smooth_depth);
+  /// `readout`: camera twist over its readout.
+  void insert_keyframe(const SE3& T_map_camera, const Vector6d& readout,
+                       const registration::DepthLookup& smooth_depth);
   int keyframes() const { return static_cast<int>(keyframes_.size()); }
 
  private:
@@ -67,8 +87,10 @@ class VisualTerm {
   std::vector<Keyframe> keyframes_;
   std::size_t newest_ = 0;  // the keyframe the camera was last at: not always the last made
   std::vector<Reference> references_;
-  int used_ = 0;
-  double cost_ = 0, newest_share_ = 0;
+  ReadoutEstimator::Belief belief_;
+  Vector6d readout_ = Vector6d::Zero();
+  registration::PhotometricLinearization sum_;  // over references; the readout not eliminated
+  double newest_share_ = 0;
 };
 
 }  // namespace sgs::tracker

@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/tracker/readout_estimator.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace sgs::tracker {
+namespace {
+
+constexpr double kLongest_s = 0.04;
+// What calibration, lens and depth errors look like within one picture: no frame says more.
+constexpr double kFloor_rad = 1e-3;
+constexpr double kUseful_rad = 1e-3;
+constexpr double kLargest_rad = 0.05;
+constexpr double kMostScatter_rad = 5e-3;
+// Where nothing is unknown the prior must stay finite.
+constexpr double kTiny_rad = 1e-5;
+
+}  // namespace
+
+ReadoutEstimator::ReadoutEstimator(const ReadoutConfig& config)
+    : config_(config),
+      information_(1 / (config.prior_sigma_s * config.prior_sigma_s)),
+      scatter_(config.prior_sigma_s * config.rate_sigma * config.prior_sigma_s *
+               config.rate_sigma) {}
+
+double ReadoutEstimator::readout_s() const {
+  if (!config_.estimate) return config_.fixed_s;
+  return std::clamp(moment_ / information_, -kLongest_s, kLongest_s);
+}
+
+Eigen::Vector3d ReadoutEstimator::keyframe_error(std::size_t keyframe) const {
+  return keyframe < errors_.size() ? errors_[keyframe].mean : Eigen::Vector3d::Zero();
+}
+
+ReadoutEstimator::Belief ReadoutEstimator::predict(const Vector6d& velocity,
+                                                   std::size_t keyframe) const {
+  Belief belief;
+  belief.mean = readout_s() * velocity;
+  double variance = kTiny_rad * kTiny_rad;
+  if (config_.estimate) {
+    belief.mean.head<3>() += keyframe_error(keyframe);
+    variance += 2 * scatter_ + velocity.head<3>().squaredNorm() / information_;
+  }
+  belief.information.diagonal().setConstant(1 / variance);
+  return belief;
+}
+
+void ReadoutEstimator::update(const Eigen::Vector3d& turning_rate, const Eigen::Vector3d& rotation,
+                              const Eigen::Matrix3d& information, std::size_t keyframe) {
+  if (!config_.estimate || !turning_rate.allFinite() || !rotation.allFinite()) return;
+  Eigen::Matrix3d covariance = information.inverse();
+  // Too little texture to tell a turn from a change of the picture.
+  if (!(covariance.diagonal().maxCoeff() < kUseful_rad * kUseful_rad) ||
+      !(covariance.diagonal().minCoeff() > 0) || rotation.norm() > kLargest_rad) {
+    last_off_.reset();
+    return;
+  }
+  const double measured = covariance.trace() / 3;
+  covariance.diagonal().array() += kFloor_rad * kFloor_rad + scatter_;
+  const Eigen::Matrix3d weight = covariance.inverse();
+  if (keyframe >= errors_.size()) errors_.resize(keyframe + 1, {{0, 0, 0}, scatter_});
+  KeyframeError& error = errors_[keyframe];
+  const double information_gain = turning_rate.dot(weight * turning_rate);
+  const double moment = turning_rate.dot(weight * (rotation - error.mean));
+  if (!(information_gain >= 0) || !std::isfinite(moment)) return;
+  information_ += information_gain;
+  moment_ += moment;
+  const Eigen::Vector3d off = rotation - readout_s() * turning_rate - error.mean;
+  const double gain = error.variance / (error.variance + covariance.diagonal().maxCoeff());
+  error.mean += gain * off;
+  error.variance *= 1 - gain;
+
+  if (last_off_) {
+    constexpr double kForget = 1.0 / 30;
+    const double change = (off - *last_off_).squaredNorm() / 6;  // three axes, two frames
+    const double most = kMostScatter_rad * kMostScatter_rad;
+    scatter_ += kForget * (std::clamp(change - measured, 0.0, most) - scatter_);
+  }
+  last_off_ = off;
+}
+
+}  // namespace sgs::tracker

@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "sgs/geometry/se3.h"
+#include "sgs/tracker/tracker_config.h"
+
+namespace sgs::tracker {
+
+/// Learns how long the sensor takes to read a picture from top to bottom, and predicts how the
+/// camera moves during one readout. The readout time tau is a constant of the sensor (0 = global
+/// shutter, negative = bottom row first), so it is the slope of a regression over all frames: the
+/// turn seen within each picture against the turning rate from picture to picture.
+///
+/// A picture shows its turn against a keyframe's only. What the keyframe's own turn was wrong by is
+/// common to all frames aligned to it; it is estimated as what they have in common beyond tau times
+/// their rates, and taken off before one of them becomes the next keyframe. Without that the errors
+/// of all keyframes would add up.
+class ReadoutEstimator {
+ public:
+  explicit ReadoutEstimator(const ReadoutConfig& config);
+
+  /// Gaussian belief about the camera twist over one readout, rotation first, rad and m; only the
+  /// rotation is uncertain (a hand's jerk shifts the camera by less than a pixel).
+  struct Belief {
+    Vector6d mean = Vector6d::Zero();
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< of the rotation, 1/rad^2
+  };
+  /// For a camera that moves with `velocity` (camera twist per second), as it will appear against
+  /// the keyframe of that number.
+  Belief predict(const Vector6d& velocity, std::size_t keyframe) const;
+  /// Takes in the rotation over the readout as one frame's picture alone shows it.
+  void update(const Eigen::Vector3d& turning_rate, const Eigen::Vector3d& rotation,
+              const Eigen::Matrix3d& information, std::size_t keyframe);
+  /// By how much rotations seen against a keyframe are too large.
+  Eigen::Vector3d keyframe_error(std::size_t keyframe) const;
+
+  /// Time from the first row to the last, within what sensors do.
+  double readout_s() const;
+
+ private:
+  struct KeyframeError {
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    double variance = 0;  // rad^2
+  };
+
+  ReadoutConfig config_;
+  double information_;  // of the readout time, 1/s^2
+  double moment_ = 0;   // times its estimate
+  // How much the turn within a picture scatters about tau times the mean rate since the last one:
+  // nearly nothing for a smooth motion, a pixel or two for a shaking hand. From one frame to the
+  // next, so that what is wrong with the keyframe does not count.
+  double scatter_;  // variance, rad^2
+  std::optional<Eigen::Vector3d> last_off_;
+  std::vector<KeyframeError> errors_;
+};
+
+}  // namespace sgs::tracker
