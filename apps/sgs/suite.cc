@@ -6,11 +6,135 @@
 #include <spawn.h>
 #include <sys/wait.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cstring>
+#include <filesystem>
+#include <mutex>
+#include <regex>
+#include <set>
+#include <thread>
+
+#include "interrupt.h"
 
 extern char** environ;
 
 namespace sgs::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Runs a program and waits for it; its output goes to `log_file`. Returns the exit code.
+Result<int> run_program(const std::vector<std::string>& arguments, const std::string& log_file) {
+  std::vector<std::string> copies = arguments;
+  std::vector<char*> argv;
+  for (std::string& argument : copies) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, 1, log_file.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
+                                   0644);
+  posix_spawn_file_actions_adddup2(&actions, 1, 2);
+  pid_t child = 0;
+  const int failed = posix_spawn(&child, argv[0], &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failed != 0) {
+    return fail(ErrorCode::kIo, fmt::format("cannot start {}: {}", arguments[0], strerror(failed)));
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+bool is_done(const SuiteJob& job) {
+  std::error_code error;
+  return fs::exists(fs::path(job.folder) / "metrics.json", error);
+}
+
+bool is_rendered(const SuiteJob& job) {
+  std::error_code error;
+  return job.rendered.empty() || fs::exists(job.rendered, error);
+}
+
+/// Calls `work(i)` for 0 <= i < count from `threads` threads until the user interrupts.
+template <class Work>
+void in_parallel(std::size_t count, int threads, const Work& work) {
+  std::atomic<std::size_t> next{0};
+  const auto worker = [&] {
+    for (std::size_t i = next++; i < count && !interrupted(); i = next++) work(i);
+  };
+  std::vector<std::thread> pool;
+  for (int i = 0; i < threads; ++i) pool.emplace_back(worker);
+  for (std::thread& thread : pool) thread.join();
+}
+
+std::string outcome_text(const Result<int>& code) {
+  return code ? fmt::format("exit {}", *code) : code.error().text();
+}
+
+SuiteJob make_job(const SuiteOptions& options, const SuiteSequence& sequence,
+                  const std::string& level, const SuiteVariant& variant, int seed) {
+  const std::string program = fs::read_symlink("/proc/self/exe").string();
+  const std::string scene = fmt::format("{}:{}", sequence.scene, level);
+  SuiteJob job{sequence.name, level, variant.name, seed, "", {}, "", {}};
+  job.folder = (fs::path(options.output) /
+                fmt::format("{}-{}-{}-{}", sequence.name, level, variant.name, seed))
+                   .string();
+  std::vector<std::string> motion = {"--synth-seed", std::to_string(seed)};
+  const fs::path truth = fs::path(options.trajectories) / sequence.trajectory / "groundtruth.txt";
+  const bool flies_along = !options.trajectories.empty() && !sequence.trajectory.empty();
+  if (flies_along) motion.insert(motion.end(), {"--trajectory", truth.string()});
+  if (options.cache.empty()) {
+    job.arguments = {program, "run", "synth:" + scene};
+    job.arguments.insert(job.arguments.end(), motion.begin(), motion.end());
+  } else {
+    const std::string name = fmt::format("{}-{}-{}", sequence.name, level, seed);
+    job.rendered = (fs::path(options.cache) / name).string();
+    job.arguments = {program, "run", job.rendered};
+    job.render_arguments = {program,  "synth",   scene, job.rendered + ".part",
+                            "--seed", motion[1], "--quiet"};
+    if (flies_along) {
+      job.render_arguments.insert(job.render_arguments.end(), {"--trajectory", truth.string()});
+    }
+  }
+  job.arguments.insert(job.arguments.end(),
+                       {"-o", job.folder, "--seed", std::to_string(seed), "--quiet"});
+  job.arguments.insert(job.arguments.end(), variant.arguments.begin(), variant.arguments.end());
+  if (!options.rendering) job.arguments.push_back("--no-eval");
+  if (options.frames > 0) {
+    job.arguments.insert(job.arguments.end(), {"--frames", fmt::format("0:{}", options.frames)});
+  }
+  for (const std::string& assignment : options.assignments) {
+    job.arguments.insert(job.arguments.end(), {"--set", assignment});
+  }
+  return job;
+}
+
+// Renders what the jobs need, each sequence once; a half-rendered one is never mistaken for whole.
+void render_missing(const std::vector<SuiteJob>& jobs, int threads) {
+  std::set<std::string> seen;
+  std::vector<const SuiteJob*> missing;
+  for (const SuiteJob& job : jobs) {
+    if (!is_rendered(job) && seen.insert(job.rendered).second) missing.push_back(&job);
+  }
+  std::mutex print;
+  in_parallel(missing.size(), threads, [&](std::size_t i) {
+    const SuiteJob& job = *missing[i];
+    std::error_code error;
+    fs::create_directories(fs::path(job.rendered).parent_path(), error);
+    fs::remove_all(job.rendered + ".part", error);
+    const auto code = run_program(job.render_arguments, job.rendered + ".log");
+    if (code && *code == 0) {
+      fs::rename(job.rendered + ".part", job.rendered, error);
+      fs::remove(job.rendered + ".log", error);
+    }
+    const std::scoped_lock lock(print);
+    fmt::print(stderr, "[rendered {}/{}] {} {}\n", i + 1, missing.size(), job.rendered,
+               outcome_text(code));
+  });
+}
+
+}  // namespace
 
 const std::vector<SuiteSequence>& tum_synth_suite() {
   static const std::vector<SuiteSequence> suite = {
@@ -58,25 +182,93 @@ const std::vector<PublishedRow>& published_results() {
   return rows;
 }
 
-Result<int> run_program(const std::vector<std::string>& arguments, const std::string& log_file) {
-  std::vector<std::string> copies = arguments;
-  std::vector<char*> argv;
-  for (std::string& argument : copies) argv.push_back(argument.data());
-  argv.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, 1, log_file.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
-                                   0644);
-  posix_spawn_file_actions_adddup2(&actions, 1, 2);
-  pid_t child = 0;
-  const int failed = posix_spawn(&child, argv[0], &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (failed != 0) {
-    return fail(ErrorCode::kIo, fmt::format("cannot start {}: {}", arguments[0], strerror(failed)));
+const std::vector<SuiteVariant>& suite_variants() {
+  const auto paper = [](std::vector<std::string> assignments) {
+    std::vector<std::string> arguments = {"--preset", "paper", "--tracker", "spectral"};
+    for (std::string& assignment : assignments) {
+      arguments.insert(arguments.end(), {"--set", std::move(assignment)});
+    }
+    return arguments;
+  };
+  static const std::vector<SuiteVariant> variants = {
+      {"spectral", {"--tracker", "spectral"}},
+      {"gicp", {"--tracker", "gicp"}},
+      {"orb", {"--tracker", "orb"}},
+      {"cvm", {"--tracker", "cvm"}},
+      {"joint", {"--tracker", "spectral", "--set", "tracker.fusion=joint"}},
+      {"paper", paper({})},
+      {"paper-hard-gate", paper({"tracker.degeneracy.soft_gate=false"})},
+      {"paper-no-planarity", paper({"tracker.prior.planarity=false"})},
+      {"paper-scale", paper({"tracker.target.scale_sigmas=1"})},
+      {"paper-prior-only", paper({"tracker.prior.only=true"})},
+      {"paper-cvm", paper({"tracker.prior.source=cvm"})},
+  };
+  return variants;
+}
+
+Result<SuiteVariant> find_variant(const std::string& name) {
+  std::string names;
+  for (const SuiteVariant& variant : suite_variants()) {
+    if (variant.name == name) return variant;
+    names += (names.empty() ? "" : ", ") + variant.name;
   }
-  int status = 0;
-  waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return fail(ErrorCode::kInvalidArgument, fmt::format("no variant '{}'", name),
+              "there are " + names);
+}
+
+std::vector<SuiteJob> make_jobs(const SuiteOptions& options) {
+  const std::regex filter(options.filter);
+  std::vector<SuiteJob> jobs;
+  for (const std::string& level : options.levels)
+    for (const SuiteSequence& sequence : tum_synth_suite())
+      for (const SuiteVariant& variant : options.variants)
+        for (const int seed : options.seeds) {
+          SuiteJob job = make_job(options, sequence, level, variant, seed);
+          if (std::regex_search(fs::path(job.folder).filename().string(), filter)) {
+            jobs.push_back(std::move(job));
+          }
+        }
+  return jobs;
+}
+
+void run_jobs(const std::vector<SuiteJob>& jobs, const SuiteOptions& options) {
+  std::vector<SuiteJob> missing;
+  std::copy_if(jobs.begin(), jobs.end(), std::back_inserter(missing),
+               [&](const SuiteJob& job) { return options.again || !is_done(job); });
+  render_missing(missing, options.jobs);
+  std::mutex print;
+  in_parallel(missing.size(), options.jobs, [&](std::size_t i) {
+    const SuiteJob& job = missing[i];
+    if (!is_rendered(job)) return;
+    std::error_code error;
+    fs::create_directories(job.folder, error);
+    const auto code = run_program(job.arguments, (fs::path(job.folder) / "console.txt").string());
+    const std::scoped_lock lock(print);
+    fmt::print(stderr, "[{}/{}] {} {}\n", i + 1, missing.size(), job.folder, outcome_text(code));
+  });
+}
+
+Result<eval::Metrics> job_metrics(const SuiteJob& job) {
+  return eval::load_metrics(fs::path(job.folder) / "metrics.json");
+}
+
+std::string ate_cell(const std::vector<eval::Metrics>& runs) {
+  double sum = 0, worst = 0, tracked = 100;
+  int count = 0;
+  for (const eval::Metrics& m : runs) {
+    if (m.frames && m.frames_tracked && *m.frames > 0) {
+      tracked = std::min(
+          tracked, 100.0 * static_cast<double>(*m.frames_tracked) / static_cast<double>(*m.frames));
+    }
+    if (!m.ate_rmse_m) continue;
+    sum += 100 * *m.ate_rmse_m;
+    worst = std::max(worst, 100 * *m.ate_rmse_m);
+    ++count;
+  }
+  if (count == 0) return "-";
+  std::string text = fmt::format("{:.2f} ({:.2f})", sum / count, worst);
+  if (tracked < 99.95) text += fmt::format(" {:.0f}%", tracked);
+  return text;
 }
 
 }  // namespace sgs::app

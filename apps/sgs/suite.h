@@ -3,17 +3,25 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sgs/core/error.h"
+#include "sgs/eval/metrics.h"
 
 namespace sgs::app {
 
 /// One sequence of a suite.
 struct SuiteSequence {
-  std::string name;        ///< row in the table
+  std::string name;        ///< column in the table
   std::string scene;       ///< of the generator
   std::string trajectory;  ///< TUM sequence whose motion it flies along, where that is at hand
+};
+
+/// One way to run a sequence: a row in the table.
+struct SuiteVariant {
+  std::string name;
+  std::vector<std::string> arguments;  ///< of `sgs run`
 };
 
 /// A published result, absolute trajectory error in cm; < 0 = failed, NaN = not reported.
@@ -26,16 +34,47 @@ struct PublishedRow {
 const std::vector<SuiteSequence>& tum_synth_suite();
 /// What others reached on the real sequences of the same names (EVALUATION section 5).
 const std::vector<PublishedRow>& published_results();
+/// The trackers, and the paper's method with its ablations (METHOD section 8).
+const std::vector<SuiteVariant>& suite_variants();
+/// The variant of that name, or an error that lists the names.
+Result<SuiteVariant> find_variant(const std::string& name);
+
+/// Which runs a suite consists of, and how to make them.
+struct SuiteOptions {
+  std::string output;        ///< folder with one run folder per run; resumable
+  std::string trajectories;  ///< folder of TUM sequences whose motion is flown along; may be empty
+  std::string cache;         ///< folder that keeps rendered sequences; empty: render in every run
+  std::string filter = ".*";
+  std::vector<std::string> levels;
+  std::vector<SuiteVariant> variants;
+  std::vector<int> seeds;
+  std::vector<std::string> assignments;  ///< key=value for every run
+  int jobs = 1;                          ///< runs at a time
+  int frames = 0;                        ///< at most so many per sequence; 0 = all
+  bool rendering = false;                ///< also compute the rendering scores
+  bool again = false;                    ///< repeat runs that are already done
+};
 
 /// One run of a suite: where it goes and how to make it.
 struct SuiteJob {
-  std::string sequence, level, variant;  ///< variant: tracker and preset, the table's row
+  std::string sequence, level, variant;
   int seed = 1;
   std::string folder;
-  std::vector<std::string> arguments;  ///< of `sgs run`
+  std::vector<std::string> arguments;      ///< of the run
+  std::string rendered;                    ///< folder of the rendered sequence; empty: none needed
+  std::vector<std::string> render_arguments;  ///< that make it, into `rendered` + ".part"
 };
 
-/// Runs a program and waits for it; output goes to `log_file`. Returns the exit code.
-Result<int> run_program(const std::vector<std::string>& arguments, const std::string& log_file);
+/// The runs whose name SEQUENCE-LEVEL-VARIANT-SEED matches the filter; throws std::regex_error.
+std::vector<SuiteJob> make_jobs(const SuiteOptions& options);
+/// Runs what is missing, several at a time. Every run leaves its own folder, so that an interrupted
+/// suite goes on where it was. Failed runs are reported on stderr and left out of tables.
+void run_jobs(const std::vector<SuiteJob>& jobs, const SuiteOptions& options);
+/// Scores of a run that is done.
+Result<eval::Metrics> job_metrics(const SuiteJob& job);
+
+/// "mean (worst)" of the trajectory error in cm over seeds, with the lowest share of frames with a
+/// pose within 1 m of the truth when it is not all of them; "-" without runs.
+std::string ate_cell(const std::vector<eval::Metrics>& runs);
 
 }  // namespace sgs::app
