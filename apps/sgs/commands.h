@@ -35,6 +35,7 @@ void add_export(CLI::App& app, Action& action);
 void add_info(CLI::App& app, Action& action);
 void add_view(CLI::App& app, Action& action);
 void add_bench(CLI::App& app, Action& action);
+void add_sweep(CLI::App& app, Action& action);
 void add_bench_raster(CLI::App& app, Action& action);  ///< below bench: call it afterwards
 
 }  // namespace sgs::app

@@ -91,7 +91,7 @@ SuiteJob make_job(const SuiteOptions& options, const SuiteSequence& sequence,
     const std::string name = fmt::format("{}-{}-{}", sequence.name, level, seed);
     job.rendered = (fs::path(options.cache) / name).string();
     job.arguments = {program, "run", job.rendered};
-    job.render_arguments = {program,  "synth",   scene, job.rendered + ".part",
+    job.render_arguments = {program,  "synth",   scene,    job.rendered + ".part",
                             "--seed", motion[1], "--quiet"};
     if (flies_along) {
       job.render_arguments.insert(job.render_arguments.end(), {"--trajectory", truth.string()});

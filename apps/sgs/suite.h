@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -55,13 +56,16 @@ struct SuiteOptions {
   bool again = false;                    ///< repeat runs that are already done
 };
 
+/// Options that all commands over the suite share.
+void add_suite_options(CLI::App& sub, SuiteOptions& options);
+
 /// One run of a suite: where it goes and how to make it.
 struct SuiteJob {
   std::string sequence, level, variant;
   int seed = 1;
   std::string folder;
-  std::vector<std::string> arguments;      ///< of the run
-  std::string rendered;                    ///< folder of the rendered sequence; empty: none needed
+  std::vector<std::string> arguments;  ///< of the run
+  std::string rendered;                ///< folder of the rendered sequence; empty: none needed
   std::vector<std::string> render_arguments;  ///< that make it, into `rendered` + ".part"
 };
 

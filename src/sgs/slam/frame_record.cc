@@ -25,7 +25,8 @@ std::string record_line(const FrameRecord& r) {
   line += "," + cell(r.track_ms);
   line += fmt::format(",{},{}", r.gaussians, r.iterations);
   line += fmt::format(",{},{},{}", d.source_points, d.inliers, d.visual_inliers);
-  line += "," + cell(d.overlap) + "," + cell(d.cost) + fmt::format(",{}", d.iterations);
+  line += "," + cell(d.overlap) + "," + cell(d.cost) + "," + cell(d.visual_cost) + "," +
+          cell(d.readout_s) + fmt::format(",{}", d.iterations);
   line += "," + cell(d.condition_number) + "," + cell(d.planarity);
   line += fmt::format(",{},{:d},{}", d.prior_source, d.prior_active, d.degenerate_mask);
   append_array(line, d.eigenvalues);
@@ -43,7 +44,8 @@ std::string record_line(const FrameRecord& r) {
 std::string frames_csv(const std::deque<FrameRecord>& records) {
   std::string text =
       "index,timestamp_s,status,tracking_keyframe,mapping_keyframe,heldout,track_ms,gaussians,"
-      "mapping_iterations,source_points,inliers,visual_inliers,overlap,cost,tracking_iterations,"
+      "mapping_iterations,source_points,inliers,visual_inliers,overlap,cost,visual_cost,readout_s,"
+      "tracking_iterations,"
       "condition_number,planarity,prior_source,prior_active,degenerate_mask";
   for (const char* name : {"eigenvalue", "snr", "weight"}) {
     for (int k = 0; k < 6; ++k) text += fmt::format(",{}_{}", name, k);

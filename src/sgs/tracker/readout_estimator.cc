@@ -15,6 +15,9 @@ constexpr double kFloor_rad = 1e-3;
 constexpr double kUseful_rad = 1e-3;
 constexpr double kLargest_rad = 0.05;
 constexpr double kMostScatter_rad = 5e-3;
+// Pixels share blur, lens and depth errors, so their number overstates what a picture knows about
+// the readout; the belief is weighted up accordingly.
+constexpr double kOverconfidence = 10;
 // Where nothing is unknown the prior must stay finite.
 constexpr double kTiny_rad = 1e-5;
 
@@ -44,7 +47,7 @@ ReadoutEstimator::Belief ReadoutEstimator::predict(const Vector6d& velocity,
     belief.mean.head<3>() += keyframe_error(keyframe);
     variance += 2 * scatter_ + velocity.head<3>().squaredNorm() / information_;
   }
-  belief.information.diagonal().setConstant(1 / variance);
+  belief.information.diagonal().setConstant(kOverconfidence / variance);
   return belief;
 }
 

@@ -59,13 +59,22 @@ TrackResult SpectralTracker::track(const RgbdFrame& frame, const map::SnapshotPt
   if (!first) {
     const double t = frame.timestamp_s;
     outcome = align(lost_frames_ > 0 ? T_bridge_ : motion_.predict(t), t, d);
-    // The prediction may have been the problem (an abrupt stop): once more from the last pose.
-    if (!outcome.trusted && lost_frames_ == 0) outcome = align(motion_.pose(), t, d);
+    if (lost_frames_ == 0 && (!outcome.trusted || fits_badly(d))) {
+      outcome = align_again(outcome, t, d);
+    }
     if (!outcome.trusted) outcome = recover(frame, d);
   }
   if (!outcome.trusted) return lost(frame.timestamp_s, d);
 
-  if (!first && lost_frames_ == 0) learn_readout(outcome.T_map_camera, frame.timestamp_s, d);
+  if (!first && lost_frames_ == 0) {
+    learn_readout(outcome.T_map_camera, frame.timestamp_s, d);
+    constexpr double kForget = 0.1;
+    if (d.prior_source == "photometric") {
+      if (usual_visual_cost_ <= 0) usual_visual_cost_ = d.visual_cost;
+      usual_visual_cost_ += kForget * (d.visual_cost - usual_visual_cost_);
+    }
+  }
+  d.readout_s = readout_.readout_s();
   if (lost_frames_ > 0) motion_.hold();  // whatever the velocity was, it is over
   lost_frames_ = 0;
   motion_.accept(outcome.T_map_camera, frame.timestamp_s);
@@ -79,6 +88,22 @@ TrackResult SpectralTracker::track(const RgbdFrame& frame, const map::SnapshotPt
   result.status = d.degenerate_mask != 0 ? TrackingStatus::kDegenerate : TrackingStatus::kOk;
   result.diagnostics = d;
   return result;
+}
+
+// The picture fits much worse than pictures lately did: perhaps not where the camera is.
+bool SpectralTracker::fits_badly(const Diagnostics& d) const {
+  return usual_visual_cost_ > 0 &&
+         d.visual_cost > config_.spectral.suspicious_cost * usual_visual_cost_;
+}
+
+// The prediction may have been the problem (an abrupt stop, a jerk between dropped frames): once
+// more from the last pose. The better of the two counts.
+SpectralTracker::Outcome SpectralTracker::align_again(const Outcome& first, double timestamp_s,
+                                                      Diagnostics& d) {
+  const double first_cost = d.visual_cost;
+  const Outcome second = align(motion_.pose(), timestamp_s, d);
+  if (!first.trusted || (second.trusted && d.visual_cost < first_cost)) return second;
+  return align(first.T_map_camera, timestamp_s, d);
 }
 
 // Which axes the frame's own surfaces observe, before anything is matched.
@@ -179,6 +204,7 @@ bool SpectralTracker::explains_frame(const SE3& T, bool use_geometry, Diagnostic
     const CpuTimer timer(d.ms_visual);
     const auto v = vision_.linearize(0, T);
     d.visual_inliers = vision_.used();
+    d.visual_cost = vision_.mean_cost();
     if (vision_.used() >= config_.spectral.min_pixels &&
         vision_.mean_cost() <= config_.spectral.max_mean_cost) {
       const Matrix6d A = surfaces_.camera_from_scaled();

@@ -34,6 +34,8 @@ class SpectralTracker : public Tracker {
   };
   void observe_geometry(Diagnostics& d);
   Outcome align(const SE3& T_start, double timestamp_s, Diagnostics& d);
+  bool fits_badly(const Diagnostics& d) const;
+  Outcome align_again(const Outcome& first, double timestamp_s, Diagnostics& d);
   void align_level(int level, bool use_geometry, SE3& T, Diagnostics& d);
   bool explains_frame(const SE3& T, bool use_geometry, Diagnostics& d);
   Vector6d frame_readout() const;
@@ -54,6 +56,7 @@ class SpectralTracker : public Tracker {
   degeneracy::SurfaceInformation surfaces_;
   degeneracy::Observability observability_;
   Matrix6d H_geometry_ = Matrix6d::Zero();  // of the last pose checked, as it was weighted
+  double usual_visual_cost_ = 0;            // mean cost per pixel of the last frames
   double lost_since_s_ = 0;
   int lost_frames_ = 0;
   SE3 T_bridge_;  // camera to map while lost

@@ -35,12 +35,14 @@ struct Diagnostics {
   double planarity = kNone;           ///< eta of the Gaussians' normals, 0..1
   std::string prior_source = "none";  ///< none | zero (motion) | cvm | orb | photometric
   bool prior_active = false;
-  int source_points = 0;   ///< sampled points of the frame
-  int inliers = 0;         ///< matched ones at the final pose
-  int visual_inliers = 0;  ///< photometric pixels or features used
-  double overlap = kNone;  ///< share of source points explained by the map
-  double cost = kNone;     ///< joint cost at the final pose
-  int iterations = 0;      ///< Gauss-Newton steps over all levels
+  int source_points = 0;       ///< sampled points of the frame
+  int inliers = 0;             ///< matched ones at the final pose
+  int visual_inliers = 0;      ///< photometric pixels or features used
+  double overlap = kNone;      ///< share of source points explained by the map
+  double cost = kNone;         ///< joint cost at the final pose
+  double visual_cost = kNone;  ///< mean photometric cost per pixel (1 = as its noise model expects)
+  double readout_s = kNone;    ///< readout time of the rolling shutter, as learned so far
+  int iterations = 0;          ///< Gauss-Newton steps over all levels
   double ms_points = 0, ms_index = 0, ms_geometry = 0, ms_visual = 0, ms_update = 0;
 };
 

@@ -60,6 +60,10 @@ void SpectralConfig::declare(ParameterList& p) {
   p.add("min_pixels", min_pixels, "Fewer photometric pixels are no measurement.", "", {8, 10000});
   p.add("max_mean_cost", max_mean_cost, "A larger mean photometric cost is no alignment.", "",
         {0, 100});
+  p.add("suspicious_cost", suspicious_cost,
+        "A frame whose photometric cost is so many times the usual one is aligned again from "
+        "another start.",
+        "", {1, 1000});
   p.add(
       "min_information", min_information,
       "Information vision must give on an axis that geometry does not see, else the frame is lost.",

@@ -59,6 +59,7 @@ struct SpectralConfig {
   double keyframe_visible = 0.75;  ///< a smaller share of the keyframe's pixels makes a new one
   int min_pixels = 40;             ///< fewer photometric pixels are no measurement
   double max_mean_cost = 3;        ///< of the photometric residuals; more is no alignment
+  double suspicious_cost = 1.4;    ///< a cost so many times the usual one is tried again
   double min_information = 2e4;    ///< vision must give on an unseen axis, 1/m^2
   double bridge_s = 0.5;           ///< longest stretch carried on at constant velocity when lost
   int max_references = 2;          ///< keyframes aligned to: the last one and older ones near by

@@ -12,6 +12,8 @@ namespace sgs::tracker {
 namespace {
 
 constexpr double kDefaultDepth_m = 2;
+// Coarser levels have too few pixels for three more unknowns: the readout is as believed there.
+constexpr int kCoarsestReadoutLevel = 1;
 
 double mean_depth(const DepthImage& depth, double max_depth_m) {
   constexpr std::size_t kStride = 37;  // coprime to usual image widths: an even sample
@@ -95,10 +97,11 @@ degeneracy::NormalEquations VisualTerm::linearize(int level, const SE3& T_map_ca
                       static_cast<double>(std::max<std::size_t>(1, reference.points(level).size()));
     }
   }
+  readout_free_ = level <= kCoarsestReadoutLevel;
+  if (!readout_free_) return {sum_.H, sum_.b, sum_.cost};
   const Eigen::Vector3d off = (readout_ - belief_.mean).head<3>();
   const Eigen::Vector3d b_readout = sum_.b_readout + belief_.information * off;
   const Eigen::Matrix3d H_readout = sum_.H_readout + belief_.information;
-  if (H_readout.isZero(0)) return {sum_.H, sum_.b, sum_.cost};
   const Eigen::Matrix<double, 6, 3> G = sum_.H_pose_readout * H_readout.inverse();
   return {sum_.H - G * sum_.H_pose_readout.transpose(), sum_.b - G * b_readout,
           sum_.cost + 0.5 * off.dot(belief_.information * off)};
@@ -106,8 +109,8 @@ degeneracy::NormalEquations VisualTerm::linearize(int level, const SE3& T_map_ca
 
 void VisualTerm::back_substitute(const Vector6d& xi) {
   Eigen::Vector3d step = Eigen::Vector3d::Zero();
-  const Eigen::Matrix3d H_readout = sum_.H_readout + belief_.information;
-  if (!H_readout.isZero(0)) {
+  if (readout_free_) {
+    const Eigen::Matrix3d H_readout = sum_.H_readout + belief_.information;
     const Eigen::Vector3d off = (readout_ - belief_.mean).head<3>();
     const Eigen::Vector3d b = sum_.b_readout + belief_.information * off;
     step = -(H_readout.inverse() * (b + sum_.H_pose_readout.transpose() * xi));

@@ -89,6 +89,7 @@ class VisualTerm {
   std::vector<Reference> references_;
   ReadoutEstimator::Belief belief_;
   Vector6d readout_ = Vector6d::Zero();
+  bool readout_free_ = false;                   // at the level of the last linearize()
   registration::PhotometricLinearization sum_;  // over references; the readout not eliminated
   double newest_share_ = 0;
 };
