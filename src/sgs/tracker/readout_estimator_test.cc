@@ -68,8 +68,10 @@ TEST(ReadoutEstimator, AShakingHandLeavesMoreFreedomThanASteadyOne) {
   ReadoutEstimator steady(ReadoutConfig{}), shaking(ReadoutConfig{});
   run(steady, 0.02, 300, 10, 1e-4);
   run(shaking, 0.02, 300, 10, 2e-3);
-  EXPECT_GT(steady.predict(shaky_rate(3), 1000).information(0, 0), 1 / (4e-4 * 4e-4));
-  EXPECT_LT(shaking.predict(shaky_rate(3), 1000).information(0, 0), 1 / (1e-3 * 1e-3));
+  const auto information = [](const ReadoutEstimator& estimator) {
+    return estimator.predict(shaky_rate(3), 1000).information(0, 0);
+  };
+  EXPECT_GT(information(steady), 20 * information(shaking));
 }
 
 TEST(ReadoutEstimator, FixedTimeIsTakenAsItIs) {
