@@ -13,14 +13,15 @@ const kRoom = ["synth:room:clean"];
 const kBlank = 4; // grey-value deviation that an empty view stays below
 
 test("the map grows in the page and is the session's", async (t) => {
-  const { url } = await startRun(t, [...kRoom, "--frames", "0:60"]);
+  // Long enough to be still going when the browser is up, on any machine.
+  const { url } = await startRun(t, [...kRoom, "--frames", "0:400"]);
   // Points: software WebGL takes seconds for splats where the machine is busy.
   const { page, whenever, complaints } = await openPage(await startBrowser(t), `${url}?mode=points`);
   const early = await whenever("a first map arrives", (s) => s.gaussians_held > 0);
   assert.equal(early.mode, "points");
   await whenever("the map grows", (s) => s.gaussians_held > early.gaussians_held);
   const end = await whenever("the whole map arrives", (s) => s.finished && s.held_version === s.map_version);
-  assert.equal(end.frame, 59);
+  assert.equal(end.frame, 399);
   assert.equal(end.gaussians_held, end.gaussians);
   await until("metrics are shown", () => page.locator("#metrics").isVisible());
   assert.deepEqual(complaints, []);
@@ -87,7 +88,8 @@ test("each display mode shows the map, and the screenshot is what is shown", asy
 });
 
 test("images of the frame are shown, and not sent when folded away", async (t) => {
-  const { url } = await startRun(t, [...kRoom, "--frames", "0:60"]);
+  // Long enough to be still going when the browser is up, on any machine.
+  const { url } = await startRun(t, [...kRoom, "--frames", "0:400"]);
   const { page, whenever, complaints } = await openPage(await startBrowser(t), url);
   for (const pane of ["color", "depth", "render", "error"]) {
     await until(`${pane} is shown`, () => page.locator(`figure.filled #pane-${pane}`).isVisible());
