@@ -13,6 +13,7 @@
 #include "score.h"
 #include "sgs/core/log.h"
 #include "sgs/io/atomic_file.h"
+#include "sgs/io/ply.h"
 #include "sgs/io/trajectory_io.h"
 #include "timings.h"
 #include "version.h"
@@ -121,6 +122,13 @@ Result<int> run_sequence(const RunRequest& request, const slam::SessionConfig& c
   run.frames = clock ? clock->frames_in : static_cast<std::int64_t>(session->records().size());
   if (const auto snapshot = session->snapshot()) run.gaussians = snapshot->gaussians;
   save_session(*session, run, folder);
+  // What is scored is what was written, to the last bit: `sgs eval` finds the same numbers.
+  if (auto written = io::load_splats(folder.path() / "map.ply")) {
+    run.gaussians = std::move(*written);
+  }
+  if (auto written = io::load_trajectory(folder.path() / "trajectory.txt")) {
+    run.trajectory = std::move(written->trajectory);
+  }
 
   ScoreOptions score;
   score.lpips_weights = request.lpips_weights;
