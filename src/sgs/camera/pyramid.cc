@@ -19,33 +19,6 @@ void halve_row(const float* upper, const float* lower, float* out, int width) {
   }
 }
 
-void sample_row(const float* above, const float* row, const float* below, GraySample* out,
-                int width) {
-  out[0] = {row[0], 0, 0, 0};
-  for (int x = 1; x < width - 1; ++x) {
-    out[x] = {row[x], 0.5f * (row[x + 1] - row[x - 1]), 0.5f * (below[x] - above[x]), 0};
-  }
-  out[width - 1] = {row[width - 1], 0, 0, 0};
-}
-
-void flat_row(const float* row, GraySample* out, int width) {
-  for (int x = 0; x < width; ++x) out[x] = {row[x], 0, 0, 0};
-}
-
-// Samples of the newest row whose two neighbours exist: called after each finished grey row, so
-// that the three rows are still in the cache.
-void sample_behind(GrayPyramid::Level& level, int finished_row) {
-  const int y = finished_row - 1, w = level.gray.width();
-  if (finished_row == 0) flat_row(level.gray.row(0), level.samples.row(0), w);
-  if (y >= 1) {
-    sample_row(level.gray.row(y - 1), level.gray.row(y), level.gray.row(y + 1),
-               level.samples.row(y), w);
-  }
-  if (finished_row == level.gray.height() - 1) {
-    flat_row(level.gray.row(finished_row), level.samples.row(finished_row), w);
-  }
-}
-
 template <class T>
 void ensure_size(Image<T>& image, int width, int height) {
   if (image.width() != width || image.height() != height) image = Image<T>(width, height);
@@ -64,7 +37,6 @@ void GrayPyramid::prepare(const PinholeCamera& camera, int levels) {
     Level& level = levels_[static_cast<std::size_t>(k)];
     level.camera = camera.halved(k);
     ensure_size(level.gray, level.camera.width, level.camera.height);
-    ensure_size(level.samples, level.camera.width, level.camera.height);
   }
 }
 
@@ -74,7 +46,6 @@ void GrayPyramid::build_coarse_levels() {
     Level& level = levels_[k];
     for (int y = 0; y < level.gray.height(); ++y) {
       halve_row(fine.row(2 * y), fine.row(2 * y + 1), level.gray.row(y), level.gray.width());
-      sample_behind(level, y);
     }
   }
 }
@@ -87,7 +58,6 @@ void GrayPyramid::build(const ColorImage& color, const PinholeCamera& camera, in
   Level& top = levels_.front();
   for (int y = 0; y < color.height(); ++y) {
     luma_row(color.row(y), top.gray.row(y), color.width());
-    sample_behind(top, y);
   }
   build_coarse_levels();
 }
@@ -100,7 +70,6 @@ void GrayPyramid::build(const Image<float>& gray, const PinholeCamera& camera, i
   Level& top = levels_.front();
   for (int y = 0; y < gray.height(); ++y) {
     std::copy_n(gray.row(y), gray.width(), top.gray.row(y));
-    sample_behind(top, y);
   }
   build_coarse_levels();
 }

@@ -9,26 +9,24 @@
 
 namespace sgs {
 
-/// Grey value and its gradient at one pixel. Interleaved and padded to 16 bytes so that one
-/// bilinear lookup touches four vectors in two cache lines.
+/// Grey value and its gradient at one place of a level.
 struct GraySample {
-  float intensity = 0;    ///< grey, 0..255
-  float gx = 0;           ///< dI/du, grey per pixel of this level (central difference)
-  float gy = 0;           ///< dI/dv
-  float always_zero = 0;  ///< padding
+  float intensity = 0;  ///< grey, 0..255
+  float gx = 0;         ///< dI/du, grey per pixel of this level (central difference)
+  float gy = 0;         ///< dI/dv
 };
 
-/// Grey image at decreasing resolution with gradients, each level the 2x2 means of the one above
-/// (odd edges dropped, as PinholeCamera::halved). Gradients are 0 on the outermost pixels.
+/// Grey image at decreasing resolution, each level the 2x2 means of the one above (odd edges
+/// dropped, as PinholeCamera::halved). Gradients are not kept: a lookup reads at most twelve grey
+/// values, and images that stay in the cache are worth more than the arithmetic saved.
 /// Buffers are reused by build(): keep one object per stream. Reading is thread-safe.
 class GrayPyramid {
  public:
   struct Level {
     PinholeCamera camera;
-    Image<float> gray;          ///< 0..255
-    Image<GraySample> samples;  ///< same size as `gray`
+    Image<float> gray;  ///< 0..255
 
-    /// Bilinear value and gradient at (u, v), 0 <= u < width - 1, 0 <= v < height - 1 (unchecked).
+    /// Bilinear value and gradient at (u, v), 1 <= u < width - 2, 1 <= v < height - 2 (unchecked).
     GraySample interpolate(float u, float v) const;
   };
 
@@ -52,11 +50,15 @@ inline GraySample GrayPyramid::Level::interpolate(float u, float v) const {
   const int iu = static_cast<int>(u), iv = static_cast<int>(v);
   const float du = u - static_cast<float>(iu), dv = v - static_cast<float>(iv);
   const float w11 = du * dv, w10 = du - w11, w01 = dv - w11, w00 = 1 - du - w01;
-  const GraySample* a = samples.row(iv) + iu;
-  const GraySample* b = a + samples.width();
-  return {w00 * a[0].intensity + w10 * a[1].intensity + w01 * b[0].intensity + w11 * b[1].intensity,
-          w00 * a[0].gx + w10 * a[1].gx + w01 * b[0].gx + w11 * b[1].gx,
-          w00 * a[0].gy + w10 * a[1].gy + w01 * b[0].gy + w11 * b[1].gy, 0.0f};
+  const std::ptrdiff_t stride = gray.width();
+  const float* b = gray.row(iv) + iu;  // the four pixels are b[0], b[1], c[0], c[1]
+  const float *a = b - stride, *c = b + stride, *d = c + stride;
+  const auto blend = [&](float v00, float v10, float v01, float v11) {
+    return w00 * v00 + w10 * v10 + w01 * v01 + w11 * v11;
+  };
+  return {blend(b[0], b[1], c[0], c[1]),
+          0.5f * blend(b[1] - b[-1], b[2] - b[0], c[1] - c[-1], c[2] - c[0]),
+          0.5f * blend(c[0] - a[0], c[1] - a[1], d[0] - b[0], d[1] - b[1])};
 }
 
 }  // namespace sgs

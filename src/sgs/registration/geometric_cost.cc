@@ -27,6 +27,13 @@ Linearization GeometricCost::linearize(const SourceCloud& source,
                                        const CorrespondenceSearch& search,
                                        const SE3& T_reference_camera) {
   search.match(source, T_reference_camera, matches_);
+  return relinearize(source, search, T_reference_camera);
+}
+
+Linearization GeometricCost::relinearize(const SourceCloud& source,
+                                         const CorrespondenceSearch& search,
+                                         const SE3& T_reference_camera) const {
+  SGS_CHECK(matches_.size() == source.points.size(), "relinearize() needs a linearize() before it");
   const auto targets = search.targets();
   const auto covariances = search.covariances();
   const bool has_ellipses =

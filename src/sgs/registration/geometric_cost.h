@@ -20,6 +20,10 @@ class GeometricCost {
   /// Searches anew at `T` and linearises there.
   Linearization linearize(const SourceCloud& source, const CorrespondenceSearch& search,
                           const SE3& T_reference_camera);
+  /// Linearises at `T` with the matches of the last linearize() of the same cloud and search: the
+  /// search is the dear part, and near the optimum it finds the same pairs again.
+  Linearization relinearize(const SourceCloud& source, const CorrespondenceSearch& search,
+                            const SE3& T_reference_camera) const;
   /// Cost at `T` with the matches of the last linearize(), for trial steps.
   double error(const SourceCloud& source, const CorrespondenceSearch& search,
                const SE3& T_reference_camera) const;

@@ -6,71 +6,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sgs/registration/photometric_kernel.h"
+
 namespace sgs::registration {
 namespace {
 
-constexpr int kFlush = 128;    // points per float sum
-constexpr int kLogBatch = 16;  // factors per logarithm; (1 + r^2/5)^16 stays far below 1e308
 constexpr float kNearPlane_m = 0.1f;
-
-// Unknowns of one reference: pose, rotation of the readout, gain, offset; padded to whole vectors.
-constexpr int kPose = 6, kReadout = 3, kUnknowns = 11, kPadded = 12;
-using FullMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
-
-// Upper triangle of the normal equations: sums of at most kFlush points in float, then in double.
-class Accumulator {
- public:
-  void add(const float (&J)[kPadded], float weight, float residual) {
-    for (int a = 0; a < kUnknowns; ++a) {
-      const float wj = weight * J[a];
-      // Whole vectors of four: faster than skipping the lower triangle element by element.
-      for (int c = a - a % 4; c < kPadded; ++c) H_[a][c] += wj * J[c];
-    }
-    const float wr = weight * residual;
-    for (int a = 0; a < kPadded; ++a) b_[a] += wr * J[a];
-    if (++count_ % kFlush == 0) flush();
-  }
-
-  void flush() {
-    for (int a = 0; a < kUnknowns; ++a) {
-      for (int c = a; c < kUnknowns; ++c) H(a, c) += static_cast<double>(H_[a][c]);
-      b(a) += static_cast<double>(b_[a]);
-    }
-    std::fill_n(&H_[0][0], kPadded * kPadded, 0.0f);
-    std::fill_n(b_, kPadded, 0.0f);
-  }
-
-  int count() const { return count_; }
-  FullMatrix H = FullMatrix::Zero();
-  Eigen::Matrix<double, kUnknowns, 1> b = Eigen::Matrix<double, kUnknowns, 1>::Zero();
-
- private:
-  alignas(16) float H_[kPadded][kPadded] = {};
-  alignas(16) float b_[kPadded] = {};
-  int count_ = 0;
-};
-
-// Sum of ln(1 + x) with one logarithm per batch.
-class LogSum {
- public:
-  void add(double one_plus_x) {
-    product_ *= one_plus_x;
-    if (++count_ == kLogBatch) fold();
-  }
-  double value() {
-    fold();
-    return sum_;
-  }
-
- private:
-  void fold() {
-    sum_ += std::log(product_);
-    product_ = 1;
-    count_ = 0;
-  }
-  double sum_ = 0, product_ = 1;
-  int count_ = 0;
-};
+using FullMatrix = Eigen::Matrix<double, kPhotometricUnknowns, kPhotometricUnknowns>;
 
 // Centre of a level's pixel in the full image, rounded to a pixel.
 int full_pixel(float level_coordinate, int level, int size) {
@@ -79,16 +21,16 @@ int full_pixel(float level_coordinate, int level, int size) {
 }
 
 // Eliminates gain and offset, whose prior keeps the 2x2 block regular.
-void eliminate_brightness(const Accumulator& sums, const AffineBrightness& brightness,
+void eliminate_brightness(const PhotometricSums& sums, const AffineBrightness& brightness,
                           const PhotometricConfig& config, PhotometricLinearization& out) {
-  FullMatrix H = sums.H;
-  H.triangularView<Eigen::StrictlyLower>() = sums.H.transpose();
+  const FullMatrix& H = sums.H;
   const double wa = 1 / (config.gain_sigma * config.gain_sigma);
   const double wb = 1 / (config.offset_sigma * config.offset_sigma);
   out.H_brightness = H.bottomRightCorner<2, 2>();
   out.H_brightness.diagonal() += Eigen::Vector2d(wa, wb);
   out.b_brightness = sums.b.tail<2>();
   out.b_brightness += Eigen::Vector2d(wa * (brightness.gain - 1), wb * brightness.offset);
+  constexpr int kPose = kPhotometricPose, kReadout = kPhotometricReadout;
   constexpr int kMotion = kPose + kReadout;
   const Eigen::Matrix<double, kMotion, 2> C = H.topRightCorner<kMotion, 2>();
   const Eigen::Matrix<double, kMotion, 2> G = C * out.H_brightness.inverse();
@@ -168,9 +110,11 @@ PhotometricReference::PhotometricReference(const GrayPyramid& pyramid, const Dep
         float best = threshold * threshold;
         int bx = -1, by = -1;
         for (int y = y0; y < y0 + block; ++y) {
-          const GraySample* row = level.samples.row(y);
+          const float* row = level.gray.row(y);
+          const float *above = level.gray.row(y - 1), *below = level.gray.row(y + 1);
           for (int x = x0; x < x0 + block; ++x) {
-            const float g2 = row[x].gx * row[x].gx + row[x].gy * row[x].gy;
+            const float gx = 0.5f * (row[x + 1] - row[x - 1]), gy = 0.5f * (below[x] - above[x]);
+            const float g2 = gx * gx + gy * gy;
             if (!(g2 > best)) continue;
             const float z = depth_at(x, y);
             if (!(z > kNearPlane_m && z < config.max_depth_m)) continue;
@@ -208,57 +152,32 @@ AffineBrightness PhotometricLinearization::updated(const AffineBrightness& befor
 PhotometricLinearization linearize(const PhotometricReference& reference, int level,
                                    const GrayPyramid& current, const DepthImage& current_depth,
                                    const SE3& T_world_camera, const AffineBrightness& brightness,
-                                   const PhotometricConfig& config, const ReadoutMotion& readout) {
+                                   const PhotometricConfig& config, const ReadoutMotion& readout,
+                                   bool readout_is_free) {
   SGS_CHECK(level >= 0 && level < reference.levels() && level < current.levels(),
             "no such pyramid level");
-  const auto& image = current.level(level);
   const SE3 T = T_world_camera.inverse() * reference.T_world_keyframe();
-  const Eigen::Matrix3f R = T.R.cast<float>();
-  const Eigen::Vector3f t = T.t.cast<float>();
   const auto f = [](double x) { return static_cast<float>(x); };
-  const float fx = f(image.camera.fx), fy = f(image.camera.fy);
-  const float cx = f(image.camera.cx), cy = f(image.camera.cy);
-  const float max_u = f(image.camera.width - 3), max_v = f(image.camera.height - 3);
-  const float gain = f(brightness.gain), shade = f(brightness.offset);
-  const float gate = f(config.depth_gate_m), gate_ratio = f(config.depth_gate_ratio);
-  const float nu = f(config.t_dof);
-  const float inverse_variance = f(1 / (config.sigma_at(level) * config.sigma_at(level)));
+  PhotometricView view;
+  view.image = &current.level(level);
+  view.depth = &current_depth;
+  view.level = level;
+  view.R = T.R.cast<float>();
+  view.t = T.t.cast<float>();
+  view.readout = readout;
+  view.gain = f(brightness.gain);
+  view.offset = f(brightness.offset);
+  view.depth_gate_m = f(config.depth_gate_m);
+  view.depth_gate_ratio = f(config.depth_gate_ratio);
+  view.t_dof = f(config.t_dof);
+  view.inverse_variance = f(1 / (config.sigma_at(level) * config.sigma_at(level)));
+  view.with_readout = readout_is_free;
+  const PhotometricSums sums = sum_photometric(view, reference.points(level));
 
   PhotometricLinearization out;
-  Accumulator sums;
-  LogSum log_sum;
-  for (const PhotometricPoint& point : reference.points(level)) {
-    const Eigen::Vector3f X_middle = R * point.p_keyframe + t;
-    if (!(X_middle.z() > kNearPlane_m)) continue;
-    // The row that sees the point follows from where the middle row's camera would: the readout
-    // moves it by a pixel or two, a negligible part of the picture's height.
-    const float row = X_middle.y() / X_middle.z() * fy + cy;
-    const float offset = std::clamp(ReadoutMotion::offset(row, image.camera.height), -0.5f, 0.5f);
-    const Eigen::Vector3f X = readout.to_row(X_middle, offset);
-    const float inverse_z = 1 / X.z(), x = X.x() * inverse_z, y = X.y() * inverse_z;
-    const float u = x * fx + cx, v = y * fy + cy;
-    if (!(u >= 2 && v >= 2 && u < max_u && v < max_v)) continue;
-    ++out.visible;
-    const float measured = current_depth(full_pixel(u, level, current_depth.width()),
-                                         full_pixel(v, level, current_depth.height()));
-    if (measured > 0 && std::abs(measured - X.z()) > gate + gate_ratio * X.z()) continue;
-
-    const GraySample s = image.interpolate(u, v);
-    const float residual = s.intensity - gain * point.intensity - shade;
-    const float e2 = residual * residual * inverse_variance;
-    log_sum.add(1 + static_cast<double>(e2 / nu));
-    const float weight = (nu + 1) / (nu + e2) * inverse_variance;
-    const float gX = s.gx * fx * inverse_z, gY = s.gy * fy * inverse_z, gZ = -(gX * x + gY * y);
-    const float turn[3] = {gY * X.z() - gZ * X.y(), gZ * X.x() - gX * X.z(),
-                           gX * X.y() - gY * X.x()};
-    const float J[kPadded] = {
-        turn[0],          turn[1],          turn[2],          -gX, -gY, -gZ, offset * turn[0],
-        offset * turn[1], offset * turn[2], -point.intensity, -1,  0};
-    sums.add(J, weight, residual);
-  }
-  sums.flush();
-  out.used = sums.count();
-  out.cost = 0.5 * (config.t_dof + 1) * log_sum.value();
+  out.used = sums.used;
+  out.visible = sums.visible;
+  out.cost = 0.5 * (config.t_dof + 1) * sums.log_sum;
   eliminate_brightness(sums, brightness, config, out);
   return out;
 }

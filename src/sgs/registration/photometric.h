@@ -106,11 +106,12 @@ struct PhotometricLinearization {
 /// g = dI/dX: dr/dxi = [(g x X)^T, -g^T], dr/d(gain, offset) = [-I_kf, -1]; a readout at offset o
 /// (`readout`) turns X by o times its rotation, so its derivative is o (g x X)^T.
 /// A pixel is hidden where `current_depth` (full size; 0 = unknown passes) differs from its depth
-/// by more than the gate. Deterministic, allocation-free, thread-safe.
+/// by more than the gate. `readout_is_free` off leaves the derivatives by the readout out, which
+/// are then zero. Deterministic for a given instruction set, allocation-free, thread-safe.
 PhotometricLinearization linearize(const PhotometricReference& reference, int level,
                                    const GrayPyramid& current, const DepthImage& current_depth,
                                    const SE3& T_world_camera, const AffineBrightness& brightness,
                                    const PhotometricConfig& config,
-                                   const ReadoutMotion& readout = {});
+                                   const ReadoutMotion& readout = {}, bool readout_is_free = true);
 
 }  // namespace sgs::registration

@@ -8,20 +8,13 @@
 #include <numbers>
 
 #include "sgs/camera/depth_noise.h"
+#include "sgs/registration/plane_window.h"
 
 namespace sgs::registration {
 namespace {
 
 constexpr int kStride = 2;  // pixels between the samples of a window
-constexpr int kLanes = 8;   // samples per row of a window, the unused ones masked
 constexpr int kPad = 4;     // columns of zeros, so that a window never leaves its row
-
-// Sums over the accepted samples of a window, kept per lane (column): one pass of plain vector
-// arithmetic, and the moments in x follow from the lanes afterwards.
-struct LaneSums {
-  alignas(32) float n[kLanes] = {}, y[kLanes] = {}, yy[kLanes] = {};
-  alignas(32) float e[kLanes] = {}, ye[kLanes] = {}, ee[kLanes] = {};
-};
 
 }  // namespace
 
@@ -43,7 +36,7 @@ PlaneFitSampler::PlaneFitSampler(const SamplingConfig& config, const PinholeCame
 void PlaneFitSampler::fill_inverse_depth(const DepthImage& depth) {
   const int columns = (depth.width() + 1) / kStride, rows = (depth.height() + 1) / kStride;
   if (inverse_depth_.height() != rows) {
-    inverse_depth_ = Image<float>(columns + 2 * kPad + kLanes, rows, 0.0f);
+    inverse_depth_ = Image<float>(columns + 2 * kPad + kWindowColumns, rows, 0.0f);
   }
   for (int j = 0; j < rows; ++j) {
     const float* z = depth.row(kStride * j);
@@ -59,9 +52,6 @@ void PlaneFitSampler::fill_inverse_depth(const DepthImage& depth) {
 bool PlaneFitSampler::fit_plane(int column, int row, float sigma_q, Fit& fit) const {
   const float q0 = inverse_depth_(column + kPad, row);
   fit = {0, 0, q0, 0, 0};
-  alignas(32) float dx[kLanes], gate[kLanes];
-  for (int l = 0; l < kLanes; ++l) dx[l] = static_cast<float>(kStride * (l - half_));
-
   const float radius = static_cast<float>(kStride * half_);
   const float focal = static_cast<float>(camera_.fx);
   const int row_begin = std::max(0, row - half_);
@@ -69,39 +59,14 @@ bool PlaneFitSampler::fit_plane(int column, int row, float sigma_q, Fit& fit) co
   for (int round = 0; round < 2; ++round) {
     // A surface seen at about 72 degrees changes by 3 q / f per pixel.
     const float width = round == 0 ? 4 * sigma_q + 3 * q0 * radius / focal : 3 * sigma_q;
-    for (int l = 0; l < kLanes; ++l) gate[l] = l <= 2 * half_ ? width : -1.0f;
-
-    LaneSums s;
-    for (int j = row_begin; j <= row_end; ++j) {
-      const float* q = inverse_depth_.row(j) + column + kPad - half_;
-      const float dy = static_cast<float>(kStride * (j - row));
-      const float base = fit.gamma + fit.beta * dy;
-      for (int l = 0; l < kLanes; ++l) {
-        const float residual = q[l] - (base + fit.alpha * dx[l]);
-        const bool accepted = (q[l] > 0) & (std::abs(residual) <= gate[l]);
-        const float w = accepted ? 1.0f : 0.0f;
-        const float e = accepted ? residual : 0.0f;
-        s.n[l] += w;
-        s.y[l] += w * dy;
-        s.yy[l] += w * dy * dy;
-        s.e[l] += e;
-        s.ye[l] += e * dy;
-        s.ee[l] += e * e;
-      }
-    }
-    float n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, e = 0, xe = 0, ye = 0, ee = 0;
-    for (int l = 0; l < kLanes; ++l) {
-      n += s.n[l];
-      x += dx[l] * s.n[l];
-      y += s.y[l];
-      xx += dx[l] * dx[l] * s.n[l];
-      xy += dx[l] * s.y[l];
-      yy += s.yy[l];
-      e += s.e[l];
-      xe += dx[l] * s.e[l];
-      ye += s.ye[l];
-      ee += s.ee[l];
-    }
+    const Window window{inverse_depth_.row(row_begin) + column + kPad - half_,
+                        inverse_depth_.width(),
+                        row_end - row_begin + 1,
+                        half_,
+                        static_cast<float>(kStride),
+                        static_cast<float>(kStride * (row_begin - row))};
+    const auto [n, x, y, xx, xy, yy, e, xe, ye, ee] =
+        sum_window(window, {fit.alpha, fit.beta, fit.gamma, width});
     if (n < static_cast<float>(config_.min_samples)) return false;
     Eigen::Matrix3f A;
     A << xx, xy, x, xy, yy, y, x, y, n;

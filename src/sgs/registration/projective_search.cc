@@ -14,23 +14,12 @@ ProjectiveSearch::ProjectiveSearch(const SearchConfig& config, const PinholeCame
     : config_(config),
       width_((camera.width + config.cell_px - 1) / config.cell_px + 2),
       height_((camera.height + config.cell_px - 1) / config.cell_px + 2),
-      fx_(static_cast<float>(camera.fx / config.cell_px)),
-      fy_(static_cast<float>(camera.fy / config.cell_px)),
-      cx_(static_cast<float>((camera.cx + 0.5) / config.cell_px + 1)),
-      cy_(static_cast<float>((camera.cy + 0.5) / config.cell_px + 1)) {
+      camera_{static_cast<float>(camera.fx / config.cell_px),
+              static_cast<float>(camera.fy / config.cell_px),
+              static_cast<float>((camera.cx + 0.5) / config.cell_px + 1),
+              static_cast<float>((camera.cy + 0.5) / config.cell_px + 1), kNearPlane_m},
+      cell_targets_(width_, height_) {
   SGS_CHECK(camera.valid(), "the search needs a usable camera");
-}
-
-int ProjectiveSearch::cell_of(const Eigen::Vector3f& point) const {
-  if (!(point.z() > kNearPlane_m)) return kNoMatch;
-  const float inverse = 1 / point.z();
-  const float u = point.x() * inverse * fx_ + cx_, v = point.y() * inverse * fy_ + cy_;
-  // Written so that NaN fails; cells of the border are never filled.
-  if (!(u >= 1 && v >= 1 && u < static_cast<float>(width_ - 1) &&
-        v < static_cast<float>(height_ - 1))) {
-    return kNoMatch;
-  }
-  return static_cast<int>(v) * width_ + static_cast<int>(u);
 }
 
 void ProjectiveSearch::prepare(const TargetCloud& cloud, const SE3& T_map_predicted) {
@@ -46,9 +35,9 @@ void ProjectiveSearch::prepare(const TargetCloud& cloud, const SE3& T_map_predic
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     const TargetPoint& p = cloud.points[i];
     const Eigen::Vector3f x = R * p.point + t;
-    const int cell = cell_of(x);
-    if (cell < 0 || !p.alive()) continue;
-    const auto c = static_cast<std::size_t>(cell);
+    const int where = cell(x);
+    if (where < 0 || !p.alive()) continue;
+    const auto c = static_cast<std::size_t>(where);
     if (x.z() < depths_[c] && p.normal.dot(p.point - eye) < 0) {
       depths_[c] = x.z();
       cells_[c] = static_cast<int>(i);
@@ -56,12 +45,14 @@ void ProjectiveSearch::prepare(const TargetCloud& cloud, const SE3& T_map_predic
   }
   targets_.clear();
   covariances_.clear();
-  for (int& cell : cells_) {
-    if (cell == kNoMatch) continue;
-    const auto i = static_cast<std::size_t>(cell);
+  cell_targets_.clear();
+  for (std::size_t c = 0; c < cell_count; ++c) {
+    if (cells_[c] == kNoMatch) continue;
+    const auto i = static_cast<std::size_t>(cells_[c]);
     const TargetPoint& p = cloud.points[i];
-    cell = static_cast<int>(targets_.size());
+    cells_[c] = static_cast<int>(targets_.size());
     targets_.push_back({R * p.point + t, R * p.normal, p.variance_m2, p.opacity});
+    cell_targets_.set(static_cast<int>(c), targets_.back().point, targets_.back().normal);
     if (!cloud.covariances.empty()) {
       covariances_.push_back(R * cloud.covariances[i] * R.transpose());
     }
@@ -70,37 +61,20 @@ void ProjectiveSearch::prepare(const TargetCloud& cloud, const SE3& T_map_predic
 
 void ProjectiveSearch::match(const SourceCloud& cloud, const SE3& T_reference_camera,
                              std::vector<int>& matches) const {
-  matches.assign(cloud.points.size(), kNoMatch);
-  const Eigen::Matrix3f R = T_reference_camera.R.cast<float>();
-  const Eigen::Vector3f t = T_reference_camera.t.cast<float>();
-  const float gate2 = static_cast<float>(config_.max_distance_m * config_.max_distance_m);
-  const float min_cosine = static_cast<float>(config_.min_normal_cosine);
-  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-    const SourcePoint& p = cloud.points[i];
-    const Eigen::Vector3f x = R * p.point + t;
-    const int centre = cell_of(x);
-    if (centre < 0) continue;
-    const Eigen::Vector3f n = R * p.normal;
-    float best = gate2;
-    for (int row = centre - width_; row <= centre + width_; row += width_) {
-      for (int cell = row - 1; cell <= row + 1; ++cell) {
-        const int k = cells_[static_cast<std::size_t>(cell)];
-        if (k < 0) continue;
-        const TargetPoint& target = targets_[static_cast<std::size_t>(k)];
-        const float distance2 = (target.point - x).squaredNorm();
-        if (distance2 < best && target.normal.dot(n) > min_cosine) {
-          best = distance2;
-          matches[i] = k;
-        }
-      }
-    }
+  matches.resize(cloud.points.size());
+  const CellGates gates{static_cast<float>(config_.max_distance_m * config_.max_distance_m),
+                        static_cast<float>(config_.min_normal_cosine)};
+  match_cells(cell_targets_, camera_, gates, T_reference_camera.R.cast<float>(),
+              T_reference_camera.t.cast<float>(), cloud.points, matches);
+  for (int& match : matches) {
+    match = match < 0 ? kNoMatch : cells_[static_cast<std::size_t>(match)];
   }
 }
 
 bool ProjectiveSearch::occupied(const Eigen::Vector3f& point, const Eigen::Vector3f& normal,
                                 float radius_m, float distance_m) const {
   constexpr float kSameSurfaceCosine = 0.7f;
-  const int centre = cell_of(point);
+  const int centre = cell(point);
   if (centre < 0) return false;
   for (int row = centre - width_; row <= centre + width_; row += width_) {
     for (int cell = row - 1; cell <= row + 1; ++cell) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "sgs/registration/cell_match.h"
 #include "sgs/registration/correspondence_search.h"
 
 namespace sgs::registration {
@@ -24,14 +25,15 @@ class ProjectiveSearch : public CorrespondenceSearch {
   std::span<const Eigen::Matrix3f> covariances() const override { return covariances_; }
 
  private:
-  int cell_of(const Eigen::Vector3f& point) const;
+  int cell(const Eigen::Vector3f& point) const { return cell_of(camera_, width_, height_, point); }
 
   SearchConfig config_;
-  int width_, height_;       // cells, with a border of one empty cell all around
-  float fx_, fy_, cx_, cy_;  // projection into cells, border included
+  int width_, height_;  // cells, with a border of one empty cell all around
+  CellCamera camera_;
   SE3 T_map_reference_;
   std::vector<int> cells_;            // index into targets_ per cell, or kNoMatch
   std::vector<float> depths_;         // of the winner of each cell
+  CellTargets cell_targets_;          // the winners again, by cell
   std::vector<TargetPoint> targets_;  // the winners
   std::vector<Eigen::Matrix3f> covariances_;
 };

@@ -31,6 +31,9 @@ void SearchConfig::declare(ParameterList& p) {
   p.add("max_distance_m", max_distance_m, "Gate between a point and its target.", "m", {1e-3, 1});
   p.add("min_normal_cosine", min_normal_cosine,
         "Gate between the normals of a point and its target; -1 accepts all.", "", {-1, 1});
+  p.add("keep_matches_m", keep_matches_m,
+        "Iterations that moved points at 2 m by less keep their matches; 0 always searches.", "m",
+        {0, 1});
 }
 
 void FactorConfig::declare(ParameterList& p) {

@@ -30,6 +30,7 @@ struct SearchConfig {
   int cell_px = 4;                    ///< cell size of the index image
   double max_distance_m = 0.05;       ///< gate between a source point and its target
   double min_normal_cosine = 0.8;     ///< gate between normals; -1 accepts all
+  double keep_matches_m = 1e-3;       ///< a point that moved less keeps its match (at 2 m distance)
 
   void declare(ParameterList& p);
 };

@@ -175,6 +175,21 @@ TEST(PoseSolver, LevenbergMarquardtNeverRaisesTheCost) {
   EXPECT_LT(last, 0.2);
 }
 
+TEST(GeometricCost, RelinearizingKeepsTheMatches) {
+  const SourceCloud source = corner(8);
+  const auto search = make_search(SearchConfig{}, kCamera);
+  search->prepare(as_targets(corner(4, 0.002f), SE3{}), SE3{});
+  GeometricCost cost(FactorConfig{});
+  const Linearization first = cost.linearize(source, *search, SE3{});
+  const auto matches = cost.matches();
+  EXPECT_EQ(cost.relinearize(source, *search, SE3{}).H, first.H);
+  const SE3 away(Eigen::Matrix3d::Identity(), {0.004, 0.003, -0.002});
+  const Linearization there = cost.relinearize(source, *search, away);
+  EXPECT_EQ(cost.matches(), matches);
+  EXPECT_NEAR(there.error, cost.error(source, *search, away), 1e-3 * there.error);
+  EXPECT_GT(there.error, first.error);
+}
+
 TEST(GeometricCost, OverlapCountsNearMatchesOnly) {
   const SourceCloud source = corner(8);
   const auto search = make_search(SearchConfig{}, kCamera);

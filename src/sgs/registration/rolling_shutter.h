@@ -36,6 +36,8 @@ class ReadoutMotion {
   Eigen::Vector3f direction_to_middle(const Eigen::Vector3f& n_row, float offset) const {
     return (n_row + offset * rotation_.cross(n_row)).normalized();
   }
+  const Eigen::Vector3f& rotation() const { return rotation_; }
+  const Eigen::Vector3f& translation() const { return translation_; }
 
  private:
   Eigen::Vector3f rotation_ = Eigen::Vector3f::Zero();

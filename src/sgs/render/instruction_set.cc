@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "sgs/render/cpu/targets.h"
+#include "sgs/core/simd_targets.h"
 // After targets.h, which says what is compiled for.
 #include <hwy/highway.h>
 

@@ -22,6 +22,12 @@ void move_points(registration::SourceCloud& cloud, const Vector6d& change, int h
   }
 }
 
+// By how much a motion shifts points at a usual distance.
+double displacement_m(const SE3& motion) {
+  constexpr double kDistance_m = 2;
+  return motion.t.norm() + kDistance_m * motion.angle();
+}
+
 }  // namespace
 
 GeometricTerm::GeometricTerm(const TrackerConfig& config, const PinholeCamera& camera,
@@ -42,6 +48,7 @@ void GeometricTerm::set_frame(const RgbdFrame& frame, const map::SnapshotPtr& sn
   targets_->update(snapshot);
   depth_ = &frame.depth;
   prepared_ = false;
+  T_searched_.reset();
   readout_.setZero();
   coarse_source_.points.clear();
   coarse_source_.covariances.clear();
@@ -60,12 +67,18 @@ void GeometricTerm::prepare(const SE3& T_map_predicted) {
   SGS_CHECK(has_targets(), "no targets to search in");
   search_->prepare(targets_->cloud(), T_map_predicted);
   T_reference_map_ = search_->T_map_reference().inverse();
+  T_searched_.reset();
   prepared_ = true;
 }
 
 registration::Linearization GeometricTerm::linearize(const SE3& T_map_camera) {
   SGS_CHECK(prepared_, "prepare() comes first");
-  return cost_.linearize(source_, *search_, in_reference(T_map_camera));
+  const SE3 T = in_reference(T_map_camera);
+  if (T_searched_ && displacement_m(T_searched_->inverse() * T) < config_.search.keep_matches_m) {
+    return cost_.relinearize(source_, *search_, T);
+  }
+  T_searched_ = T;
+  return cost_.linearize(source_, *search_, T);
 }
 
 registration::Linearization GeometricTerm::linearize_coarse(const SE3& T_map_camera, int stride) {

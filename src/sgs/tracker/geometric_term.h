@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/degeneracy/observability.h"
@@ -32,7 +33,8 @@ class GeometricTerm {
   /// Prepares the search for a frame expected at `T_map_predicted`; needs targets.
   void prepare(const SE3& T_map_predicted);
 
-  /// Searches and linearises at `T_map_camera`; error() then uses the same matches.
+  /// Linearises at `T_map_camera`, searching anew unless the last search was next to it
+  /// (`search.keep_matches_m`); error() and overlap() then use the same matches.
   registration::Linearization linearize(const SE3& T_map_camera);
   double error(const SE3& T_map_camera) const;
   /// The same from every `stride`-th point, scaled up: for the first, coarse steps.
@@ -71,6 +73,7 @@ class GeometricTerm {
   const DepthImage* depth_ = nullptr;        // of the current frame
   Vector6d readout_ = Vector6d::Zero();      // that its points are corrected for
   SE3 T_reference_map_;
+  std::optional<SE3> T_searched_;  // pose of the last full search with these points
   bool prepared_ = false;
   std::vector<Eigen::Vector3f> sample_points_, sample_normals_;  // scratch of surface_information()
   std::vector<float> sample_weights_, sample_noise_;

@@ -148,6 +148,7 @@ TrackerConfig paper_tracker_config() {
   c.points.max_depth_m = 3.0;
   c.search.method = "nearest";
   c.search.min_normal_cosine = -1;
+  c.search.keep_matches_m = 0;
   c.factor.type = "gicp";
   c.factor.huber = 1.345;
   c.factor.reject = 1e9;

@@ -80,11 +80,12 @@ void VisualTerm::set_readout(const ReadoutEstimator::Belief& belief) {
 degeneracy::NormalEquations VisualTerm::linearize(int level, const SE3& T_map_camera) {
   sum_ = {};
   const registration::ReadoutMotion readout(readout_);
+  readout_free_ = level <= kCoarsestReadoutLevel;
   for (Reference& r : references_) {
     const auto& reference = keyframes_[r.keyframe].reference;
     if (level >= reference.levels()) continue;
     r.last = registration::linearize(reference, level, pyramid_, frame_->depth, T_map_camera,
-                                     r.brightness, photometric_, readout);
+                                     r.brightness, photometric_, readout, readout_free_);
     sum_.H += r.last.H;
     sum_.b += r.last.b;
     sum_.H_pose_readout += r.last.H_pose_readout;
@@ -97,7 +98,6 @@ degeneracy::NormalEquations VisualTerm::linearize(int level, const SE3& T_map_ca
                       static_cast<double>(std::max<std::size_t>(1, reference.points(level).size()));
     }
   }
-  readout_free_ = level <= kCoarsestReadoutLevel;
   if (!readout_free_) return {sum_.H, sum_.b, sum_.cost};
   const Eigen::Vector3d off = (readout_ - belief_.mean).head<3>();
   const Eigen::Vector3d b_readout = sum_.b_readout + belief_.information * off;

@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-#include "sgs/render/cpu/targets.h"
+#include "sgs/core/simd_targets.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sgs/render/cpu/project.cc"

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/render/cpu/splat_backward.h"
 
-#include "sgs/render/cpu/targets.h"
+#include "sgs/core/simd_targets.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sgs/render/cpu/splat_backward.cc"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "sgs/render/cpu/targets.h"
+#include "sgs/core/simd_targets.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sgs/render/cpu/ssim.cc"

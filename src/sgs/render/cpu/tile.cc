@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-#include "sgs/render/cpu/targets.h"
+#include "sgs/core/simd_targets.h"
 
 namespace sgs::render::cpu {
 

@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/registration/cell_match.h"
+
+#include <algorithm>
+#include <cstdint>
+
+#include "sgs/core/simd_targets.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "sgs/registration/cell_match.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace sgs::registration::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Tag = hn::CappedTag<float, 4>;  // three neighbours and one lane that is ignored
+using IntTag = hn::RebindToSigned<Tag>;
+using V = hn::Vec<Tag>;
+constexpr Tag kTag;
+constexpr IntTag kInt;
+constexpr int kLanes = static_cast<int>(hn::MaxLanes(Tag()));
+constexpr int kSide = 3;  // cells around the centre, itself included
+
+HWY_INLINE V dot(V ax, V ay, V az, V bx, V by, V bz) {
+  return hn::MulAdd(ax, bx, hn::MulAdd(ay, by, hn::Mul(az, bz)));
+}
+
+HWY_INLINE int NearestAround(const CellTargets& targets, const CellGates& gates, int centre,
+                             const Eigen::Vector3f& point, const Eigen::Vector3f& normal) {
+  const V x = hn::Set(kTag, point.x()), y = hn::Set(kTag, point.y()), z = hn::Set(kTag, point.z());
+  const V nx = hn::Set(kTag, normal.x()), ny = hn::Set(kTag, normal.y()),
+          nz = hn::Set(kTag, normal.z());
+  const V min_cosine = hn::Set(kTag, gates.min_cosine);
+  float best_distance2 = gates.max_distance2;
+  int best_cell = -1;
+  for (int column = 0; column < kSide; column += kLanes) {
+    V best = hn::Set(kTag, best_distance2);
+    auto cells = hn::Set(kInt, -1);
+    for (int row = 0; row < kSide; ++row) {
+      const int first = centre + (row - 1) * targets.width() + column - 1;
+      const V dx = hn::Sub(hn::LoadU(kTag, targets.point(0) + first), x);
+      const V dy = hn::Sub(hn::LoadU(kTag, targets.point(1) + first), y);
+      const V dz = hn::Sub(hn::LoadU(kTag, targets.point(2) + first), z);
+      const V distance2 = dot(dx, dy, dz, dx, dy, dz);
+      const V cosine = dot(hn::LoadU(kTag, targets.normal(0) + first),
+                           hn::LoadU(kTag, targets.normal(1) + first),
+                           hn::LoadU(kTag, targets.normal(2) + first), nx, ny, nz);
+      const auto better = hn::And(hn::Lt(distance2, best), hn::Gt(cosine, min_cosine));
+      best = hn::IfThenElse(better, distance2, best);
+      cells = hn::IfThenElse(hn::RebindMask(kInt, better), hn::Iota(kInt, first), cells);
+    }
+    alignas(16) float distances2[kLanes];
+    alignas(16) std::int32_t candidates[kLanes];
+    hn::Store(best, kTag, distances2);
+    hn::Store(cells, kInt, candidates);
+    for (int l = 0; l < kLanes && column + l < kSide; ++l) {
+      if (candidates[l] < 0 || !(distances2[l] < best_distance2)) continue;
+      best_distance2 = distances2[l];
+      best_cell = candidates[l];
+    }
+  }
+  return best_cell;
+}
+
+void MatchCells(const CellTargets& targets, const CellCamera& camera, const CellGates& gates,
+                const Eigen::Matrix3f& R, const Eigen::Vector3f& t,
+                std::span<const SourcePoint> points, std::span<int> cells) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f p = R * points[i].point + t;
+    const int centre = cell_of(camera, targets.width(), targets.height(), p);
+    cells[i] = centre < 0 ? -1 : NearestAround(targets, gates, centre, p, R * points[i].normal);
+  }
+}
+
+}  // namespace sgs::registration::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace sgs::registration {
+HWY_EXPORT(MatchCells);
+
+CellTargets::CellTargets(int width, int height) : width_(width), height_(height) {
+  constexpr std::size_t kOverhang = 4;
+  const auto cells = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  for (auto& array : arrays_) array.assign(cells + kOverhang, kEmpty);
+}
+
+// The normals of empty cells do not matter.
+void CellTargets::clear() {
+  for (int axis = 0; axis < 3; ++axis) {
+    std::fill(arrays_[axis].begin(), arrays_[axis].end(), kEmpty);
+  }
+}
+
+void CellTargets::set(int cell, const Eigen::Vector3f& point, const Eigen::Vector3f& normal) {
+  const auto i = static_cast<std::size_t>(cell);
+  for (int axis = 0; axis < 3; ++axis) {
+    arrays_[axis][i] = point[axis];
+    arrays_[3 + axis][i] = normal[axis];
+  }
+}
+
+void match_cells(const CellTargets& targets, const CellCamera& camera, const CellGates& gates,
+                 const Eigen::Matrix3f& R, const Eigen::Vector3f& t,
+                 std::span<const SourcePoint> points, std::span<int> cells) {
+  HWY_DYNAMIC_DISPATCH(MatchCells)(targets, camera, gates, R, t, points, cells);
+}
+
+}  // namespace sgs::registration
+#endif
