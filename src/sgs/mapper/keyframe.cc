@@ -13,6 +13,13 @@ render::Rgbf to_float(const Rgb8& c) {
   return {k * static_cast<float>(c.r), k * static_cast<float>(c.g), k * static_cast<float>(c.b)};
 }
 
+render::Rgbf mean_color(const Rgb8& a, const Rgb8& b, const Rgb8& c, const Rgb8& d) {
+  constexpr float k = 0.25f / 255;
+  return {k * static_cast<float>(a.r + b.r + c.r + d.r),
+          k * static_cast<float>(a.g + b.g + c.g + d.g),
+          k * static_cast<float>(a.b + b.b + c.b + d.b)};
+}
+
 /// Mean of the agreeing depths among four; 0 when fewer than two are valid or they disagree.
 float merged_depth(const std::array<float, 4>& depths) {
   constexpr float kAgreement = 1.05f;
@@ -40,49 +47,67 @@ MapKeyframe::MapKeyframe(const RgbdFrame& frame, const SE3& T, double max_depth_
   for (std::size_t i = 0; i < depth_.size(); ++i) {
     const float z = frame.depth.data()[i];
     if (z > 0 && z <= static_cast<float>(max_depth_m)) {
-      depth_.data()[i] = static_cast<std::uint16_t>(std::lround(z / depth_unit_m_));
+      depth_.data()[i] = static_cast<std::uint16_t>(z / depth_unit_m_ + 0.5f);
     }
   }
 }
 
 render::TrainingImage MapKeyframe::training_image(int level) const {
-  SGS_CHECK(level == 0 || level == 1, "training images exist at full and half resolution");
   render::TrainingImage image;
+  write_training_image(level, image);
+  return image;
+}
+
+void MapKeyframe::write_training_image(int level, render::TrainingImage& image) const {
+  SGS_CHECK(level == 0 || level == 1, "training images exist at full and half resolution");
   image.camera = camera_.halved(level);
   const int width = image.camera.width, height = image.camera.height;
-  image.color = Image<render::Rgbf>(width, height);
-  image.depth = DepthImage(width, height);
+  if (image.depth.width() != width || image.depth.height() != height) {
+    image.color = Image<render::Rgbf>(width, height);
+    image.depth = DepthImage(width, height);
+  }
   for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      if (level == 0) {
-        image.color(x, y) = to_float(color_(x, y));
-        image.depth(x, y) = depth_m(x, y);
-        continue;
+    render::Rgbf* color = image.color.row(y);
+    float* depth = image.depth.row(y);
+    if (level == 0) {
+      const Rgb8* c = color_.row(y);
+      const std::uint16_t* z = depth_.row(y);
+      for (int x = 0; x < width; ++x) {
+        color[x] = to_float(c[x]);
+        depth[x] = depth_unit_m_ * static_cast<float>(z[x]);
       }
-      const int u = 2 * x, v = 2 * y;
-      const auto a = to_float(color_(u, v)), b = to_float(color_(u + 1, v)),
-                 c = to_float(color_(u, v + 1)), d = to_float(color_(u + 1, v + 1));
-      image.color(x, y) = {0.25f * (a.r + b.r + c.r + d.r), 0.25f * (a.g + b.g + c.g + d.g),
-                           0.25f * (a.b + b.b + c.b + d.b)};
-      image.depth(x, y) = merged_depth(
+      continue;
+    }
+    const int v = 2 * y;
+    const Rgb8 *upper = color_.row(v), *lower = color_.row(v + 1);
+    for (int x = 0; x < width; ++x) {
+      const int u = 2 * x;
+      color[x] = mean_color(upper[u], upper[u + 1], lower[u], lower[u + 1]);
+      depth[x] = merged_depth(
           {depth_m(u, v), depth_m(u + 1, v), depth_m(u, v + 1), depth_m(u + 1, v + 1)});
     }
   }
-  return image;
 }
 
 std::shared_ptr<const render::PreparedTarget> TargetCache::get(const MapKeyframe& keyframe,
                                                                std::size_t index, int level) {
   if (level == 1) {
     if (half_.size() <= index) half_.resize(index + 1);
-    if (!half_[index]) half_[index] = rasterizer_.prepare(keyframe.training_image(1));
+    if (!half_[index]) {
+      keyframe.write_training_image(1, scratch_[1]);
+      half_[index] = rasterizer_.prepare(scratch_[1]);
+    }
     return half_[index];
   }
   const auto found = std::find_if(full_.begin(), full_.end(),
                                   [&](const auto& entry) { return entry.first == index; });
-  auto entry = found == full_.end()
-                   ? std::pair{index, rasterizer_.prepare(keyframe.training_image(0))}
-                   : *found;
+  std::pair<std::size_t, std::shared_ptr<const render::PreparedTarget>> entry;
+  if (found != full_.end()) {
+    entry = *found;
+  } else {
+    keyframe.write_training_image(0, scratch_[0]);
+    entry = {index, rasterizer_.prepare(scratch_[0])};
+  }
   if (found != full_.end()) {
     full_.erase(found);
   } else if (full_.size() >= full_kept_) {

@@ -22,6 +22,8 @@ class MapKeyframe {
   /// The images at full (0) or half (1) resolution. Half resolution averages 2x2 pixels; depth only
   /// where at least two of the four agree, so that no depth floats between fore- and background.
   render::TrainingImage training_image(int level) const;
+  /// The same into an image whose memory is used again where its size fits.
+  void write_training_image(int level, render::TrainingImage& image) const;
   /// Metres at a pixel, 0 = none.
   float depth_m(int x, int y) const { return depth_unit_m_ * static_cast<float>(depth_(x, y)); }
   const ColorImage& color() const { return color_; }
@@ -56,6 +58,7 @@ class TargetCache {
  private:
   const render::Rasterizer& rasterizer_;
   std::size_t full_kept_;
+  std::array<render::TrainingImage, 2> scratch_;  // per level
   std::vector<std::shared_ptr<const render::PreparedTarget>> half_;
   /// Most recently used last.
   std::vector<std::pair<std::size_t, std::shared_ptr<const render::PreparedTarget>>> full_;

@@ -134,7 +134,10 @@ int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE
   }
   const ScopedTimer timer(m.times, "map/insertion");
   const auto index = static_cast<int>(m.keyframes.size());
-  m.keyframes.emplace_back(*frame, T, m.config.insertion.max_depth_m);
+  {
+    const ScopedTimer part(m.times, "map/insertion/keyframe");
+    m.keyframes.emplace_back(*frame, T, m.config.insertion.max_depth_m);
+  }
   MapKeyframe& keyframe = m.keyframes.back();
   // Rarely more than one new Gaussian for every 4x4 pixels.
   reserve(m.store,
@@ -144,6 +147,7 @@ int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE
   } else {
     const bool empty = m.store.size() == 0;
     if (!empty) {
+      const ScopedTimer part(m.times, "map/insertion/render");
       m.rasterizer->render(m.store.average, m.camera, T, m.rendering);
       if (m.config.refinement.exposure) {
         keyframe.gain = m.keyframes[m.keyframes.size() - 2].gain;
@@ -151,6 +155,7 @@ int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE
         update_gain(keyframe, sums.measured, sums.rendered, m.config.refinement.exposure_prior, 1);
       }
     }
+    const ScopedTimer part(m.times, "map/insertion/gaussians");
     insert_quadtree(keyframe, index, empty ? nullptr : &m.rendering, m.config.insertion,
                     m.config.optimizer.max_growth, m.store);
   }

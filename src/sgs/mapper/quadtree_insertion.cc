@@ -11,18 +11,22 @@
 namespace sgs::mapper {
 namespace {
 
-/// Sums over rectangles of the grey image, its square and the colours.
+/// Sums over the cells of a quadtree of the grey image, its square and the colours: an integral
+/// image over blocks of the smallest cell, since all cells begin and end at their borders.
 class CellSums {
  public:
-  explicit CellSums(const ColorImage& image) : stride_(image.width() + 1) {
-    sums_.resize(static_cast<std::size_t>(stride_) * (image.height() + 1));
-    for (int y = 0; y < image.height(); ++y) {
-      Sums row{};
-      for (int x = 0; x < image.width(); ++x) {
-        const Rgb8& c = image(x, y);
-        const double gray = luma(c) / 255.0;
-        row = row + Sums{gray, gray * gray, c.r / 255.0, c.g / 255.0, c.b / 255.0};
-        at(x + 1, y + 1) = at(x + 1, y) + row;
+  CellSums(const ColorImage& image, int block)
+      : block_(block), columns_(image.width() / block), stride_(columns_ + 1) {
+    const int rows = image.height() / block;
+    sums_.resize(static_cast<std::size_t>(stride_) * static_cast<std::size_t>(rows + 1));
+    std::vector<Sums> line(static_cast<std::size_t>(columns_));
+    for (int row = 0; row < rows; ++row) {
+      std::fill(line.begin(), line.end(), Sums{});
+      for (int y = row * block; y < (row + 1) * block; ++y) add_line(image.row(y), line);
+      Sums left{};
+      for (int x = 0; x < columns_; ++x) {
+        left = left + line[static_cast<std::size_t>(x)];
+        at(x + 1, row + 1) = at(x + 1, row) + left;
       }
     }
   }
@@ -47,14 +51,43 @@ class CellSums {
       return {gray - o.gray, gray2 - o.gray2, r - o.r, g - o.g, b - o.b};
     }
   };
-  Sums& at(int x, int y) { return sums_[static_cast<std::size_t>(y) * stride_ + x]; }
-  const Sums& at(int x, int y) const { return sums_[static_cast<std::size_t>(y) * stride_ + x]; }
-  Sums cell(int x, int y, int size) const {
-    return at(x + size, y + size) - at(x, y + size) - at(x + size, y) + at(x, y);
+  void add_line(const Rgb8* pixels, std::vector<Sums>& line) const {
+    constexpr float kScale = 1.0f / 255;
+    for (Sums& sums : line) {
+      int r = 0, g = 0, b = 0;
+      float gray = 0, gray2 = 0;
+      for (int i = 0; i < block_; ++i, ++pixels) {
+        const float value = kScale * luma(*pixels);
+        gray += value;
+        gray2 += value * value;
+        r += pixels->r;
+        g += pixels->g;
+        b += pixels->b;
+      }
+      sums = sums + Sums{static_cast<double>(gray), static_cast<double>(gray2), r / 255.0,
+                         g / 255.0, b / 255.0};
+    }
   }
-  int stride_;
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(stride_) +
+           static_cast<std::size_t>(x);
+  }
+  Sums& at(int x, int y) { return sums_[index(x, y)]; }
+  const Sums& at(int x, int y) const { return sums_[index(x, y)]; }
+  Sums cell(int x, int y, int size) const {
+    const int x0 = x / block_, y0 = y / block_, n = size / block_;
+    return at(x0 + n, y0 + n) - at(x0, y0 + n) - at(x0 + n, y0) + at(x0, y0);
+  }
+  int block_, columns_, stride_;
   std::vector<Sums> sums_;
 };
+
+/// Size of the smallest cell: halved while it is even and no less than the smallest leaf.
+int smallest_cell(const InsertionConfig& config) {
+  int size = config.leaf_max_px;
+  while (size % 2 == 0 && size / 2 >= config.leaf_min_px) size /= 2;
+  return size;
+}
 
 /// One insertion: what its steps share.
 class QuadtreeInsertion {
@@ -70,7 +103,7 @@ class QuadtreeInsertion {
         store_(store),
         camera_(keyframe.camera()),
         depth_(fill_depth(keyframe, config.fill_missing_depth)),
-        sums_(keyframe.color()) {}
+        sums_(keyframe.color(), smallest_cell(config)) {}
 
   void run() {
     for (int y = 0; y < camera_.height; y += config_.leaf_max_px) {

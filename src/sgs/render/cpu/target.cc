@@ -10,16 +10,20 @@ CpuTarget::CpuTarget(const TrainingImage& image)
     : PreparedTarget(image.camera), grid_(image.camera.width, image.camera.height) {
   const std::size_t size = static_cast<std::size_t>(grid_.tiles()) * tile_floats(kTargetChannels);
   pixels_.ensure_exactly(size);
-  std::fill_n(pixels_.data(), size, 0.0f);
-  for (int y = 0; y < grid_.height; ++y) {
-    for (int x = 0; x < grid_.width; ++x) {
-      const Rgbf& c = image.color(x, y);
-      float* p = pixels_.data() + grid_.index(x, y, kTargetChannels);
-      p[0] = c.r;
-      p[kBlockPixels] = c.g;
-      p[2 * kBlockPixels] = c.b;
-      p[3 * kBlockPixels] = image.depth(x, y);
-    }
+  const bool padded = grid_.width % kTileSide != 0 || grid_.height % kTileSide != 0;
+  if (padded) std::fill_n(pixels_.data(), size, 0.0f);
+  for (int row = 0; row < grid_.tiles_y; ++row) {
+    for_each_run(grid_, row, kTargetChannels, [&](int x, int y, int n, std::size_t index) {
+      float* p = pixels_.data() + index;
+      const Rgbf* c = image.color.row(y) + x;
+      const float* z = image.depth.row(y) + x;
+      for (int i = 0; i < n; ++i) {
+        p[i] = c[i].r;
+        p[kBlockPixels + i] = c[i].g;
+        p[2 * kBlockPixels + i] = c[i].b;
+        p[3 * kBlockPixels + i] = z[i];
+      }
+    });
   }
 }
 
