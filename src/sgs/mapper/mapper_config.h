@@ -85,7 +85,7 @@ struct KeyframeRefinementConfig {
 
 /// Settings of the mapper; the defaults are the `default` preset (docs/accuracy.md).
 struct MapperConfig {
-  double iterations_per_frame = 2.0;   ///< offline budget; fractions accumulate
+  double iterations_per_frame = 1.5;   ///< offline budget; fractions accumulate
   int first_keyframe_iterations = 30;  ///< spent at once when the map begins
   InsertionConfig insertion;
   OptimizerConfig optimizer;

@@ -12,6 +12,7 @@ constexpr float kNearPlane_m = 0.05f;
 
 ProjectiveSearch::ProjectiveSearch(const SearchConfig& config, const PinholeCamera& camera)
     : config_(config),
+      full_camera_(camera),
       width_((camera.width + config.cell_px - 1) / config.cell_px + 2),
       height_((camera.height + config.cell_px - 1) / config.cell_px + 2),
       camera_{static_cast<float>(camera.fx / config.cell_px),
@@ -32,17 +33,18 @@ void ProjectiveSearch::prepare(const TargetCloud& cloud, const SE3& T_map_predic
   const Eigen::Vector3f t = inverse.t.cast<float>();
   const Eigen::Vector3f eye = T_map_predicted.t.cast<float>();
 
-  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+  blocks_.update(cloud);
+  blocks_.for_each_in_view(full_camera_, T_map_predicted, [&](std::size_t i) {
     const TargetPoint& p = cloud.points[i];
     const Eigen::Vector3f x = R * p.point + t;
     const int where = cell(x);
-    if (where < 0 || !p.alive()) continue;
+    if (where < 0 || !p.alive()) return;
     const auto c = static_cast<std::size_t>(where);
     if (x.z() < depths_[c] && p.normal.dot(p.point - eye) < 0) {
       depths_[c] = x.z();
       cells_[c] = static_cast<int>(i);
     }
-  }
+  });
   targets_.clear();
   covariances_.clear();
   cell_targets_.clear();

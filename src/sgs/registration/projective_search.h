@@ -4,6 +4,7 @@
 
 #include "sgs/registration/cell_match.h"
 #include "sgs/registration/correspondence_search.h"
+#include "sgs/registration/target_blocks.h"
 
 namespace sgs::registration {
 
@@ -28,6 +29,8 @@ class ProjectiveSearch : public CorrespondenceSearch {
   int cell(const Eigen::Vector3f& point) const { return cell_of(camera_, width_, height_, point); }
 
   SearchConfig config_;
+  PinholeCamera full_camera_;
+  TargetBlocks blocks_;
   int width_, height_;  // cells, with a border of one empty cell all around
   CellCamera camera_;
   SE3 T_map_reference_;

@@ -123,6 +123,7 @@ void SnapshotTargets::update(const map::SnapshotPtr& snapshot) {
       append(snapshot->anchors[i]);
     }
   }
+  ++cloud_.moves;
   for (registration::TargetPoint& p : cloud_.points) p.variance_m2 = 0;
   for (std::size_t i = 0; i < target_of_.size(); ++i) {
     set_target(target_of_[i], snapshot->gaussians[i], snapshot->anchors[i]);

@@ -40,6 +40,7 @@ void TrackablePoints::move_keyframe(int keyframe, const SE3& T_map_camera) {
       cloud_.covariances[i] = R * cloud_.covariances[i] * R.transpose();
     }
   }
+  ++cloud_.moves;
   k.T_map_camera = T_map_camera;
 }
 
