@@ -75,12 +75,60 @@ void MatchCells(const CellTargets& targets, const CellCamera& camera, const Cell
   }
 }
 
+using Wide = hn::CappedTag<float, 16>;
+
+// Cells and depths of one vector of points.
+template <class D, class Vec>
+HWY_INLINE void ProjectVector(D d, Vec px, Vec py, Vec pz, const CellCamera& camera, int width,
+                              int height, const Eigen::Matrix3f& R, const Eigen::Vector3f& t,
+                              int* cells, float* depths) {
+  const hn::RebindToSigned<D> di;
+  const auto moved = [&](int row) {
+    return hn::MulAdd(hn::Set(d, R(row, 0)), px,
+                      hn::MulAdd(hn::Set(d, R(row, 1)), py,
+                                 hn::MulAdd(hn::Set(d, R(row, 2)), pz, hn::Set(d, t[row]))));
+  };
+  const auto x = moved(0), y = moved(1), z = moved(2);
+  const auto one = hn::Set(d, 1.0f);
+  const auto in_front = hn::Gt(z, hn::Set(d, camera.near_m));
+  const auto inverse = hn::Div(one, hn::IfThenElse(in_front, z, one));
+  const auto u = hn::MulAdd(hn::Mul(x, inverse), hn::Set(d, camera.fx), hn::Set(d, camera.cx));
+  const auto v = hn::MulAdd(hn::Mul(y, inverse), hn::Set(d, camera.fy), hn::Set(d, camera.cy));
+  const auto inside_u =
+      hn::And(hn::Ge(u, one), hn::Lt(u, hn::Set(d, static_cast<float>(width - 1))));
+  const auto inside_v =
+      hn::And(hn::Ge(v, one), hn::Lt(v, hn::Set(d, static_cast<float>(height - 1))));
+  const auto inside = hn::And(in_front, hn::And(inside_u, inside_v));
+  const auto column = hn::ConvertTo(di, hn::IfThenElse(inside, u, one));
+  const auto row = hn::ConvertTo(di, hn::IfThenElse(inside, v, one));
+  const auto cell = hn::Add(hn::Mul(row, hn::Set(di, width)), column);
+  hn::StoreU(hn::IfThenElse(hn::RebindMask(di, inside), cell, hn::Set(di, -1)), di, cells);
+  hn::StoreU(z, d, depths);
+}
+
+void ProjectToCells(const PointArrays& points, const CellCamera& camera, int width, int height,
+                    const Eigen::Matrix3f& R, const Eigen::Vector3f& t, int* cells, float* depths) {
+  constexpr Wide d;
+  constexpr std::size_t kWide = hn::MaxLanes(Wide());
+  std::size_t i = 0;
+  for (; i + kWide <= points.count; i += kWide) {
+    ProjectVector(d, hn::LoadU(d, points.x + i), hn::LoadU(d, points.y + i),
+                  hn::LoadU(d, points.z + i), camera, width, height, R, t, cells + i, depths + i);
+  }
+  constexpr hn::CappedTag<float, 1> single;
+  for (; i < points.count; ++i) {
+    ProjectVector(single, hn::Set(single, points.x[i]), hn::Set(single, points.y[i]),
+                  hn::Set(single, points.z[i]), camera, width, height, R, t, cells + i, depths + i);
+  }
+}
+
 }  // namespace sgs::registration::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace sgs::registration {
 HWY_EXPORT(MatchCells);
+HWY_EXPORT(ProjectToCells);
 
 CellTargets::CellTargets(int width, int height) : width_(width), height_(height) {
   constexpr std::size_t kOverhang = 4;
@@ -107,6 +155,12 @@ void match_cells(const CellTargets& targets, const CellCamera& camera, const Cel
                  const Eigen::Matrix3f& R, const Eigen::Vector3f& t,
                  std::span<const SourcePoint> points, std::span<int> cells) {
   HWY_DYNAMIC_DISPATCH(MatchCells)(targets, camera, gates, R, t, points, cells);
+}
+
+void project_to_cells(const PointArrays& points, const CellCamera& camera, int width, int height,
+                      const Eigen::Matrix3f& R, const Eigen::Vector3f& t, int* cells,
+                      float* depths) {
+  HWY_DYNAMIC_DISPATCH(ProjectToCells)(points, camera, width, height, R, t, cells, depths);
 }
 
 }  // namespace sgs::registration

@@ -12,7 +12,6 @@ constexpr float kNearPlane_m = 0.05f;
 
 ProjectiveSearch::ProjectiveSearch(const SearchConfig& config, const PinholeCamera& camera)
     : config_(config),
-      full_camera_(camera),
       width_((camera.width + config.cell_px - 1) / config.cell_px + 2),
       height_((camera.height + config.cell_px - 1) / config.cell_px + 2),
       camera_{static_cast<float>(camera.fx / config.cell_px),
@@ -21,6 +20,21 @@ ProjectiveSearch::ProjectiveSearch(const SearchConfig& config, const PinholeCame
               static_cast<float>((camera.cy + 0.5) / config.cell_px + 1), kNearPlane_m},
       cell_targets_(width_, height_) {
   SGS_CHECK(camera.valid(), "the search needs a usable camera");
+}
+
+// Takes over the places of new points, and of all when they moved.
+void ProjectiveSearch::follow(const TargetCloud& cloud) {
+  const bool afresh =
+      cloud.layout != layout_ || cloud.moves != moves_ || cloud.points.size() < places_[0].size();
+  layout_ = cloud.layout;
+  moves_ = cloud.moves;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<float>& places = places_[axis];
+    if (afresh) places.clear();
+    for (std::size_t i = places.size(); i < cloud.points.size(); ++i) {
+      places.push_back(cloud.points[i].point[axis]);
+    }
+  }
 }
 
 void ProjectiveSearch::prepare(const TargetCloud& cloud, const SE3& T_map_predicted) {
@@ -33,18 +47,25 @@ void ProjectiveSearch::prepare(const TargetCloud& cloud, const SE3& T_map_predic
   const Eigen::Vector3f t = inverse.t.cast<float>();
   const Eigen::Vector3f eye = T_map_predicted.t.cast<float>();
 
-  blocks_.update(cloud);
-  blocks_.for_each_in_view(full_camera_, T_map_predicted, [&](std::size_t i) {
-    const TargetPoint& p = cloud.points[i];
-    const Eigen::Vector3f x = R * p.point + t;
-    const int where = cell(x);
-    if (where < 0 || !p.alive()) return;
-    const auto c = static_cast<std::size_t>(where);
-    if (x.z() < depths_[c] && p.normal.dot(p.point - eye) < 0) {
-      depths_[c] = x.z();
-      cells_[c] = static_cast<int>(i);
+  follow(cloud);
+  constexpr std::size_t kBatch = 1024;
+  int where[kBatch];
+  float depth[kBatch];
+  for (std::size_t begin = 0; begin < cloud.points.size(); begin += kBatch) {
+    const std::size_t count = std::min(kBatch, cloud.points.size() - begin);
+    project_to_cells(
+        {places_[0].data() + begin, places_[1].data() + begin, places_[2].data() + begin, count},
+        camera_, width_, height_, R, t, where, depth);
+    for (std::size_t k = 0; k < count; ++k) {
+      if (where[k] < 0) continue;
+      const auto c = static_cast<std::size_t>(where[k]);
+      if (!(depth[k] < depths_[c])) continue;
+      const TargetPoint& p = cloud.points[begin + k];
+      if (!p.alive() || !(p.normal.dot(p.point - eye) < 0)) continue;
+      depths_[c] = depth[k];
+      cells_[c] = static_cast<int>(begin + k);
     }
-  });
+  }
   targets_.clear();
   covariances_.clear();
   cell_targets_.clear();

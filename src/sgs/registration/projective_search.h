@@ -4,7 +4,6 @@
 
 #include "sgs/registration/cell_match.h"
 #include "sgs/registration/correspondence_search.h"
-#include "sgs/registration/target_blocks.h"
 
 namespace sgs::registration {
 
@@ -28,16 +27,19 @@ class ProjectiveSearch : public CorrespondenceSearch {
  private:
   int cell(const Eigen::Vector3f& point) const { return cell_of(camera_, width_, height_, point); }
 
+  void follow(const TargetCloud& cloud);
+
   SearchConfig config_;
-  PinholeCamera full_camera_;
-  TargetBlocks blocks_;
   int width_, height_;  // cells, with a border of one empty cell all around
   CellCamera camera_;
   SE3 T_map_reference_;
-  std::vector<int> cells_;            // index into targets_ per cell, or kNoMatch
-  std::vector<float> depths_;         // of the winner of each cell
-  CellTargets cell_targets_;          // the winners again, by cell
-  std::vector<TargetPoint> targets_;  // the winners
+  // Places of the cloud's points, structure of arrays: most points need nothing else.
+  std::vector<float> places_[3];
+  std::uint64_t layout_ = 0, moves_ = 0;  // of the cloud they were taken from
+  std::vector<int> cells_;                // index into targets_ per cell, or kNoMatch
+  std::vector<float> depths_;             // of the winner of each cell
+  CellTargets cell_targets_;              // the winners again, by cell
+  std::vector<TargetPoint> targets_;      // the winners
   std::vector<Eigen::Matrix3f> covariances_;
 };
 

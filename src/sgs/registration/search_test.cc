@@ -2,12 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <random>
 
 #include "sgs/registration/correspondence_search.h"
 #include "sgs/registration/nearest_forest.h"
-#include "sgs/registration/target_blocks.h"
 
 namespace sgs::registration {
 namespace {
@@ -94,40 +92,6 @@ TEST(NearestForest, IndexesEachPointAFewTimesOnly) {
   // points; the logarithmic method at most log2(kBatches) + 1 = 8.6 times.
   EXPECT_LT(forest.entries_indexed(), 9 * kBatches * kBatch);
   EXPECT_LE(forest.trees(), 9u);
-}
-
-TEST(TargetBlocks, ShowAllThatIsInViewOnceAndLittleElse) {
-  Random r;
-  const PinholeCamera camera{320, 240, 270, 268, 161.3, 118.2};
-  TargetCloud cloud;
-  TargetBlocks blocks;
-  const auto check = [&](const SE3& T_map_camera) {
-    std::vector<int> visits(cloud.points.size(), 0);
-    blocks.for_each_in_view(camera, T_map_camera, [&](std::size_t i) { ++visits[i]; });
-    const SE3 T_camera_map = T_map_camera.inverse();
-    std::size_t visited = 0;
-    for (std::size_t i = 0; i < visits.size(); ++i) {
-      const Eigen::Vector3d p = T_camera_map * cloud.points[i].point.cast<double>();
-      const Eigen::Vector2d uv = camera.project(p);
-      const bool inside = p.z() > 0 && uv.x() >= -0.5 && uv.y() >= -0.5 &&
-                          uv.x() < camera.width - 0.5 && uv.y() < camera.height - 0.5;
-      EXPECT_LE(visits[i], 1);
-      EXPECT_GE(visits[i], inside ? 1 : 0) << i;
-      visited += visits[i] > 0 ? 1 : 0;
-    }
-    EXPECT_LT(visited, visits.size() / 3);  // a twelfth of the sphere, and the cubes on its border
-  };
-  for (const int added : {2000, 100, 3000}) {
-    for (int k = 0; k < added; ++k) cloud.points.push_back({6 * r.point(), {0, 0, 1}, 1e-6f});
-    blocks.update(cloud);
-    check(SE3{});
-    check(SE3(so3_exp({0.3, 1.9, -0.4}), {0.5, -1, 0.3}));
-  }
-  for (TargetPoint& p : cloud.points) p.point = 6 * r.point();
-  ++cloud.moves;
-  cloud.points[0].point.x() = std::numeric_limits<float>::quiet_NaN();  // is nowhere
-  blocks.update(cloud);
-  check(SE3{});
 }
 
 TargetPoint facing_target(const Eigen::Vector3f& point, const SE3& T_map_camera) {

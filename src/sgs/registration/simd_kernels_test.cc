@@ -184,6 +184,34 @@ TEST_P(SimdKernels, WindowSumsMatchPlainLoops) {
   }
 }
 
+TEST_P(SimdKernels, PointsFallIntoTheCellsOfThePlainProjection) {
+  constexpr int kWidth = 22, kHeight = 17;
+  constexpr std::size_t kCount = 203;
+  const CellCamera camera{30, 30, 11, 8.5f, 0.05f};
+  const Eigen::Matrix3f R = Eigen::AngleAxisf(0.2f, Eigen::Vector3f::UnitX()).matrix();
+  const Eigen::Vector3f t(0.1f, -0.2f, 0.15f);
+  std::vector<float> x(kCount), y(kCount), z(kCount), depths(kCount);
+  std::vector<int> cells(kCount);
+  for (std::size_t i = 0; i < kCount; ++i) {
+    x[i] = uniform(-1, 1), y[i] = uniform(-1, 1), z[i] = uniform(-0.5f, 3);
+  }
+  x[7] = std::numeric_limits<float>::quiet_NaN();
+  project_to_cells({x.data(), y.data(), z.data(), kCount}, camera, kWidth, kHeight, R, t,
+                   cells.data(), depths.data());
+  int inside = 0;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const Eigen::Vector3f p = R * Eigen::Vector3f(x[i], y[i], z[i]) + t;
+    const int expected = cell_of(camera, kWidth, kHeight, p);
+    EXPECT_EQ(cells[i], expected) << i;
+    if (i != 7) {
+      EXPECT_NEAR(depths[i], p.z(), 1e-5);
+    }
+    inside += expected >= 0 ? 1 : 0;
+  }
+  EXPECT_GT(inside, 30);
+  EXPECT_LT(inside, 180);
+}
+
 TEST_P(SimdKernels, CellMatchFindsTheNearestThatAgrees) {
   constexpr int kWidth = 22, kHeight = 17;
   const CellCamera camera{30, 30, 11, 8.5f, 0.05f};
