@@ -155,6 +155,9 @@ degeneracy::AxisPrior PriorTracker::choose_axes(const Matrix6d& H_icp, const Pos
     config.soft_gate = false;
     eta = 0;  // and so the prior is never taken as a whole
   }
+  // "No motion" stands in for a prior that was not seen. It locks axes that registration cannot
+  // determine; that the surface looks flat is no reason to hold a pose which registration knows.
+  if (d.prior_source == "zero") config.planarity_alone = false;
   degeneracy::AxisPrior axes =
       degeneracy::make_axis_prior(H_icp, prior.T_map_camera, prior.information, eta, config);
   d.degenerate_mask = axes.mask;

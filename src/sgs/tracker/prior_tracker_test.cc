@@ -85,6 +85,14 @@ TEST(PriorTracker, PlanarityAloneCallsForThePrior) {
   EXPECT_EQ(last.status, TrackingStatus::kDegenerate);
 }
 
+TEST(PriorTracker, PlanarityAloneDoesNotHoldThePoseForWantOfAPrior) {
+  TrackerConfig config = paper_config();
+  config.degeneracy.condition_threshold = 1e12;
+  const TrackResult last = run_wall(config, false).results.back();
+  EXPECT_EQ(last.diagnostics.prior_source, "zero");
+  EXPECT_FALSE(last.diagnostics.prior_active);
+}
+
 TEST(PriorTracker, AnUnreachableThresholdSwitchesThePriorOff) {
   TrackerConfig config = paper_config(), gicp = config;
   config.degeneracy.condition_threshold = 1e12;
