@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "sgs/core/error.h"
+#include "sgs/core/low_priority.h"
 
 namespace sgs {
 namespace {
@@ -120,11 +121,14 @@ struct ThreadPool::State {
   }
 };
 
-ThreadPool::ThreadPool(int threads) : state_(std::make_unique<State>()) {
+ThreadPool::ThreadPool(int threads, int nice) : state_(std::make_unique<State>()) {
   SGS_CHECK(threads >= 1, "a thread pool needs at least one thread");
   state_->threads = threads;
   for (int i = 1; i < threads; ++i) {
-    state_->workers.emplace_back([s = state_.get(), i] { s->worker_loop(i); });
+    state_->workers.emplace_back([s = state_.get(), i, nice] {
+      if (nice > 0) lower_thread_priority(nice);
+      s->worker_loop(i);
+    });
   }
 }
 

@@ -15,8 +15,9 @@ namespace sgs {
 /// report false races, and fork-join over an atomic counter is all that is needed.
 class ThreadPool {
  public:
-  /// `threads` >= 1 counts the calling thread; 1 runs everything inline.
-  explicit ThreadPool(int threads);
+  /// `threads` >= 1 counts the calling thread; 1 runs everything inline. The other threads run at a
+  /// priority lower by `nice` (lower_thread_priority), so that they only take what others leave.
+  explicit ThreadPool(int threads, int nice = 0);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;

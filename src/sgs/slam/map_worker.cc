@@ -8,14 +8,19 @@
 #include "sgs/core/stopwatch.h"
 
 namespace sgs::slam {
+namespace {
+
+constexpr int kHelperNice = 19;
+
+}  // namespace
 
 MapWorker::MapWorker(const SessionConfig& config, const PinholeCamera& camera,
                      bool tracker_follows_map, Mode mode, int threads)
     : config_(config),
       tracker_follows_map_(tracker_follows_map),
       mode_(mode),
-      // One core belongs to the tracker as long as the mapper has a thread of its own.
-      pool_(mode == Mode::kInline ? threads : std::max(1, threads - 1)),
+      // Beside a tracker all but one of the mapper's threads take what the tracker leaves.
+      pool_(threads, mode == Mode::kInline ? 0 : kHelperNice),
       mapper_(config.mapper, camera, config.seed, &pool_) {
   if (mode_ != Mode::kInline) thread_ = std::thread([this] { loop(); });
 }

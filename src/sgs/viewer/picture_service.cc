@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "sgs/core/log.h"
+#include "sgs/core/low_priority.h"
 #include "sgs/core/stopwatch.h"
 #include "sgs/io/image_io.h"
 #include "sgs/render/rasterizer.h"
-#include "sgs/viewer/low_priority.h"
 #include "sgs/viewer/panes.h"
 
 namespace sgs::viewer {

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "sgs/core/log.h"
-#include "sgs/viewer/low_priority.h"
+#include "sgs/core/low_priority.h"
 #include "sgs/viewer/net/client_session.h"
 #include "sgs/viewer/net/core.h"
 #include "sgs/viewer/net/http_connection.h"

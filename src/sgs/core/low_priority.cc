@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/viewer/low_priority.h"
+#include "sgs/core/low_priority.h"
 
 #ifdef __linux__
 #include <sys/resource.h>
@@ -8,7 +8,7 @@
 #include <unistd.h>
 #endif
 
-namespace sgs::viewer {
+namespace sgs {
 
 void lower_thread_priority([[maybe_unused]] int nice) {
 #ifdef __linux__
@@ -19,4 +19,4 @@ void lower_thread_priority([[maybe_unused]] int nice) {
 #endif
 }
 
-}  // namespace sgs::viewer
+}  // namespace sgs
