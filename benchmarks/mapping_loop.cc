@@ -28,14 +28,16 @@ MappingLoop::MappingLoop(const MappingLoopOptions& options)
   constexpr float kNoLimit = 1e6f;
   mapper::reserve(store_, gaussians.size());
   for (const map::Gaussian& g : gaussians) store_.append(g, {}, kNoLimit);
+  bounds_.assign(store_.raw, store_.average);
   target_ = rasterizer_->prepare(
       disturbed_view(*rasterizer_, gaussians, room_camera(options.width), pose_));
   loss_.dssim_weight = options.dssim_weight;
 }
 
 void MappingLoop::iterate() {
-  mapper::StepWithBackward step(optimizer_, store_);
-  rasterizer_->evaluate(store_.raw, *target_, pose_, loss_, gradients_, {nullptr, &step});
+  mapper::StepWithBackward step(optimizer_, store_, bounds_);
+  rasterizer_->evaluate(store_.raw, *target_, pose_, loss_, gradients_,
+                        {.sink = &step, .bounds = &bounds_});
 }
 
 std::size_t MappingLoop::visible() const { return gradients_.visible.size(); }

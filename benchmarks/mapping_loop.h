@@ -36,6 +36,7 @@ class MappingLoop {
   std::unique_ptr<render::Rasterizer> rasterizer_;
   mapper::Optimizer optimizer_;
   map::GaussianStore store_;
+  map::MeanBounds bounds_;
   std::shared_ptr<const render::PreparedTarget> target_;
   SE3 pose_;
   render::LossConfig loss_;

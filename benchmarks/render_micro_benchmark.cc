@@ -32,6 +32,7 @@ struct ProjectedRoom {
   Buffer<Record> records;
   Buffer<std::uint32_t> keys, sources;
   Buffer<TileRect> rects;
+  Buffer<std::uint16_t> trained;
   std::vector<std::uint32_t> visible;
 
   ProjectedRoom() {
@@ -40,17 +41,19 @@ struct ProjectedRoom {
     keys.ensure(capacity);
     sources.ensure(capacity);
     rects.ensure(capacity);
+    trained.ensure(capacity);
     project();
   }
   void project() {
     visible.clear();
     for (std::size_t first = 0; first < gaussians.size(); first += kChunk) {
       const std::size_t count = std::min<std::size_t>(kChunk, gaussians.size() - first);
-      const auto found =
-          project_chunk(view, gaussians.data() + first, static_cast<std::uint32_t>(first),
-                        static_cast<std::uint32_t>(count),
-                        {records.data() + first, keys.data() + first, rects.data() + first,
-                         sources.data() + first});
+      ChunkCount found;
+      project_run(view, {.gaussians = gaussians.data()}, static_cast<std::uint32_t>(first),
+                  static_cast<std::uint32_t>(count),
+                  {records.data() + first, keys.data() + first, rects.data() + first,
+                   sources.data() + first, trained.data() + first},
+                  found);
       visible.push_back(found.visible);
     }
   }

@@ -6,11 +6,13 @@
 
 #include "sgs/core/log.h"
 #include "sgs/map/gaussian_store.h"
+#include "sgs/map/mean_bounds.h"
 #include "sgs/mapper/insertion.h"
 #include "sgs/mapper/keyframe.h"
 #include "sgs/mapper/keyframe_refinement.h"
 #include "sgs/mapper/optimizer.h"
 #include "sgs/mapper/schedule.h"
+#include "sgs/mapper/sparse_steps.h"
 #include "sgs/render/rasterizer.h"
 
 namespace sgs::mapper {
@@ -47,6 +49,7 @@ struct Mapper::Impl {
         targets(*rasterizer, static_cast<std::size_t>(c.schedule.full_targets_kept)),
         optimizer(c.optimizer),
         schedule(seed, c.schedule.order == "rounds"),
+        sparse(c.schedule),
         loss(loss_config(c.objective)) {}
 
   void step();
@@ -58,8 +61,10 @@ struct Mapper::Impl {
   TargetCache targets;
   Optimizer optimizer;
   Schedule schedule;
+  SparseSteps sparse;
   render::LossConfig loss;
   map::GaussianStore store;
+  map::MeanBounds bounds;  // of store.raw and store.average
   std::vector<MapKeyframe> keyframes;
   render::Rendering rendering;
   render::Gradients gradients;
@@ -83,9 +88,15 @@ void Mapper::Impl::step() {
   const double asked_s = wall_time_s();
   const auto target = targets.get(keyframe, index, level);
   times.add_interval("map/iteration/target", asked_s, 1e3 * (wall_time_s() - asked_s));
-  StepWithBackward step_with_backward(optimizer, store);
-  rasterizer->evaluate(store.raw, *target, keyframe.T_world_camera, loss, gradients,
-                       {nullptr, &step_with_backward});
+  StepWithBackward step_with_backward(optimizer, store, bounds);
+  render::EvaluateOptions options = {.sink = &step_with_backward, .bounds = &bounds};
+  options.frozen = sparse.frozen(store.steps, iterations);
+  if (!structural) {
+    options.tiles = sparse.tiles(index, level);
+    options.tile_loss = sparse.tile_loss(index, level);
+  }
+  const bool whole = options.frozen.empty() && options.tiles.empty();
+  rasterizer->evaluate(store.raw, *target, keyframe.T_world_camera, loss, gradients, options);
   const PinholeCamera view = camera.halved(level);
   last_loss = gradients.loss / (static_cast<double>(view.width) * view.height);
 
@@ -95,7 +106,7 @@ void Mapper::Impl::step() {
     update_gain(keyframe, gradients.exposure_measured, gradients.exposure_rendered,
                 refinement.exposure_prior, refinement.exposure_step);
   }
-  if (refinement.pose && index > 0 && keyframe.visits >= refinement.pose_first_visit) {
+  if (refinement.pose && whole && index > 0 && keyframe.visits >= refinement.pose_first_visit) {
     refine_pose(keyframe, gradients.camera_twist, refinement.pose_rate);
   }
   ++keyframe.visits;
@@ -116,6 +127,7 @@ void Mapper::Impl::prune() {
     return !(g.opacity_logit >= min_logit) || !(largest <= max_log_scale) ||
            !std::isfinite(g.mean[0] + g.mean[1] + g.mean[2]);
   });
+  bounds.assign(store.raw, store.average);
 }
 
 Mapper::Mapper(const MapperConfig& config, const PinholeCamera& camera, std::uint64_t seed,
@@ -159,6 +171,7 @@ int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE
     insert_quadtree(keyframe, index, empty ? nullptr : &m.rendering, m.config.insertion,
                     m.config.optimizer.max_growth, m.store);
   }
+  m.bounds.append(m.store.raw);
   m.schedule.add_keyframe(static_cast<std::size_t>(index));
   m.changed = true;
   if (index == 0) iterate(m.config.first_keyframe_iterations);

@@ -77,6 +77,15 @@ void ScheduleConfig::declare(ParameterList& p) {
   p.add("prune_opacity", prune_opacity, "Gaussians less opaque than this are removed.", "", {0, 1});
   p.add("prune_scale_m", prune_scale_m, "Gaussians with a longer axis are removed.", "m",
         {0.001, 1000});
+  p.add("freeze_after_steps", freeze_after_steps,
+        "Gaussians that have had this many steps are only drawn in most others; 0 = never.",
+        "steps", {0, 1000000});
+  p.add("freeze_interval", freeze_interval, "They are trained in every n-th step.", "steps",
+        {1, 1000});
+  p.add("tile_loss_floor", tile_loss_floor,
+        "Every second visit of a keyframe leaves out tiles of 32 pixels whose loss is below this "
+        "share of the mean; 0 = none. Not in steps with D-SSIM.",
+        "", {0, 100});
   p.add("full_targets_kept", full_targets_kept,
         "Full-resolution targets kept ready; others are converted when they are visited.", "",
         {1, 10000});

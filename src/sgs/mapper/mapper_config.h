@@ -66,6 +66,9 @@ struct ScheduleConfig {
   int prune_interval = 200;  ///< steps between prunings
   double prune_opacity = 0.02;
   double prune_scale_m = 1.0;
+  int freeze_after_steps = 0;  ///< Gaussians with so many steps rest in most others; 0 = never
+  int freeze_interval = 2;     ///< in all steps but every n-th
+  double tile_loss_floor = 0;  ///< tiles below this share of the mean loss rest every second visit
   int full_targets_kept = 12;  ///< full-resolution targets kept ready (memory against time)
 
   void declare(ParameterList& p);

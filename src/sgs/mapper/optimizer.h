@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sgs/map/gaussian_store.h"
+#include "sgs/map/mean_bounds.h"
 #include "sgs/mapper/adam.h"
 #include "sgs/mapper/mapper_config.h"
 #include "sgs/render/rasterizer.h"
@@ -37,16 +38,19 @@ void reserve(map::GaussianStore& store, std::size_t count);
 /// Steps the Gaussians while a rasterizer's backward pass still has their gradients in the cache.
 class StepWithBackward final : public render::GradientSink {
  public:
-  /// Both must outlive this; `store` keeps its size during the evaluation.
-  StepWithBackward(const Optimizer& optimizer, map::GaussianStore& store)
-      : optimizer_(optimizer), store_(store) {}
+  /// All must outlive this; `store` keeps its size during the evaluation. `bounds` are widened
+  /// where Gaussians move.
+  StepWithBackward(const Optimizer& optimizer, map::GaussianStore& store, map::MeanBounds& bounds)
+      : optimizer_(optimizer), store_(store), bounds_(bounds) {}
   void accept(std::span<const std::uint32_t> indices, const map::Gaussian* rows) override {
     optimizer_.step(indices, rows, store_);
+    for (const std::uint32_t i : indices) bounds_.widen(i, store_.raw[i]);
   }
 
  private:
   const Optimizer& optimizer_;
   map::GaussianStore& store_;
+  map::MeanBounds& bounds_;
 };
 
 }  // namespace sgs::mapper

@@ -15,6 +15,7 @@
 #include "sgs/core/thread_pool.h"
 #include "sgs/geometry/se3.h"
 #include "sgs/map/gaussian.h"
+#include "sgs/map/mean_bounds.h"
 
 namespace sgs::render {
 
@@ -96,10 +97,24 @@ class GradientSink {
   virtual void accept(std::span<const std::uint32_t> indices, const map::Gaussian* rows) = 0;
 };
 
-/// What an evaluation may do beside filling Gradients.
+/// Side of the tiles of EvaluateOptions::tiles, pixels.
+inline constexpr int kMaskTile = 32;
+
+/// What an evaluation may do beside filling Gradients, and what it may leave out.
 struct EvaluateOptions {
   Rendering* rendering = nullptr;  ///< where to store the forward images
   GradientSink* sink = nullptr;    ///< takes the gradient rows; Gradients::gradient stays empty
+  /// Bounds of the very Gaussians that are rendered: those out of view are not even looked at. The
+  /// result is the same to the bit.
+  const map::MeanBounds* bounds = nullptr;
+  /// One byte per Gaussian, not zero where it is frozen: drawn as ever, but neither among
+  /// Gradients::visible nor in camera_twist. Empty = none is.
+  std::span<const std::uint8_t> frozen = {};
+  /// One byte per tile of kMaskTile pixels, row by row, zero where the loss does not count (nor the
+  /// exposure sums). Gaussians that reach no other tile are left out. Empty = all count. Goes
+  /// neither with `rendering` nor with D-SSIM.
+  std::span<const std::uint8_t> tiles = {};
+  std::vector<float>* tile_loss = nullptr;  ///< loss per tile like `tiles`, without D-SSIM
 };
 
 /// A differentiable Gaussian rasterizer: EWA projection with 0.3 px^2 low-pass, alpha clamped to
@@ -125,7 +140,9 @@ class Rasterizer {
   void evaluate(std::span<const map::Gaussian> gaussians, const PreparedTarget& target,
                 const SE3& T_world_camera, const LossConfig& loss, Gradients& out,
                 Rendering* rendering = nullptr) {
-    evaluate(gaussians, target, T_world_camera, loss, out, EvaluateOptions{rendering, nullptr});
+    EvaluateOptions options;
+    options.rendering = rendering;
+    evaluate(gaussians, target, T_world_camera, loss, out, options);
   }
 
   /// The same with the preparation done here each time.

@@ -11,8 +11,6 @@
 //   exp2_of, log2_of, minimum, maximum, one_where_equal(a, b)
 // for V. No include guard on purpose.
 
-constexpr float kNearest_m = 0.1f;  // Gaussians nearer than this are not drawn
-constexpr float kFarthest_m = 1e5f;
 constexpr float kLowPass_px2 = 0.3f;  // added to the image covariance's diagonal
 constexpr float kMaxAlpha = 0.99f;
 constexpr float kMinTransmittance = 1e-4f;  // compositing stops here
@@ -22,7 +20,6 @@ constexpr float kLn2 = 0.6931471805599453f;
 constexpr float kMaxScale_m = 1e3f;       // larger standard deviations are nonsense
 constexpr float kMaxVariance_px2 = 1e9f;  // of the projected Gaussian
 constexpr float kMaxColor = 1e4f;
-constexpr float kOutsideMargin = 0.3f;  // beyond the clamp, in tangents of the view angle
 
 template <class V>
 struct CameraPoint {

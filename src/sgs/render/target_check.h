@@ -17,4 +17,21 @@ inline void check_training_image(const TrainingImage& image) {
       "depth and camera must have the same size");
 }
 
+/// Throws unless the options fit the number of Gaussians, the camera, the loss and one another.
+inline void check_options(const EvaluateOptions& options, std::size_t gaussians,
+                          const PinholeCamera& camera, const LossConfig& loss) {
+  const auto tiles_along = [](int pixels) {
+    return static_cast<std::size_t>((pixels + kMaskTile - 1) / kMaskTile);
+  };
+  SGS_CHECK(options.bounds == nullptr || options.bounds->size() == gaussians,
+            "the bounds belong to other Gaussians");
+  SGS_CHECK(options.frozen.empty() || options.frozen.size() == gaussians,
+            "`frozen` needs one entry per Gaussian");
+  if (options.tiles.empty()) return;
+  SGS_CHECK(options.tiles.size() == tiles_along(camera.width) * tiles_along(camera.height),
+            "`tiles` needs one entry per tile");
+  SGS_CHECK(options.rendering == nullptr && loss.dssim_weight == 0.0f,
+            "a tile mask goes neither with a rendering nor with D-SSIM");
+}
+
 }  // namespace sgs::render

@@ -7,6 +7,12 @@
 
 namespace sgs::render {
 
+/// Which Gaussians are drawn at all, by the place of their means.
+inline constexpr float kNearest_m = 0.1f;
+inline constexpr float kFarthest_m = 1e5f;
+/// Beyond the limits u_min .. v_max of View, in tangents of the view angle.
+inline constexpr float kOutsideMargin = 0.3f;
+
 /// Camera and pose in the form the formulas use; R, t map world to camera.
 template <class S>
 struct View {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "sgs/render/cpu/frustum.h"
+#include "sgs/render/cpu/project.h"
 #include "sgs/render/cpu/splat_backward.h"
 #include "sgs/render/target_check.h"
 
@@ -39,7 +41,7 @@ void CpuRasterizer::render(std::span<const map::Gaussian> gaussians, const Pinho
                            const SE3& T_world_camera, Rendering& out) {
   SGS_CHECK(camera.valid(), "the camera must be valid");
   const TileGrid grid(camera.width, camera.height);
-  arrange(gaussians, make_view<float>(camera, T_world_camera), grid);
+  arrange(gaussians, make_view<float>(camera, T_world_camera), grid, {});
   forward_only(grid);
   store(grid, out);
 }
@@ -55,11 +57,12 @@ void CpuRasterizer::evaluate(std::span<const map::Gaussian> gaussians, const Pre
   const auto* own = dynamic_cast<const CpuTarget*>(&target);
   SGS_CHECK(own != nullptr, "the target was prepared by another kind of rasterizer");
   const View<float> view = make_view<float>(target.camera(), T_world_camera);
-  arrange(gaussians, view, own->grid());
+  check_options(options, gaussians.size(), target.camera(), loss);
+  arrange(gaussians, view, own->grid(), options);
   out.loss = 0;
   has_color_gradient_ = loss.dssim_weight != 0.0f;
   if (has_color_gradient_) out.loss += add_dssim(*own, loss);
-  visit_tiles(*own, loss, options.rendering != nullptr);
+  visit_tiles(*own, loss, options);
   out.exposure_measured = out.exposure_rendered = {0, 0, 0};
   for (const TileResult& r : results_) {
     out.loss += r.loss;
@@ -68,12 +71,18 @@ void CpuRasterizer::evaluate(std::span<const map::Gaussian> gaussians, const Pre
       out.exposure_rendered[c] += r.exposure_rendered[c];
     }
   }
+  if (options.tile_loss != nullptr) {
+    options.tile_loss->clear();
+    for (const TileResult& r : results_) {
+      options.tile_loss->push_back(static_cast<float>(r.loss));
+    }
+  }
   splat_backward(gaussians, view, out, options.sink);
   if (options.rendering != nullptr) store(own->grid(), *options.rendering);
 }
 
 void CpuRasterizer::arrange(std::span<const map::Gaussian> gaussians, const View<float>& view,
-                            const TileGrid& grid) {
+                            const TileGrid& grid, const EvaluateOptions& options) {
   const std::size_t count = gaussians.size(), chunks = (count + kChunk - 1) / kChunk;
   SGS_CHECK(count < (std::size_t{1} << 31), "too many Gaussians");
   const std::size_t capacity = chunks * kChunk;
@@ -81,31 +90,62 @@ void CpuRasterizer::arrange(std::span<const map::Gaussian> gaussians, const View
   keys_.ensure(capacity);
   sources_.ensure(capacity);
   rects_.ensure(capacity);
+  trained_records_.ensure(capacity);
   visible_.resize(chunks);
-  first_visible_.resize(chunks + 1);
+  trained_.resize(chunks);
+  first_trained_.resize(chunks + 1);
   slot_base_.resize(chunks);
+  const ProjectJob job = {gaussians.data(),
+                          options.frozen.empty() ? nullptr : options.frozen.data(),
+                          options.tiles.empty() ? nullptr : options.tiles.data(), grid.tiles_x};
   pool_->run(static_cast<int>(chunks), [&](int chunk, int) {
     const auto c = static_cast<std::size_t>(chunk);
-    const std::size_t first = c * kChunk, n = std::min<std::size_t>(kChunk, count - first);
-    const ProjectedChunk to = {records_.data() + first, keys_.data() + first, rects_.data() + first,
-                               sources_.data() + first};
-    const ChunkCount found =
-        project_chunk(view, gaussians.data() + first, static_cast<std::uint32_t>(first),
-                      static_cast<std::uint32_t>(n), to);
+    const ChunkCount found = project_chunk(view, job, c, count, options.bounds);
     visible_[c] = found.visible;
+    trained_[c] = found.trained;
     slot_base_[c] = found.slots;
   });
-  std::uint32_t visible = 0;
+  std::uint32_t trained = 0;
   total_slots_ = 0;
   for (std::size_t c = 0; c < chunks; ++c) {
-    first_visible_[c] = visible;
-    visible += visible_[c];
+    first_trained_[c] = trained;
+    trained += trained_[c];
     const std::uint32_t slots = slot_base_[c];
     slot_base_[c] = total_slots_;
     total_slots_ += slots;
   }
-  first_visible_[chunks] = visible;
+  first_trained_[chunks] = trained;
   lists_.build(visible_, keys_.data(), rects_.data(), grid.tiles_x, grid.tiles_y, *pool_);
+}
+
+/// Projects chunk number `chunk` in runs between the blocks that are out of view.
+ChunkCount CpuRasterizer::project_chunk(const View<float>& view, const ProjectJob& job,
+                                        std::size_t chunk, std::size_t gaussians,
+                                        const map::MeanBounds* bounds) {
+  constexpr std::size_t kBlock = map::MeanBounds::kBlock;
+  static_assert(kChunk % kBlock == 0);
+  const std::size_t first = chunk * kChunk, end = std::min<std::size_t>(first + kChunk, gaussians);
+  const ProjectedChunk to = {records_.data() + first, keys_.data() + first, rects_.data() + first,
+                             sources_.data() + first, trained_records_.data() + first};
+  ChunkCount found;
+  const auto project = [&](std::size_t from, std::size_t until) {
+    if (from == until) return;
+    project_run(view, job, static_cast<std::uint32_t>(from),
+                static_cast<std::uint32_t>(until - from), to, found);
+  };
+  if (bounds == nullptr) {
+    project(first, end);
+    return found;
+  }
+  const Frustum frustum(view);
+  std::size_t run = first;
+  for (std::size_t block = first; block < end; block += kBlock) {
+    if (frustum.may_show(bounds->boxes()[block / kBlock])) continue;
+    project(run, block);
+    run = std::min(block + kBlock, end);
+  }
+  project(run, end);
+  return found;
 }
 
 TileJob CpuRasterizer::job_for(const TileGrid& grid, int tile) {
@@ -160,7 +200,9 @@ double CpuRasterizer::add_dssim(const CpuTarget& target, const LossConfig& loss)
   return sum * static_cast<double>(loss.dssim_weight) / 3;
 }
 
-void CpuRasterizer::visit_tiles(const CpuTarget& target, const LossConfig& loss, bool keep_image) {
+void CpuRasterizer::visit_tiles(const CpuTarget& target, const LossConfig& loss,
+                                const EvaluateOptions& options) {
+  const bool keep_image = options.rendering != nullptr;
   const TileGrid& grid = target.grid();
   const TileLoss weights = tile_loss(loss);
   slots_.ensure(total_slots_);
@@ -172,6 +214,10 @@ void CpuRasterizer::visit_tiles(const CpuTarget& target, const LossConfig& loss,
   }
   pool_->run(grid.tiles(), [&](int t, int worker) {
     const auto i = static_cast<std::size_t>(t);
+    if (!options.tiles.empty() && options.tiles[i] == 0) {
+      results_[i] = {};
+      return;
+    }
     TileJob job = job_for(grid, t);
     if (keep_image) job.image = image_.data() + i * tile_floats(kImageChannels);
     job.target = target.tile(t);
@@ -179,6 +225,7 @@ void CpuRasterizer::visit_tiles(const CpuTarget& target, const LossConfig& loss,
       job.color_gradient = color_gradient_.data() + i * tile_floats(kGradientChannels);
     }
     job.loss = weights;
+    job.any_frozen = !options.frozen.empty();
     job.slot_base = slot_base_.data();
     job.slots = slots_.data();
     job.slot_used = slot_used_.data();
@@ -190,27 +237,29 @@ void CpuRasterizer::visit_tiles(const CpuTarget& target, const LossConfig& loss,
 void CpuRasterizer::splat_backward(std::span<const map::Gaussian> gaussians,
                                    const View<float>& view, Gradients& out, GradientSink* sink) {
   constexpr std::uint32_t kRowsAtOnce = 64;  // 4 KiB, still in the first cache when the sink reads
-  const std::size_t chunks = visible_.size(), visible = first_visible_[chunks];
+  const std::size_t chunks = trained_.size(), visible = first_trained_[chunks];
   out.visible.resize(visible);
   out.gradient.resize(sink == nullptr ? visible : 0);
   twists_.resize(chunks);
   pool_->run(static_cast<int>(chunks), [&](int chunk, int) {
     const auto c = static_cast<std::size_t>(chunk);
-    const std::uint32_t count = visible_[c];
-    const std::span indices(out.visible.data() + first_visible_[c], count);
-    std::copy_n(sources_.data() + c * kChunk, count, indices.begin());
+    const std::uint32_t count = trained_[c];
+    const std::span indices(out.visible.data() + first_trained_[c], count);
+    const std::uint16_t* trained = trained_records_.data() + c * kChunk;
+    for (std::size_t i = 0; i < count; ++i) indices[i] = sources_[c * kChunk + trained[i]];
     twists_[c].fill(0);
     SplatBackwardJob job;
     job.gaussians = gaussians.data();
+    job.records = records_.data() + c * kChunk;
     job.slots = slots_.data() + slot_base_[c];
     job.slot_used = slot_used_.data() + slot_base_[c];
     job.twist = twists_[c].data();
     std::array<map::Gaussian, kRowsAtOnce> rows;
     for (std::uint32_t i = 0; i < count; i += kRowsAtOnce) {
       job.sources = indices.data() + i;
-      job.records = records_.data() + c * kChunk + i;
+      job.trained = trained + i;
       job.visible = std::min(kRowsAtOnce, count - i);
-      job.gradient = sink == nullptr ? out.gradient.data() + first_visible_[c] + i : rows.data();
+      job.gradient = sink == nullptr ? out.gradient.data() + first_trained_[c] + i : rows.data();
       splat_backward_chunk(view, job);
       if (sink != nullptr) sink->accept(indices.subspan(i, job.visible), rows.data());
     }

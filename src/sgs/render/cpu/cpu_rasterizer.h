@@ -37,11 +37,13 @@ class CpuRasterizer final : public Rasterizer {
  private:
   /// Projection, sorting and binning.
   void arrange(std::span<const map::Gaussian> gaussians, const View<float>& view,
-               const TileGrid& grid);
+               const TileGrid& grid, const EvaluateOptions& options);
+  ChunkCount project_chunk(const View<float>& view, const ProjectJob& job, std::size_t chunk,
+                           std::size_t gaussians, const map::MeanBounds* bounds);
   void forward_only(const TileGrid& grid);
   TileJob job_for(const TileGrid& grid, int tile);
   double add_dssim(const CpuTarget& target, const LossConfig& loss);
-  void visit_tiles(const CpuTarget& target, const LossConfig& loss, bool keep_image);
+  void visit_tiles(const CpuTarget& target, const LossConfig& loss, const EvaluateOptions& options);
   void splat_backward(std::span<const map::Gaussian> gaussians, const View<float>& view,
                       Gradients& out, GradientSink* sink);
   void store(const TileGrid& grid, Rendering& out);
@@ -50,10 +52,11 @@ class CpuRasterizer final : public Rasterizer {
   ThreadPool* pool_;
 
   // Per chunk of Gaussians.
-  std::vector<std::uint32_t> visible_, first_visible_, slot_base_;
+  std::vector<std::uint32_t> visible_, trained_, first_trained_, slot_base_;
   Buffer<Record> records_;
   Buffer<std::uint32_t> keys_, sources_;
   Buffer<TileRect> rects_;
+  Buffer<std::uint16_t> trained_records_;
   std::vector<std::array<double, 6>> twists_;
   std::uint32_t total_slots_ = 0;
 

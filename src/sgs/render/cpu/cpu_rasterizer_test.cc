@@ -291,7 +291,7 @@ TEST_P(EachTarget, SinkGetsEveryRowOnce) {
     Gradients expected, out;
     rasterizer->evaluate(s.gaussians, *target, s.pose, {}, expected);
     Collect sink;
-    rasterizer->evaluate(s.gaussians, *target, s.pose, {}, out, {nullptr, &sink});
+    rasterizer->evaluate(s.gaussians, *target, s.pose, {}, out, {.sink = &sink});
     EXPECT_EQ(out.visible, expected.visible);
     EXPECT_TRUE(out.gradient.empty());
     EXPECT_EQ(out.camera_twist, expected.camera_twist);
@@ -300,6 +300,107 @@ TEST_P(EachTarget, SinkGetsEveryRowOnce) {
       EXPECT_EQ(std::memcmp(&sink.rows.at(expected.visible[i]), &expected.gradient[i], 64), 0);
     }
   }
+}
+
+/// A map all around the camera, of which little is in view.
+Scene make_surroundings(std::uint64_t seed) {
+  Random random(seed);
+  Scene s = make_scene(160, 120, 300, 5, seed);
+  for (int i = 0; i < 3000; ++i) {
+    map::Gaussian g = s.gaussians[static_cast<std::size_t>(i) % 300];
+    // Clusters like a keyframe's Gaussians, some of them across the borders of the view.
+    const int cluster = i / 50;
+    g.mean[0] = static_cast<float>(3 * std::sin(cluster) + random.uniform(-0.3, 0.3));
+    g.mean[1] = static_cast<float>(std::cos(3 * cluster) + random.uniform(-0.3, 0.3));
+    g.mean[2] = static_cast<float>(3 * std::cos(cluster) + random.uniform(-0.3, 0.3));
+    s.gaussians.push_back(g);
+  }
+  return s;
+}
+
+TEST_P(EachTarget, BoundsChangeNoBit) {
+  for (const double shift : {0.0, 100.0}) {
+    Scene s = make_surroundings(17);
+    s.pose.t.x() += shift;
+    for (auto& g : s.gaussians) g.mean[0] += static_cast<float>(shift);
+    map::MeanBounds bounds;
+    bounds.assign(s.gaussians, s.gaussians);
+    auto fast = make_cpu_rasterizer(nullptr);
+    const auto target = fast->prepare(s.target);
+    Gradients plain, bounded;
+    fast->evaluate(s.gaussians, *target, s.pose, {}, plain);
+    fast->evaluate(s.gaussians, *target, s.pose, {}, bounded, {.bounds = &bounds});
+    EXPECT_EQ(plain.visible, bounded.visible);
+    EXPECT_LT(plain.visible.size(), s.gaussians.size() / 2);
+    EXPECT_EQ(plain.loss, bounded.loss);
+    EXPECT_EQ(plain.camera_twist, bounded.camera_twist);
+    ASSERT_EQ(plain.gradient.size(), bounded.gradient.size());
+    EXPECT_EQ(std::memcmp(plain.gradient.data(), bounded.gradient.data(),
+                          plain.gradient.size() * sizeof(map::Gaussian)),
+              0);
+  }
+}
+
+/// Options that leave something out, against the reference renderer.
+void expect_parity_of_options(const Scene& s, const EvaluateOptions& options) {
+  auto reference = make_reference_rasterizer();
+  auto fast = make_cpu_rasterizer(nullptr);
+  Gradients expected, actual;
+  std::vector<float> expected_tiles, tiles;
+  EvaluateOptions with = options;
+  with.tile_loss = &expected_tiles;
+  reference->evaluate(s.gaussians, *reference->prepare(s.target), s.pose, {}, expected, with);
+  with.tile_loss = &tiles;
+  fast->evaluate(s.gaussians, *fast->prepare(s.target), s.pose, {}, actual, with);
+  EXPECT_EQ(actual.visible, expected.visible);
+  EXPECT_NEAR(actual.loss, expected.loss, 1e-4 * expected.loss + 1e-3);
+  const auto a = dense(actual, s.gaussians.size()), b = dense(expected, s.gaussians.size());
+  EXPECT_LT(relative_error(a, b, 0, 14), 2e-3);
+  EXPECT_LT((actual.camera_twist - expected.camera_twist).norm(),
+            2e-3 * (expected.camera_twist.norm() + 1));
+  ASSERT_EQ(tiles.size(), expected_tiles.size());
+  for (std::size_t t = 0; t < tiles.size(); ++t) EXPECT_NEAR(tiles[t], expected_tiles[t], 0.05);
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_NEAR(actual.exposure_rendered[c], expected.exposure_rendered[c],
+                2 + 1e-3 * expected.exposure_rendered[c]);
+  }
+}
+
+TEST_P(EachTarget, FrozenGaussiansAreDrawnButNotTrained) {
+  const Scene s = make_scene(160, 120, 400, 6, 18);
+  std::vector<std::uint8_t> frozen(s.gaussians.size());
+  for (std::size_t i = 0; i < frozen.size(); ++i) frozen[i] = i % 3 != 0 ? 1 : 0;
+  expect_parity_of_options(s, {.frozen = frozen});
+
+  auto fast = make_cpu_rasterizer(nullptr);
+  const auto target = fast->prepare(s.target);
+  Gradients all, some;
+  fast->evaluate(s.gaussians, *target, s.pose, {}, all);
+  fast->evaluate(s.gaussians, *target, s.pose, {}, some, {.frozen = frozen});
+  EXPECT_EQ(all.loss, some.loss);
+  for (const std::uint32_t i : some.visible) EXPECT_EQ(frozen[i], 0);
+  const auto rows = dense(all, s.gaussians.size()), kept = dense(some, s.gaussians.size());
+  for (const std::uint32_t i : some.visible) {
+    EXPECT_EQ(std::memcmp(&rows[i], &kept[i], sizeof rows[i]), 0) << i;
+  }
+}
+
+TEST_P(EachTarget, OnlyActiveTilesCount) {
+  const Scene s = make_scene(170, 120, 400, 6, 19);
+  std::vector<std::uint8_t> tiles(6 * 4), others(6 * 4);
+  for (std::size_t i = 0; i < tiles.size(); ++i) others[i] = 1 - (tiles[i] = i % 5 < 2 ? 1 : 0);
+  expect_parity_of_options(s, {.tiles = tiles});
+
+  auto fast = make_cpu_rasterizer(nullptr);
+  const auto target = fast->prepare(s.target);
+  Gradients all, some, rest;
+  fast->evaluate(s.gaussians, *target, s.pose, {}, all);
+  fast->evaluate(s.gaussians, *target, s.pose, {}, some, {.tiles = tiles});
+  fast->evaluate(s.gaussians, *target, s.pose, {}, rest, {.tiles = others});
+  EXPECT_LT(some.visible.size(), all.visible.size());
+  EXPECT_NEAR(some.loss + rest.loss, all.loss, 1e-6 * all.loss);
+  EXPECT_LT((some.camera_twist + rest.camera_twist - all.camera_twist).norm(),
+            1e-4 * all.camera_twist.norm());
 }
 
 TEST_P(EachTarget, EmptyMap) {
@@ -333,6 +434,15 @@ TEST(CpuRasterizer, RefusesWhatDoesNotFit) {
   Gradients out;
   const auto foreign = make_reference_rasterizer()->prepare(s.target);
   EXPECT_THROW(fast->evaluate(s.gaussians, *foreign, s.pose, {}, out), ContractViolation);
+  const auto own = fast->prepare(s.target);
+  const std::vector<std::uint8_t> few(3);
+  map::MeanBounds bounds;
+  EXPECT_THROW(fast->evaluate(s.gaussians, *own, s.pose, {}, out, {.frozen = few}),
+               ContractViolation);
+  EXPECT_THROW(fast->evaluate(s.gaussians, *own, s.pose, {}, out, {.tiles = few}),
+               ContractViolation);
+  EXPECT_THROW(fast->evaluate(s.gaussians, *own, s.pose, {}, out, {.bounds = &bounds}),
+               ContractViolation);
   TrainingImage wrong = s.target;
   wrong.depth = DepthImage(10, 10);
   EXPECT_THROW(fast->prepare(wrong), ContractViolation);

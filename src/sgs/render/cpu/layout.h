@@ -36,6 +36,9 @@ struct TileRect {
   std::uint8_t x0, y0, x1, y1;
 };
 
+/// Record::slot of a frozen Gaussian, which has none.
+inline constexpr std::uint32_t kNoSlot = 0xffffffff;
+
 /// A visible Gaussian as the tiles read it: one cache line.
 struct alignas(64) Record {
   float x, y;     ///< mean, pixels

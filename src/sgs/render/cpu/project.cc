@@ -54,9 +54,22 @@ HWY_INLINE std::uint32_t depth_key(float z) {
   return key < (1u << kKeyBits) ? key : (1u << kKeyBits) - 1;
 }
 
-ChunkCount ProjectChunk(const View<float>& view, const map::Gaussian* gaussians,
-                        std::uint32_t first, std::uint32_t count, const ProjectedChunk& out) {
-  ChunkCount total;
+HWY_INLINE bool reaches_active_tile(const TileRect& rect, const ProjectJob& job) {
+  for (int y = rect.y0; y <= rect.y1; ++y) {
+    for (int x = rect.x0; x <= rect.x1; ++x) {
+      if (job.active_tiles[y * job.tiles_x + x] != 0) return true;
+    }
+  }
+  return false;
+}
+
+void ProjectRun(const View<float>& view, const ProjectJob& all, std::uint32_t first,
+                std::uint32_t count, const ProjectedChunk& to, ChunkCount& so_far) {
+  // Copies, which the bytes written below cannot alias.
+  const ProjectJob job = all;
+  const ProjectedChunk out = to;
+  ChunkCount total = so_far;
+  const map::Gaussian* gaussians = job.gaussians + first;
   for (std::uint32_t i = 0; i < count; i += kLanes) {
     const int n = static_cast<int>(count - i) < kLanes ? static_cast<int>(count - i) : kLanes;
     const float* rows[kLanes];
@@ -112,19 +125,26 @@ ChunkCount ProjectChunk(const View<float>& view, const map::Gaussian* gaussians,
     while (mask != 0) {
       const int l = __builtin_ctz(mask);
       mask &= mask - 1;
-      const std::uint32_t k = total.visible++;
+      const TileRect rect = {static_cast<std::uint8_t>(x0[l]), static_cast<std::uint8_t>(y0[l]),
+                             static_cast<std::uint8_t>(x1[l]), static_cast<std::uint8_t>(y1[l])};
+      if (job.active_tiles != nullptr && !reaches_active_tile(rect, job)) continue;
+      const std::uint32_t k = total.visible++, source = first + i + static_cast<std::uint32_t>(l);
       Record& r = out.records[k];
       std::memcpy(&r, packed[l], sizeof r);
-      r.rect = {static_cast<std::uint8_t>(x0[l]), static_cast<std::uint8_t>(y0[l]),
-                static_cast<std::uint8_t>(x1[l]), static_cast<std::uint8_t>(y1[l])};
-      r.slot = total.slots;
-      total.slots += static_cast<std::uint32_t>((x1[l] - x0[l] + 1) * (y1[l] - y0[l] + 1));
-      out.rects[k] = r.rect;
+      r.rect = rect;
+      if (job.frozen != nullptr && job.frozen[source] != 0) {
+        r.slot = kNoSlot;
+      } else {
+        r.slot = total.slots;
+        total.slots += static_cast<std::uint32_t>((x1[l] - x0[l] + 1) * (y1[l] - y0[l] + 1));
+        out.trained[total.trained++] = static_cast<std::uint16_t>(k);
+      }
+      out.rects[k] = rect;
       out.keys[k] = depth_key(r.z);
-      out.sources[k] = first + i + static_cast<std::uint32_t>(l);
+      out.sources[k] = source;
     }
   }
-  return total;
+  so_far = total;
 }
 
 }  // namespace sgs::render::cpu::HWY_NAMESPACE
@@ -132,11 +152,11 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace sgs::render::cpu {
-HWY_EXPORT(ProjectChunk);
+HWY_EXPORT(ProjectRun);
 
-ChunkCount project_chunk(const View<float>& view, const map::Gaussian* gaussians,
-                         std::uint32_t first, std::uint32_t count, const ProjectedChunk& out) {
-  return HWY_DYNAMIC_DISPATCH(ProjectChunk)(view, gaussians, first, count, out);
+void project_run(const View<float>& view, const ProjectJob& job, std::uint32_t first,
+                 std::uint32_t count, const ProjectedChunk& out, ChunkCount& total) {
+  HWY_DYNAMIC_DISPATCH(ProjectRun)(view, job, first, count, out, total);
 }
 }  // namespace sgs::render::cpu
 #endif

@@ -10,22 +10,31 @@
 
 namespace sgs::render::cpu {
 
+/// Gaussians to project, and which of them may be left out (see EvaluateOptions; null = none).
+struct ProjectJob {
+  const map::Gaussian* gaussians = nullptr;  ///< all of them
+  const std::uint8_t* frozen = nullptr;
+  const std::uint8_t* active_tiles = nullptr;
+  int tiles_x = 0;
+};
+
 /// Where a chunk's visible Gaussians go; arrays of at least kChunk elements.
 struct ProjectedChunk {
   Record* records;
   std::uint32_t* keys;     ///< depth, quantised, increasing
   TileRect* rects;         ///< copies of the records'
   std::uint32_t* sources;  ///< index of the Gaussian
+  std::uint16_t* trained;  ///< numbers, within the chunk, of the records that are not frozen
 };
 struct ChunkCount {
-  std::uint32_t visible = 0, slots = 0;
+  std::uint32_t visible = 0, trained = 0, slots = 0;
 };
 
 inline constexpr int kKeyBits = 22;
 
-/// Projects `count` <= kChunk Gaussians, the first of them with index `first`, and keeps the
-/// visible ones in order.
-ChunkCount project_chunk(const View<float>& view, const map::Gaussian* gaussians,
-                         std::uint32_t first, std::uint32_t count, const ProjectedChunk& out);
+/// Projects the Gaussians [first, first + count), at most what is left of a chunk, and appends the
+/// visible ones in order to the `total` that `out` holds already.
+void project_run(const View<float>& view, const ProjectJob& job, std::uint32_t first,
+                 std::uint32_t count, const ProjectedChunk& out, ChunkCount& total);
 
 }  // namespace sgs::render::cpu

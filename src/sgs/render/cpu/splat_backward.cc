@@ -40,7 +40,7 @@ void SplatBackwardChunk(const View<float>& view, const SplatBackwardJob& job) {
       const std::uint32_t k = i + (l < n ? l : 0);
       parameter_rows[l] = job.gaussians[job.sources[k]].mean;
       sum_rows[l] = sums[l];
-      sum_slots(job, job.records[k], sums[l]);
+      sum_slots(job, job.records[job.trained[k]], sums[l]);
     }
     F s[16], t[16];
     load_columns(parameter_rows, s);

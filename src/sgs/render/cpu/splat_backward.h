@@ -10,11 +10,13 @@
 
 namespace sgs::render::cpu {
 
-/// From the per-tile sums of some visible Gaussians of a chunk to gradients of their parameters.
+/// From the per-tile sums of some visible Gaussians, none of them frozen, of a chunk to gradients
+/// of their parameters.
 struct SplatBackwardJob {
   const map::Gaussian* gaussians = nullptr;  ///< all of them
   const std::uint32_t* sources = nullptr;    ///< index per visible Gaussian
-  const Record* records = nullptr;           ///< record per visible Gaussian
+  const Record* records = nullptr;           ///< the chunk's
+  const std::uint16_t* trained = nullptr;    ///< number in `records` per visible Gaussian
   std::uint32_t visible = 0;
   const SumRow* slots = nullptr;  ///< the chunk's
   const std::uint8_t* slot_used = nullptr;

@@ -143,10 +143,15 @@ void ProcessTile(const TileJob& job, const std::uint32_t* entries, std::uint32_t
   if (job.image != nullptr) store_image(scratch.state, job.image);
   if (job.target == nullptr) return;
   loss_tile(job, place, scratch);
-  if (job.loss.floater_margin_m > 0) {
-    backward_tile<true>(job, visited, scratch);
+  const bool floaters = job.loss.floater_margin_m > 0;
+  if (floaters && job.any_frozen) {
+    backward_tile<true, true>(job, visited, scratch);
+  } else if (floaters) {
+    backward_tile<true, false>(job, visited, scratch);
+  } else if (job.any_frozen) {
+    backward_tile<false, true>(job, visited, scratch);
   } else {
-    backward_tile<false>(job, visited, scratch);
+    backward_tile<false, false>(job, visited, scratch);
   }
 }
 

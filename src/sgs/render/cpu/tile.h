@@ -61,6 +61,7 @@ struct TileJob {
   const float* target = nullptr;          ///< this tile's kTargetChannels
   const float* color_gradient = nullptr;  ///< added to the colour gradient, or null
   TileLoss loss;
+  bool any_frozen = false;                   ///< some records have kNoSlot
   const std::uint32_t* slot_base = nullptr;  ///< first slot of each chunk
   SumRow* slots = nullptr;
   std::uint8_t* slot_used = nullptr;  ///< set to 1 where the slot holds sums; 0 before

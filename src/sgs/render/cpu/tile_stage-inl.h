@@ -128,9 +128,11 @@ HWY_INLINE void append_to_lists(VI bits, std::uint32_t first, std::uint32_t* lis
   }
 }
 
-/// Slot of the sums of a Gaussian in this tile: its tiles are numbered row by row.
+/// Slot of the sums of a Gaussian in this tile: its tiles are numbered row by row. kNoSlot when it
+/// is frozen.
 HWY_INLINE std::uint32_t slot_of(const TileJob& job, std::uint32_t id) {
   const Record& r = job.records[id];
+  if (job.any_frozen && r.slot == kNoSlot) return kNoSlot;
   const int ordinal =
       (job.tile_y - r.rect.y0) * (r.rect.x1 - r.rect.x0 + 1) + job.tile_x - r.rect.x0;
   return job.slot_base[id >> kChunkShift] + r.slot + static_cast<std::uint32_t>(ordinal);

@@ -38,8 +38,10 @@ class ReferenceRasterizer final : public Rasterizer {
                 const EvaluateOptions& options) override {
     const auto* own = dynamic_cast<const ReferenceTarget*>(&target);
     SGS_CHECK(own != nullptr, "the target was prepared by another kind of rasterizer");
+    check_options(options, gaussians.size(), target.camera(), loss);
     const auto rows = convert(gaussians);
-    const auto e = reference::evaluate(rows, own->image, T_world_camera, loss);
+    const auto e = reference::evaluate(rows, own->image, T_world_camera, loss, options);
+    if (options.tile_loss != nullptr) *options.tile_loss = e.tile_loss;
     out.visible.clear();
     out.gradient.clear();
     for (std::size_t i = 0; i < rows.size(); ++i) {

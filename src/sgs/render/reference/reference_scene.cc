@@ -28,9 +28,9 @@ bool sane(const Parameters& p) {
 }
 
 bool in_view(const View& view, const scalar::CameraPoint<double>& p) {
-  const double m = scalar::kOutsideMargin;
-  return p.z > scalar::kNearest_m && p.z < scalar::kFarthest_m && p.u > view.u_min - m &&
-         p.u < view.u_max + m && p.v > view.v_min - m && p.v < view.v_max + m;
+  const double m = kOutsideMargin;
+  return p.z > kNearest_m && p.z < kFarthest_m && p.u > view.u_min - m && p.u < view.u_max + m &&
+         p.v > view.v_min - m && p.v < view.v_max + m;
 }
 
 double alpha_at(const ImageSplat& s, double px, double py) {
@@ -94,8 +94,10 @@ Parameters pack(const scalar::SplatGradient<double>& g, const Sums& sums) {
           g.opacity_logit, sums.rgb[0],   sums.rgb[1],   sums.rgb[2]};
 }
 
-void sum_exposure(const PixelImage& image, const TrainingImage& target, Evaluation& out) {
+void sum_exposure(const PixelImage& image, const TrainingImage& target,
+                  std::span<const std::uint8_t> tiles, Evaluation& out) {
   for (std::size_t i = 0; i < image.size(); ++i) {
+    if (!tiles.empty() && tiles[mask_tile_of(i, target.camera)] == 0) continue;
     if (!(image[i][4] > 0.9) || !(target.depth.data()[i] > 0)) continue;
     const Rgbf& c = target.color.data()[i];
     const std::array<double, 3> measured = {c.r, c.g, c.b};
@@ -105,6 +107,22 @@ void sum_exposure(const PixelImage& image, const TrainingImage& target, Evaluati
       out.exposure_rendered[k] += image[i][k];
     }
   }
+}
+
+/// Whether the box of a Gaussian has a pixel in a tile that counts.
+bool reaches_active_tile(const ImageSplat& s, const PinholeCamera& camera,
+                         std::span<const std::uint8_t> tiles) {
+  if (tiles.empty()) return true;
+  const int tiles_x = (camera.width + kMaskTile - 1) / kMaskTile;
+  const auto first = [](double low) { return static_cast<int>(std::ceil(std::max(low, 0.0))); };
+  const int x1 = std::min(camera.width - 1, static_cast<int>(std::floor(s.x + s.extent_x)));
+  const int y1 = std::min(camera.height - 1, static_cast<int>(std::floor(s.y + s.extent_y)));
+  for (int y = first(s.y - s.extent_y) / kMaskTile; y <= y1 / kMaskTile; ++y) {
+    for (int x = first(s.x - s.extent_x) / kMaskTile; x <= x1 / kMaskTile; ++x) {
+      if (tiles[static_cast<std::size_t>(y * tiles_x + x)] != 0) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace
@@ -175,15 +193,16 @@ PixelImage composite(std::span<const ImageSplat> splats, const PinholeCamera& ca
 }
 
 Evaluation evaluate(std::span<const Parameters> gaussians, const TrainingImage& target,
-                    const SE3& T_world_camera, const LossConfig& loss, bool backward) {
+                    const SE3& T_world_camera, const LossConfig& loss,
+                    const EvaluateOptions& options, bool backward) {
   Evaluation out;
   const PinholeCamera& camera = target.camera;
   const auto splats = project_all(gaussians, camera, T_world_camera);
   out.image = composite(splats, camera);
   PixelImage gradient;
-  out.loss = image_loss(out.image, target, loss, gradient);
+  out.loss = image_loss(out.image, target, loss, options.tiles, gradient, out.tile_loss);
   if (!backward) return out;
-  sum_exposure(out.image, target, out);
+  sum_exposure(out.image, target, options.tiles, out);
 
   std::vector<Sums> sums(splats.size(), Sums{});
   std::vector<Hit> hits;
@@ -203,6 +222,8 @@ Evaluation evaluate(std::span<const Parameters> gaussians, const TrainingImage& 
   out.gradient.assign(gaussians.size(), Parameters{});
   out.visible.assign(gaussians.size(), false);
   for (std::size_t k = 0; k < splats.size(); ++k) {
+    if (!options.frozen.empty() && options.frozen[splats[k].source] != 0) continue;
+    if (!reaches_active_tile(splats[k], camera, options.tiles)) continue;
     const auto shape = shape_of(gaussians[splats[k].source]);
     const auto p = scalar::to_camera(view, shape.mean);
     const auto g = scalar::splat_backward(view, p, scalar::project(view, p, shape), sums[k]);

@@ -39,20 +39,26 @@ struct Evaluation {
   Vector6d camera_twist = Vector6d::Zero();
   std::array<double, 3> exposure_measured{}, exposure_rendered{};
   PixelImage image;
+  std::vector<float> tile_loss;  ///< per tile of kMaskTile pixels
 };
 
 /// Visible Gaussians, nearest first.
 std::vector<ImageSplat> project_all(std::span<const Parameters> gaussians,
                                     const PinholeCamera& camera, const SE3& T_world_camera);
 PixelImage composite(std::span<const ImageSplat> splats, const PinholeCamera& camera);
-/// Value of the loss, and its gradient with respect to each pixel into `gradient`.
+/// Number of the tile of EvaluateOptions::tiles in which pixel `i` lies.
+std::size_t mask_tile_of(std::size_t i, const PinholeCamera& camera);
+/// Value of the loss over the marked tiles (empty = all), and its gradient with respect to each
+/// pixel into `gradient`; the loss of each tile (without D-SSIM) into `tile_loss`.
 double image_loss(const PixelImage& image, const TrainingImage& target, const LossConfig& loss,
-                  PixelImage& gradient);
+                  std::span<const std::uint8_t> tiles, PixelImage& gradient,
+                  std::vector<float>& tile_loss);
 /// Value and gradient of sum over pixels of (1 - SSIM(x, y)) with respect to x for one channel.
 double dssim(std::span<const double> x, std::span<const double> y, int width, int height,
              std::vector<double>& gradient);
 
 Evaluation evaluate(std::span<const Parameters> gaussians, const TrainingImage& target,
-                    const SE3& T_world_camera, const LossConfig& loss, bool backward = true);
+                    const SE3& T_world_camera, const LossConfig& loss,
+                    const EvaluateOptions& options = {}, bool backward = true);
 
 }  // namespace sgs::render::reference

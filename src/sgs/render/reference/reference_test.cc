@@ -38,7 +38,7 @@ Scene make_scene(std::uint64_t seed, int count = 25) {
 
 double loss_of(const Scene& s, const std::vector<Parameters>& gaussians, const SE3& pose,
                const LossConfig& loss) {
-  return evaluate(gaussians, s.target, pose, loss, false).loss;
+  return evaluate(gaussians, s.target, pose, loss, {}, false).loss;
 }
 
 /// Central difference, or NaN where two step sizes disagree: there a pixel crossed the 1/255 cut or
