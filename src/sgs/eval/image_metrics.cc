@@ -7,94 +7,56 @@
 #include <cmath>
 #include <vector>
 
+#include "sgs/eval/ssim_kernel.h"
+
 namespace sgs::eval {
 namespace {
 
 using render::Rgbf;
 
-constexpr int kRadius = 5;
-constexpr int kWindow = 2 * kRadius + 1;
 constexpr std::array<float Rgbf::*, 3> kChannels = {&Rgbf::r, &Rgbf::g, &Rgbf::b};
 
 void check_same_size(const ColorFloatImage& a, const ColorFloatImage& b) {
   SGS_CHECK(a.width() == b.width() && a.height() == b.height(), "pictures differ in size");
 }
 
-std::array<double, kWindow> gaussian_window() {
+std::array<double, kSsimWindow> gaussian_window() {
   constexpr double kSigma = 1.5;
-  std::array<double, kWindow> w{};
+  std::array<double, kSsimWindow> w{};
   double sum = 0;
-  for (int i = 0; i < kWindow; ++i) {
+  for (int i = 0; i < kSsimWindow; ++i) {
     w[static_cast<std::size_t>(i)] =
-        std::exp(-0.5 * (i - kRadius) * (i - kRadius) / (kSigma * kSigma));
+        std::exp(-0.5 * (i - kSsimRadius) * (i - kSsimRadius) / (kSigma * kSigma));
     sum += w[static_cast<std::size_t>(i)];
   }
-  std::array<double, kWindow> result{};
-  for (std::size_t i = 0; i < kWindow; ++i) result[i] = w[i] / sum;
+  std::array<double, kSsimWindow> result{};
+  for (std::size_t i = 0; i < kSsimWindow; ++i) result[i] = w[i] / sum;
   return result;
 }
 
-/// In double, as small variances are differences of large moments. Weighted means of x, y, x^2, y^2
-/// and xy over the window's columns, for one row.
-struct Moments {
-  static constexpr int kCount = 5;
-  std::array<std::vector<double>, kCount> row;
-  explicit Moments(std::size_t width) { row.fill(std::vector<double>(width)); }
+/// The arrays of an SsimJob, kept from one channel to the next.
+struct SsimMemory {
+  std::vector<double> x, y;
+  std::array<std::vector<double>, 5> moments;
+
+  SsimMemory(std::size_t pixels, std::size_t width)
+      : x(pixels + kSsimPadding), y(pixels + kSsimPadding) {
+    moments.fill(std::vector<double>(width + kSsimPadding));
+  }
 };
 
-/// Vertical pass of the five moments for the window of rows starting at `top`.
-void vertical_pass(const std::vector<double>& x, const std::vector<double>& y, int width, int top,
-                   const std::array<double, kWindow>& weight, Moments& out) {
-  for (auto& row : out.row) std::fill(row.begin(), row.end(), 0.0);
-  for (int k = 0; k < kWindow; ++k) {
-    const double w = weight[static_cast<std::size_t>(k)];
-    const std::size_t offset = static_cast<std::size_t>(top + k) * static_cast<std::size_t>(width);
-    const double *px = x.data() + offset, *py = y.data() + offset;
-    double *mx = out.row[0].data(), *my = out.row[1].data(), *mxx = out.row[2].data(),
-           *myy = out.row[3].data(), *mxy = out.row[4].data();
-    for (int i = 0; i < width; ++i) {
-      const double wx = w * px[i], wy = w * py[i];
-      mx[i] += wx;
-      my[i] += wy;
-      mxx[i] += wx * px[i];
-      myy[i] += wy * py[i];
-      mxy[i] += wx * py[i];
-    }
-  }
-}
-
-void horizontal_pass(const std::vector<double>& in, int width, const std::array<double, kWindow>& w,
-                     std::vector<double>& out) {
-  std::fill(out.begin(), out.end(), 0.0);
-  for (int k = 0; k < kWindow; ++k) {
-    const double* p = in.data() + k;
-    for (int i = 0; i < width - 2 * kRadius; ++i) {
-      out[static_cast<std::size_t>(i)] += w[static_cast<std::size_t>(k)] * p[i];
-    }
-  }
-}
-
-/// Mean of the SSIM map over the interior of one channel (Wang et al. 2004, eq. 13).
-double channel_ssim(const std::vector<double>& x, const std::vector<double>& y, int width,
-                    int height) {
-  constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;
-  static const std::array<double, kWindow> weight = gaussian_window();
-  Moments column(static_cast<std::size_t>(width)), full(static_cast<std::size_t>(width));
-  double sum = 0;
-  for (int top = 0; top + kWindow <= height; ++top) {
-    vertical_pass(x, y, width, top, weight, column);
-    for (std::size_t m = 0; m < Moments::kCount; ++m) {
-      horizontal_pass(column.row[m], width, weight, full.row[m]);
-    }
-    for (std::size_t i = 0; i < static_cast<std::size_t>(width - 2 * kRadius); ++i) {
-      const double ux = full.row[0][i], uy = full.row[1][i];
-      const double vx = full.row[2][i] - ux * ux, vy = full.row[3][i] - uy * uy;
-      const double vxy = full.row[4][i] - ux * uy;
-      sum +=
-          (((2 * ux * uy + kC1) * (2 * vxy + kC2)) / ((ux * ux + uy * uy + kC1) * (vx + vy + kC2)));
-    }
-  }
-  return sum / (static_cast<double>(width - 2 * kRadius) * (height - 2 * kRadius));
+/// Mean of the SSIM map over the interior of one channel.
+double channel_ssim(SsimMemory& memory, int width, int height) {
+  static const std::array<double, kSsimWindow> weight = gaussian_window();
+  SsimJob job;
+  job.x = memory.x.data();
+  job.y = memory.y.data();
+  job.width = static_cast<std::size_t>(width);
+  job.height = static_cast<std::size_t>(height);
+  job.weight = weight.data();
+  for (std::size_t m = 0; m < memory.moments.size(); ++m) job.moments[m] = memory.moments[m].data();
+  return ssim_sum(job) /
+         (static_cast<double>(width - 2 * kSsimRadius) * (height - 2 * kSsimRadius));
 }
 
 }  // namespace
@@ -146,15 +108,15 @@ double psnr_db(const ColorFloatImage& truth, const ColorFloatImage& image) {
 
 std::optional<double> ssim(const ColorFloatImage& truth, const ColorFloatImage& image) {
   check_same_size(truth, image);
-  if (truth.width() < kWindow || truth.height() < kWindow) return std::nullopt;
-  std::vector<double> x(truth.size()), y(truth.size());
+  if (truth.width() < kSsimWindow || truth.height() < kSsimWindow) return std::nullopt;
+  SsimMemory memory(truth.size(), static_cast<std::size_t>(truth.width()));
   double sum = 0;
   for (const auto channel : kChannels) {
     for (std::size_t i = 0; i < truth.size(); ++i) {
-      x[i] = truth.data()[i].*channel;
-      y[i] = image.data()[i].*channel;
+      memory.x[i] = truth.data()[i].*channel;
+      memory.y[i] = image.data()[i].*channel;
     }
-    sum += channel_ssim(x, y, truth.width(), truth.height());
+    sum += channel_ssim(memory, truth.width(), truth.height());
   }
   return sum / 3;
 }

@@ -44,6 +44,11 @@ class MapKeyframe {
   float depth_unit_m_;
 };
 
+/// Pixels of `camera` per pixel of a rendering for it at full (1) or half (2) resolution.
+inline int rendering_scale(const render::Rendering& rendering, const PinholeCamera& camera) {
+  return rendering.alpha.width() == camera.width ? 1 : 2;
+}
+
 /// Prepared training targets: half resolution for every keyframe, full resolution for the most
 /// recently used ones.
 class TargetCache {

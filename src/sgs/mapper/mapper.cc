@@ -160,7 +160,8 @@ int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE
     const bool empty = m.store.size() == 0;
     if (!empty) {
       const ScopedTimer part(m.times, "map/insertion/render");
-      m.rasterizer->render(m.store.average, m.camera, T, m.rendering);
+      m.rasterizer->render(m.store.average, m.camera.halved(m.config.insertion.rendering_level), T,
+                           m.rendering);
       if (m.config.refinement.exposure) {
         keyframe.gain = m.keyframes[m.keyframes.size() - 2].gain;
         const ExposureSums sums = exposure_sums(keyframe, m.rendering);

@@ -15,6 +15,9 @@ void InsertionConfig::declare(ParameterList& p) {
         "", {0, 10});
   p.add("max_alpha", max_alpha, "Insert where the rendered map is less opaque than this.", "",
         {0, 1});
+  p.add("rendering_level", rendering_level,
+        "The map is rendered at full (0) or half (1) resolution to see where it is open.", "",
+        {0, 1});
   p.add("front_ratio", front_ratio,
         "Insert where the measured depth is in front of the rendered one by this share ...", "",
         {0, 10});

@@ -98,6 +98,7 @@ class QuadtreeInsertion {
       : keyframe_(keyframe),
         keyframe_index_(keyframe_index),
         rendering_(rendering),
+        scale_(rendering != nullptr ? rendering_scale(*rendering, keyframe.camera()) : 1),
         config_(config),
         max_growth_(max_growth),
         store_(store),
@@ -158,8 +159,10 @@ class QuadtreeInsertion {
     float alpha = 0, depth_sum = 0;
     for (const int dv : {size / 4, size - 1 - size / 4}) {
       for (const int du : {size / 4, size - 1 - size / 4}) {
-        alpha += 0.25f * rendering_->alpha(x + du, y + dv);
-        depth_sum += 0.25f * rendering_->depth_sum(x + du, y + dv);
+        const int u = std::min((x + du) / scale_, rendering_->alpha.width() - 1);
+        const int v = std::min((y + dv) / scale_, rendering_->alpha.height() - 1);
+        alpha += 0.25f * rendering_->alpha(u, v);
+        depth_sum += 0.25f * rendering_->depth_sum(u, v);
       }
     }
     constexpr float kTrustRendering = 0.3f;
@@ -237,6 +240,7 @@ class QuadtreeInsertion {
   const MapKeyframe& keyframe_;
   int keyframe_index_;
   const render::Rendering* rendering_;
+  int scale_;  // pixels of the keyframe per pixel of the rendering
   const InsertionConfig& config_;
   double max_growth_;
   map::GaussianStore& store_;
