@@ -26,8 +26,8 @@ struct SurfacePoint {
 
 /// Adds Gaussians for a keyframe with an image quadtree (MAPPING, "Insertion"): leaves are as large
 /// as colour and depth are flat; a leaf is used only where `rendering`, the present map seen from
-/// the keyframe at full or half resolution, is not opaque or lies behind the measurement. Null `rendering`: the map is empty.
-/// Returns how many were added.
+/// the keyframe at full or half resolution, is not opaque or lies behind the measurement. Null
+/// `rendering`: the map is empty. Returns how many were added.
 std::size_t insert_quadtree(const MapKeyframe& keyframe, int keyframe_index,
                             const render::Rendering* rendering, const InsertionConfig& config,
                             double max_growth, map::GaussianStore& store);

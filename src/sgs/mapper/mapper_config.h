@@ -16,7 +16,7 @@ struct InsertionConfig {
   double split_gray = 0.05;   ///< split where the grey deviation of a cell exceeds this (0..1)
   double split_depth = 0.06;  ///< or where its depth range exceeds this share
   double max_alpha = 0.7;     ///< insert where the map covers less than this
-  int rendering_level = 1;     ///< the map is rendered for this at full (0) or half (1) resolution
+  int rendering_level = 1;    ///< the map is rendered for this at full (0) or half (1) resolution
   double front_ratio = 0.05;  ///< or where the measurement lies in front by ratio and margin
   double front_margin_m = 0.02;
   double sigma_tangential = 0.6;  ///< in leaf widths
