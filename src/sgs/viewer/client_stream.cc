@@ -11,7 +11,9 @@ namespace sgs::viewer {
 namespace {
 
 constexpr std::size_t kPathChunk = 2048;
-constexpr double kMapInterval_s = 0.3;  // between map steps of one client
+constexpr double kMapInterval_s = 0.5;  // between map steps of one client
+// Between its states: more than a screen shows would only take time from an offline run.
+constexpr double kStateInterval_s = 0.02;
 
 }  // namespace
 
@@ -63,7 +65,7 @@ std::optional<Outgoing> ClientStream::next(double now_s, bool paused) {
     std::optional<Outgoing> out;
     switch (turn_++ % 3) {
       case 0:
-        out = next_state(paused);
+        out = next_state(now_s, paused);
         break;
       case 1:
         out = next_picture();
@@ -82,9 +84,10 @@ std::optional<Outgoing> ClientStream::next(double now_s, bool paused) {
   return std::nullopt;
 }
 
-std::optional<Outgoing> ClientStream::next_state(bool paused) {
+std::optional<Outgoing> ClientStream::next_state(double now_s, bool paused) {
   const Board::State state = encoder_.board().state();
   if (state.sequence == state_sequence_ || !state.update) return std::nullopt;
+  if (now_s < next_state_s_ && !state.update->finished) return std::nullopt;
   if (state.generation != generation_) {
     generation_ = state.generation;
     if (std::exchange(path_known_, 0) > 0) {
@@ -103,6 +106,7 @@ std::optional<Outgoing> ClientStream::next_state(bool paused) {
   }
   path_known_ = std::max(path_known_, frame + 1);
   state_sequence_ = state.sequence;
+  next_state_s_ = now_s + kStateInterval_s;
   return Outgoing{true, encoder_.state(state, paused)};
 }
 

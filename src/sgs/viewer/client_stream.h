@@ -60,7 +60,7 @@ class ClientStream {
   bool up_to_date() const;
 
  private:
-  std::optional<Outgoing> next_state(bool paused);
+  std::optional<Outgoing> next_state(double now_s, bool paused);
   std::optional<Outgoing> next_picture();
   std::optional<Outgoing> next_map(double now_s);
 
@@ -72,6 +72,7 @@ class ClientStream {
   unsigned turn_ = 0;  // state, pictures and map take turns, so that none starves
 
   std::uint64_t state_sequence_ = 0, generation_ = 0;
+  double next_state_s_ = 0;
   std::size_t path_known_ = 0;
   std::array<std::shared_ptr<const std::string>, kPanes> pictures_;
 

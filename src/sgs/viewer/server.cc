@@ -84,6 +84,7 @@ struct Server::Impl {
   net::Core core;
   tcp::acceptor acceptor;
   net::asio::steady_timer accept_pause, ticker;
+  double posted_wake_s = 0;  // only of the thread that posts
   double alone_since_s = 0;
   double stopping_since_s = 0;  // > 0: good-byes are being said
   std::string url;
@@ -147,7 +148,8 @@ void Server::Impl::on_socket(tcp::socket socket) {
   std::make_shared<net::HttpConnection>(core, std::move(socket))->start();
 }
 
-// Ten times a second: clients that wait for the next map, deadlines, a run paused by nobody.
+// Many times a second: clients that wait for the next state or map, deadlines, a run paused by
+// nobody.
 void Server::Impl::tick() {
   const double now_s = wall_time_s();
   for (const auto& session : net::sessions(core)) {
@@ -165,7 +167,8 @@ void Server::Impl::tick() {
     core.io.stop();
     return;
   }
-  ticker.expires_after(std::chrono::milliseconds(stopping_since_s > 0 ? 10 : 100));
+  const int pause_ms = stopping_since_s > 0 ? 10 : core.clients.empty() ? 100 : 25;
+  ticker.expires_after(std::chrono::milliseconds(pause_ms));
   ticker.async_wait([this](error_code stopped) {
     if (!stopped) tick();
   });
@@ -227,8 +230,14 @@ RunControl& Server::control() { return impl_->core.control; }
 
 void Server::post(FrameUpdate update) {
   auto shared = std::make_shared<const FrameUpdate>(std::move(update));
+  const bool finished = shared->finished;
   impl_->core.pictures.offer(shared);
   impl_->core.board.post(std::move(shared));
+  // What comes faster than this waits for the next tick: every wake interrupts the run.
+  constexpr double kWakeInterval_s = 0.02;
+  const double now_s = wall_time_s();
+  if (!finished && now_s - impl_->posted_wake_s < kWakeInterval_s) return;
+  impl_->posted_wake_s = now_s;
   impl_->wake();
 }
 
