@@ -2,13 +2,14 @@
 # SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Installs the Debian packages of packages-debian.txt that are missing; does nothing (and needs no
-# network and no rights) when all are there.
+# Installs the Debian packages of packages-debian.txt that are missing, those for tests with --tests
+# only; does nothing (and needs no network and no rights) when all are there.
 set -euo pipefail
 list="$(dirname "$0")/packages-debian.txt"
 missing=()
-while read -r package; do
+while read -r package purpose; do
   [[ -z "$package" || "$package" == \#* ]] && continue
+  [[ "$purpose" == tests && "${1:-}" != --tests ]] && continue
   # Node.js from elsewhere brings its own npm, and Debian's conflicts with it: any npm will do.
   [[ "$package" =~ ^(nodejs|npm)$ ]] && command -v npm >/dev/null && continue
   dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
