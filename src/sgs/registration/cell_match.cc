@@ -77,17 +77,21 @@ void MatchCells(const CellTargets& targets, const CellCamera& camera, const Cell
 
 using Wide = hn::CappedTag<float, 16>;
 
-// Cells and depths of one vector of points.
+// Cells and depths of one vector of points; p and n: coordinates and normals.
 template <class D, class Vec>
-HWY_INLINE void ProjectVector(D d, Vec px, Vec py, Vec pz, const CellCamera& camera, int width,
-                              int height, const Eigen::Matrix3f& R, const Eigen::Vector3f& t,
-                              int* cells, float* depths) {
+HWY_INLINE void ProjectVector(D d, const Vec (&p)[3], const Vec (&n)[3], const CellCamera& camera,
+                              int width, int height, const Eigen::Matrix3f& R,
+                              const Eigen::Vector3f& t, const Eigen::Vector3f& eye, int* cells,
+                              float* depths) {
   const hn::RebindToSigned<D> di;
   const auto moved = [&](int row) {
-    return hn::MulAdd(hn::Set(d, R(row, 0)), px,
-                      hn::MulAdd(hn::Set(d, R(row, 1)), py,
-                                 hn::MulAdd(hn::Set(d, R(row, 2)), pz, hn::Set(d, t[row]))));
+    return hn::MulAdd(hn::Set(d, R(row, 0)), p[0],
+                      hn::MulAdd(hn::Set(d, R(row, 1)), p[1],
+                                 hn::MulAdd(hn::Set(d, R(row, 2)), p[2], hn::Set(d, t[row]))));
   };
+  const auto from_eye = [&](int axis) { return hn::Sub(p[axis], hn::Set(d, eye[axis])); };
+  const auto away =
+      hn::MulAdd(n[0], from_eye(0), hn::MulAdd(n[1], from_eye(1), hn::Mul(n[2], from_eye(2))));
   const auto x = moved(0), y = moved(1), z = moved(2);
   const auto one = hn::Set(d, 1.0f);
   const auto in_front = hn::Gt(z, hn::Set(d, camera.near_m));
@@ -98,7 +102,8 @@ HWY_INLINE void ProjectVector(D d, Vec px, Vec py, Vec pz, const CellCamera& cam
       hn::And(hn::Ge(u, one), hn::Lt(u, hn::Set(d, static_cast<float>(width - 1))));
   const auto inside_v =
       hn::And(hn::Ge(v, one), hn::Lt(v, hn::Set(d, static_cast<float>(height - 1))));
-  const auto inside = hn::And(in_front, hn::And(inside_u, inside_v));
+  const auto facing = hn::Lt(away, hn::Zero(d));
+  const auto inside = hn::And(hn::And(in_front, facing), hn::And(inside_u, inside_v));
   const auto column = hn::ConvertTo(di, hn::IfThenElse(inside, u, one));
   const auto row = hn::ConvertTo(di, hn::IfThenElse(inside, v, one));
   const auto cell = hn::Add(hn::Mul(row, hn::Set(di, width)), column);
@@ -110,16 +115,20 @@ void ProjectToCells(const PointArrays& points, const CellCamera& camera, int wid
                     const Eigen::Matrix3f& R, const Eigen::Vector3f& t, int* cells, float* depths) {
   constexpr Wide d;
   constexpr std::size_t kWide = hn::MaxLanes(Wide());
+  const Eigen::Vector3f eye = -(R.transpose() * t);
+  const auto project = [&](auto tag, std::size_t i) {
+    const auto load = [&](const float* const(&arrays)[3], int axis) {
+      return hn::LoadU(tag, arrays[axis] + i);
+    };
+    const hn::Vec<decltype(tag)> p[3] = {load(points.point, 0), load(points.point, 1),
+                                         load(points.point, 2)};
+    const hn::Vec<decltype(tag)> n[3] = {load(points.normal, 0), load(points.normal, 1),
+                                         load(points.normal, 2)};
+    ProjectVector(tag, p, n, camera, width, height, R, t, eye, cells + i, depths + i);
+  };
   std::size_t i = 0;
-  for (; i + kWide <= points.count; i += kWide) {
-    ProjectVector(d, hn::LoadU(d, points.x + i), hn::LoadU(d, points.y + i),
-                  hn::LoadU(d, points.z + i), camera, width, height, R, t, cells + i, depths + i);
-  }
-  constexpr hn::CappedTag<float, 1> single;
-  for (; i < points.count; ++i) {
-    ProjectVector(single, hn::Set(single, points.x[i]), hn::Set(single, points.y[i]),
-                  hn::Set(single, points.z[i]), camera, width, height, R, t, cells + i, depths + i);
-  }
+  for (; i + kWide <= points.count; i += kWide) project(d, i);
+  for (; i < points.count; ++i) project(hn::CappedTag<float, 1>(), i);
 }
 
 }  // namespace sgs::registration::HWY_NAMESPACE

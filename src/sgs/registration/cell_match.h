@@ -51,14 +51,16 @@ inline int cell_of(const CellCamera& camera, int width, int height, const Eigen:
   return static_cast<int>(v) * width + static_cast<int>(u);
 }
 
-/// Points as structure of arrays.
+/// Surface points as structure of arrays.
 struct PointArrays {
-  const float *x = nullptr, *y = nullptr, *z = nullptr;
+  const float* point[3] = {};
+  const float* normal[3] = {};
   std::size_t count = 0;
 };
 
-/// cell_of() for each point, moved by (R, t), and its depth there. Same bits for the same
-/// instruction set; `cells` and `depths` hold `count` values.
+/// cell_of() for each point, moved by (R, t), and its depth there; -1, too, where its normal does
+/// not face the camera. Same bits for the same instruction set; `cells` and `depths` hold `count`
+/// values.
 void project_to_cells(const PointArrays& points, const CellCamera& camera, int width, int height,
                       const Eigen::Matrix3f& R, const Eigen::Vector3f& t, int* cells,
                       float* depths);

@@ -39,7 +39,8 @@ struct TargetCloud {
   std::vector<TargetPoint> points;
   std::vector<Eigen::Matrix3f> covariances;  ///< normalised ellipses; empty or one per point
   std::uint64_t layout = 0;
-  std::uint64_t moves = 0;  ///< changes whenever points that were there before have moved
+  /// Changes whenever points that were there before have moved, been removed or come back.
+  std::uint64_t moves = 0;
 };
 
 /// Ellipse of a plane with unit normal `n` as G-ICP normalises it: 1 along the surface, `floor`

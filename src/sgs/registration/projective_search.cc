@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/registration/projective_search.h"
 
+#include <hwy/cache_control.h>
+
 #include <algorithm>
 #include <limits>
 
@@ -22,17 +24,21 @@ ProjectiveSearch::ProjectiveSearch(const SearchConfig& config, const PinholeCame
   SGS_CHECK(camera.valid(), "the search needs a usable camera");
 }
 
-// Takes over the places of new points, and of all when they moved.
+// Takes over new points, and all of them when they moved. Removed ones have no normal and so face
+// nobody.
 void ProjectiveSearch::follow(const TargetCloud& cloud) {
   const bool afresh =
-      cloud.layout != layout_ || cloud.moves != moves_ || cloud.points.size() < places_[0].size();
+      cloud.layout != layout_ || cloud.moves != moves_ || cloud.points.size() < points_[0].size();
   layout_ = cloud.layout;
   moves_ = cloud.moves;
+  const std::size_t begin = afresh ? 0 : points_[0].size();
   for (int axis = 0; axis < 3; ++axis) {
-    std::vector<float>& places = places_[axis];
-    if (afresh) places.clear();
-    for (std::size_t i = places.size(); i < cloud.points.size(); ++i) {
-      places.push_back(cloud.points[i].point[axis]);
+    points_[axis].resize(begin);
+    normals_[axis].resize(begin);
+    for (std::size_t i = begin; i < cloud.points.size(); ++i) {
+      const TargetPoint& p = cloud.points[i];
+      points_[axis].push_back(p.point[axis]);
+      normals_[axis].push_back(p.alive() ? p.normal[axis] : 0.0f);
     }
   }
 }
@@ -45,7 +51,6 @@ void ProjectiveSearch::prepare(const TargetCloud& cloud, const SE3& T_map_predic
   const SE3 inverse = T_map_predicted.inverse();
   const Eigen::Matrix3f R = inverse.R.cast<float>();
   const Eigen::Vector3f t = inverse.t.cast<float>();
-  const Eigen::Vector3f eye = T_map_predicted.t.cast<float>();
 
   follow(cloud);
   constexpr std::size_t kBatch = 1024;
@@ -53,15 +58,17 @@ void ProjectiveSearch::prepare(const TargetCloud& cloud, const SE3& T_map_predic
   float depth[kBatch];
   for (std::size_t begin = 0; begin < cloud.points.size(); begin += kBatch) {
     const std::size_t count = std::min(kBatch, cloud.points.size() - begin);
-    project_to_cells(
-        {places_[0].data() + begin, places_[1].data() + begin, places_[2].data() + begin, count},
-        camera_, width_, height_, R, t, where, depth);
+    const auto from = [begin](const std::vector<float>(&arrays)[3], int axis) {
+      return arrays[axis].data() + begin;
+    };
+    project_to_cells({{from(points_, 0), from(points_, 1), from(points_, 2)},
+                      {from(normals_, 0), from(normals_, 1), from(normals_, 2)},
+                      count},
+                     camera_, width_, height_, R, t, where, depth);
     for (std::size_t k = 0; k < count; ++k) {
       if (where[k] < 0) continue;
       const auto c = static_cast<std::size_t>(where[k]);
       if (!(depth[k] < depths_[c])) continue;
-      const TargetPoint& p = cloud.points[begin + k];
-      if (!p.alive() || !(p.normal.dot(p.point - eye) < 0)) continue;
       depths_[c] = depth[k];
       cells_[c] = static_cast<int>(begin + k);
     }
@@ -69,7 +76,11 @@ void ProjectiveSearch::prepare(const TargetCloud& cloud, const SE3& T_map_predic
   targets_.clear();
   covariances_.clear();
   cell_targets_.clear();
+  constexpr std::size_t kAhead = 16;  // the winners lie anywhere in memory: ask for them early
   for (std::size_t c = 0; c < cell_count; ++c) {
+    if (c + kAhead < cell_count && cells_[c + kAhead] != kNoMatch) {
+      hwy::Prefetch(&cloud.points[static_cast<std::size_t>(cells_[c + kAhead])]);
+    }
     if (cells_[c] == kNoMatch) continue;
     const auto i = static_cast<std::size_t>(cells_[c]);
     const TargetPoint& p = cloud.points[i];

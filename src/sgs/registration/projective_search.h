@@ -33,8 +33,8 @@ class ProjectiveSearch : public CorrespondenceSearch {
   int width_, height_;  // cells, with a border of one empty cell all around
   CellCamera camera_;
   SE3 T_map_reference_;
-  // Places of the cloud's points, structure of arrays: most points need nothing else.
-  std::vector<float> places_[3];
+  // The cloud's points, structure of arrays: most need nothing else.
+  std::vector<float> points_[3], normals_[3];
   std::uint64_t layout_ = 0, moves_ = 0;  // of the cloud they were taken from
   std::vector<int> cells_;                // index into targets_ per cell, or kNoMatch
   std::vector<float> depths_;             // of the winner of each cell

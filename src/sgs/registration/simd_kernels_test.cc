@@ -186,22 +186,32 @@ TEST_P(SimdKernels, WindowSumsMatchPlainLoops) {
 
 TEST_P(SimdKernels, PointsFallIntoTheCellsOfThePlainProjection) {
   constexpr int kWidth = 22, kHeight = 17;
-  constexpr std::size_t kCount = 203;
+  constexpr std::size_t kCount = 403;
   const CellCamera camera{30, 30, 11, 8.5f, 0.05f};
   const Eigen::Matrix3f R = Eigen::AngleAxisf(0.2f, Eigen::Vector3f::UnitX()).matrix();
   const Eigen::Vector3f t(0.1f, -0.2f, 0.15f);
-  std::vector<float> x(kCount), y(kCount), z(kCount), depths(kCount);
+  std::vector<float> points[3], normals[3], depths(kCount);
   std::vector<int> cells(kCount);
   for (std::size_t i = 0; i < kCount; ++i) {
-    x[i] = uniform(-1, 1), y[i] = uniform(-1, 1), z[i] = uniform(-0.5f, 3);
+    for (int axis = 0; axis < 3; ++axis) {
+      points[axis].push_back(axis < 2 ? uniform(-1, 1) : uniform(-0.5f, 3));
+      normals[axis].push_back(uniform(-1, 0.3f));
+    }
   }
-  x[7] = std::numeric_limits<float>::quiet_NaN();
-  project_to_cells({x.data(), y.data(), z.data(), kCount}, camera, kWidth, kHeight, R, t,
-                   cells.data(), depths.data());
+  points[0][7] = std::numeric_limits<float>::quiet_NaN();
+  for (auto& normal : normals) normal[8] = 0;  // a removed point
+  project_to_cells({{points[0].data(), points[1].data(), points[2].data()},
+                    {normals[0].data(), normals[1].data(), normals[2].data()},
+                    kCount},
+                   camera, kWidth, kHeight, R, t, cells.data(), depths.data());
+  const Eigen::Vector3f eye = -(R.transpose() * t);
   int inside = 0;
   for (std::size_t i = 0; i < kCount; ++i) {
-    const Eigen::Vector3f p = R * Eigen::Vector3f(x[i], y[i], z[i]) + t;
-    const int expected = cell_of(camera, kWidth, kHeight, p);
+    const Eigen::Vector3f point(points[0][i], points[1][i], points[2][i]);
+    const Eigen::Vector3f normal(normals[0][i], normals[1][i], normals[2][i]);
+    const Eigen::Vector3f p = R * point + t;
+    const bool facing = normal.dot(point - eye) < 0;
+    const int expected = facing ? cell_of(camera, kWidth, kHeight, p) : -1;
     EXPECT_EQ(cells[i], expected) << i;
     if (i != 7) {
       EXPECT_NEAR(depths[i], p.z(), 1e-5);
