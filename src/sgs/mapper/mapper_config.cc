@@ -137,6 +137,7 @@ MapperConfig paper_mapper_config() {
   c.optimizer.rate_opacity = 0.05;
   // 2.5e-3 on the SH coefficient; ours is plain RGB = 0.5 + 0.28209 f_dc.
   c.optimizer.rate_color = 2.5e-3 * 0.28209;
+  c.optimizer.beta2 = 0.999;
   c.optimizer.average = 0;
   c.optimizer.max_axis_ratio = 0;
   c.optimizer.max_flatness = 0;

@@ -38,7 +38,7 @@ struct OptimizerConfig {
   double rate_opacity = 0.05;
   double rate_color = 5e-3;
   double beta1 = 0.9;
-  double beta2 = 0.999;
+  double beta2 = 0.98;
   double average = 0.97;        ///< ceiling of the averaging factor; 0 = no averaging
   double max_axis_ratio = 2.5;  ///< largest to middle axis; 0 = free
   double max_flatness = 4;      ///< middle to smallest axis; 0 = free
@@ -63,7 +63,7 @@ struct ObjectiveConfig {
 /// Which keyframe is visited when, and at which resolution.
 struct ScheduleConfig {
   std::string order = "rounds";  ///< rounds (shuffled, each keyframe once) | random (the paper)
-  double half_resolution_share = 0.8;
+  double half_resolution_share = 0.9;
   int prune_interval = 200;  ///< steps between prunings
   double prune_opacity = 0.02;
   double prune_scale_m = 1.0;

@@ -46,8 +46,9 @@ TEST_P(EachInstructionSet, FollowsTheScalarFormulaOfAdam) {
     const double g = std::sin(0.7 * t);
     step(optimizer, {0}, {row(static_cast<float>(g))}, store);
     m = 0.9 * m + 0.1 * g;
-    v = 0.999 * v + 0.001 * g * g;
-    value -= 5e-3 * (m / (1 - std::pow(0.9, t))) / std::sqrt(v / (1 - std::pow(0.999, t)));
+    v = config.beta2 * v + (1 - config.beta2) * g * g;
+    value -= config.rate_color * (m / (1 - std::pow(0.9, t))) /
+             std::sqrt(v / (1 - std::pow(config.beta2, t)));
     const double d = std::min(0.9, static_cast<double>(t) / (t + 9));
     average = d * average + (1 - d) * value;
   }
