@@ -30,18 +30,17 @@ struct ProjectedRoom {
   PinholeCamera camera = benchmarks::room_camera(kWidth);
   render::View<float> view = render::make_view<float>(camera, benchmarks::room_pose());
   Buffer<Record> records;
-  Buffer<std::uint32_t> keys, sources;
+  Buffer<std::uint32_t> keys, trained, first_slot;
   Buffer<TileRect> rects;
-  Buffer<std::uint16_t> trained;
   std::vector<std::uint32_t> visible;
 
   ProjectedRoom() {
     const std::size_t capacity = gaussians.size() + kChunk;
     records.ensure(capacity);
     keys.ensure(capacity);
-    sources.ensure(capacity);
-    rects.ensure(capacity);
     trained.ensure(capacity);
+    rects.ensure(capacity);
+    first_slot.ensure(capacity);
     project();
   }
   void project() {
@@ -52,7 +51,7 @@ struct ProjectedRoom {
       project_run(view, {.gaussians = gaussians.data()}, static_cast<std::uint32_t>(first),
                   static_cast<std::uint32_t>(count),
                   {records.data() + first, keys.data() + first, rects.data() + first,
-                   sources.data() + first, trained.data() + first},
+                   trained.data() + first, first_slot.data() + first},
                   found);
       visible.push_back(found.visible);
     }

@@ -82,7 +82,7 @@ class AxisCaps {
 
 void AdamStep(const AdamSettings& settings, const AdamRows& rows, const std::uint32_t* indices,
               const map::Gaussian* gradient, std::size_t count) {
-  constexpr std::size_t kAhead = 6;
+  constexpr std::size_t kAhead = 16;
   constexpr bool kCapsInVector = kLanes >= 8;
   // Where the second moment is smaller the gradient is noise of rounding.
   const V least_moment2 = hn::Set(kTag, 1e-24f);

@@ -12,6 +12,9 @@
 namespace sgs::render::cpu {
 namespace {
 
+/// first_slot_ holds the end of the last Gaussian's slots too.
+constexpr std::size_t kSlotStride = kChunk + 1;
+
 template <class T>
 void match_size(Image<T>& image, const TileGrid& grid) {
   if (image.width() != grid.width || image.height() != grid.height) {
@@ -88,9 +91,9 @@ void CpuRasterizer::arrange(std::span<const map::Gaussian> gaussians, const View
   const std::size_t capacity = chunks * kChunk;
   records_.ensure(capacity);
   keys_.ensure(capacity);
-  sources_.ensure(capacity);
   rects_.ensure(capacity);
-  trained_records_.ensure(capacity);
+  trained_sources_.ensure(capacity);
+  first_slot_.ensure(chunks * kSlotStride);
   visible_.resize(chunks);
   trained_.resize(chunks);
   first_trained_.resize(chunks + 1);
@@ -126,7 +129,8 @@ ChunkCount CpuRasterizer::project_chunk(const View<float>& view, const ProjectJo
   static_assert(kChunk % kBlock == 0);
   const std::size_t first = chunk * kChunk, end = std::min<std::size_t>(first + kChunk, gaussians);
   const ProjectedChunk to = {records_.data() + first, keys_.data() + first, rects_.data() + first,
-                             sources_.data() + first, trained_records_.data() + first};
+                             trained_sources_.data() + first,
+                             first_slot_.data() + chunk * kSlotStride};
   ChunkCount found;
   const auto project = [&](std::size_t from, std::size_t until) {
     if (from == until) return;
@@ -205,7 +209,7 @@ void CpuRasterizer::visit_tiles(const CpuTarget& target, const LossConfig& loss,
   const bool keep_image = options.rendering != nullptr;
   const TileGrid& grid = target.grid();
   const TileLoss weights = tile_loss(loss);
-  slots_.ensure(total_slots_);
+  slots_.ensure(total_slots_ + kSlotsReadAhead);
   slot_used_.ensure(total_slots_);
   std::fill_n(slot_used_.data(), total_slots_, std::uint8_t{0});
   results_.resize(static_cast<std::size_t>(grid.tiles()));
@@ -236,7 +240,7 @@ void CpuRasterizer::visit_tiles(const CpuTarget& target, const LossConfig& loss,
 
 void CpuRasterizer::splat_backward(std::span<const map::Gaussian> gaussians,
                                    const View<float>& view, Gradients& out, GradientSink* sink) {
-  constexpr std::uint32_t kRowsAtOnce = 64;  // 4 KiB, still in the first cache when the sink reads
+  constexpr std::uint32_t kRowsAtOnce = 128;  // 4 KiB, still in the first cache when the sink reads
   const std::size_t chunks = trained_.size(), visible = first_trained_[chunks];
   out.visible.resize(visible);
   out.gradient.resize(sink == nullptr ? visible : 0);
@@ -245,19 +249,17 @@ void CpuRasterizer::splat_backward(std::span<const map::Gaussian> gaussians,
     const auto c = static_cast<std::size_t>(chunk);
     const std::uint32_t count = trained_[c];
     const std::span indices(out.visible.data() + first_trained_[c], count);
-    const std::uint16_t* trained = trained_records_.data() + c * kChunk;
-    for (std::size_t i = 0; i < count; ++i) indices[i] = sources_[c * kChunk + trained[i]];
+    std::copy_n(trained_sources_.data() + c * kChunk, count, indices.data());
     twists_[c].fill(0);
     SplatBackwardJob job;
     job.gaussians = gaussians.data();
-    job.records = records_.data() + c * kChunk;
     job.slots = slots_.data() + slot_base_[c];
     job.slot_used = slot_used_.data() + slot_base_[c];
     job.twist = twists_[c].data();
     std::array<map::Gaussian, kRowsAtOnce> rows;
     for (std::uint32_t i = 0; i < count; i += kRowsAtOnce) {
       job.sources = indices.data() + i;
-      job.trained = trained + i;
+      job.first_slot = first_slot_.data() + c * kSlotStride + i;
       job.visible = std::min(kRowsAtOnce, count - i);
       job.gradient = sink == nullptr ? out.gradient.data() + first_trained_[c] + i : rows.data();
       splat_backward_chunk(view, job);

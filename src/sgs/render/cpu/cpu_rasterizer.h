@@ -54,9 +54,8 @@ class CpuRasterizer final : public Rasterizer {
   // Per chunk of Gaussians.
   std::vector<std::uint32_t> visible_, trained_, first_trained_, slot_base_;
   Buffer<Record> records_;
-  Buffer<std::uint32_t> keys_, sources_;
+  Buffer<std::uint32_t> keys_, trained_sources_, first_slot_;
   Buffer<TileRect> rects_;
-  Buffer<std::uint16_t> trained_records_;
   std::vector<std::array<double, 6>> twists_;
   std::uint32_t total_slots_ = 0;
 

@@ -69,12 +69,16 @@ void ProjectRun(const View<float>& view, const ProjectJob& all, std::uint32_t fi
   const ProjectJob job = all;
   const ProjectedChunk out = to;
   ChunkCount total = so_far;
+  constexpr std::uint32_t kAhead = 64;
   const map::Gaussian* gaussians = job.gaussians + first;
   for (std::uint32_t i = 0; i < count; i += kLanes) {
     const int n = static_cast<int>(count - i) < kLanes ? static_cast<int>(count - i) : kLanes;
     const float* rows[kLanes];
     for (int l = 0; l < kLanes; ++l) {
       rows[l] = gaussians[i + static_cast<std::uint32_t>(l < n ? l : 0)].mean;
+      if (i + kAhead + kLanes <= count) {
+        __builtin_prefetch(gaussians[i + kAhead + static_cast<std::uint32_t>(l)].mean);
+      }
     }
     F s[16];
     load_columns(rows, s);
@@ -136,14 +140,15 @@ void ProjectRun(const View<float>& view, const ProjectJob& all, std::uint32_t fi
         r.slot = kNoSlot;
       } else {
         r.slot = total.slots;
+        out.trained[total.trained] = source;
+        out.first_slot[total.trained++] = total.slots;
         total.slots += static_cast<std::uint32_t>((x1[l] - x0[l] + 1) * (y1[l] - y0[l] + 1));
-        out.trained[total.trained++] = static_cast<std::uint16_t>(k);
       }
       out.rects[k] = rect;
       out.keys[k] = depth_key(r.z);
-      out.sources[k] = source;
     }
   }
+  out.first_slot[total.trained] = total.slots;
   so_far = total;
 }
 

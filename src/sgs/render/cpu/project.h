@@ -21,10 +21,11 @@ struct ProjectJob {
 /// Where a chunk's visible Gaussians go; arrays of at least kChunk elements.
 struct ProjectedChunk {
   Record* records;
-  std::uint32_t* keys;     ///< depth, quantised, increasing
-  TileRect* rects;         ///< copies of the records'
-  std::uint32_t* sources;  ///< index of the Gaussian
-  std::uint16_t* trained;  ///< numbers, within the chunk, of the records that are not frozen
+  std::uint32_t* keys;  ///< depth, quantised, increasing
+  TileRect* rects;      ///< copies of the records'
+  // Of those that are not frozen:
+  std::uint32_t* trained;     ///< index of the Gaussian
+  std::uint32_t* first_slot;  ///< as in its record; behind the last one, the end of its slots
 };
 struct ChunkCount {
   std::uint32_t visible = 0, trained = 0, slots = 0;

@@ -14,12 +14,11 @@ HWY_BEFORE_NAMESPACE();
 namespace sgs::render::cpu::HWY_NAMESPACE {
 
 /// Adds up a Gaussian's slots in tile order.
-HWY_INLINE void sum_slots(const SplatBackwardJob& job, const Record& r, float* out) {
-  const auto tiles =
-      static_cast<std::uint32_t>((r.rect.x1 - r.rect.x0 + 1) * (r.rect.y1 - r.rect.y0 + 1));
+HWY_INLINE void sum_slots(const SplatBackwardJob& job, std::uint32_t begin, std::uint32_t end,
+                          float* out) {
   F sum[kParts];
   for (F& s : sum) s = F(0.0f);
-  for (std::uint32_t i = r.slot; i < r.slot + tiles; ++i) {
+  for (std::uint32_t i = begin; i < end; ++i) {
     if (!job.slot_used[i]) continue;
     for (int part = 0; part < kParts; ++part) {
       sum[part] = sum[part] + load(job.slots[i].lane + part * kLanes);
@@ -29,6 +28,7 @@ HWY_INLINE void sum_slots(const SplatBackwardJob& job, const Record& r, float* o
 }
 
 void SplatBackwardChunk(const View<float>& view, const SplatBackwardJob& job) {
+  constexpr std::uint32_t kGaussiansAhead = 16, kSlotsAhead = kSlotsReadAhead - 2;
   F twist[6];
   for (F& t : twist) t = F(0.0f);
   for (std::uint32_t i = 0; i < job.visible; i += kLanes) {
@@ -40,7 +40,13 @@ void SplatBackwardChunk(const View<float>& view, const SplatBackwardJob& job) {
       const std::uint32_t k = i + (l < n ? l : 0);
       parameter_rows[l] = job.gaussians[job.sources[k]].mean;
       sum_rows[l] = sums[l];
-      sum_slots(job, job.records[job.trained[k]], sums[l]);
+      if (k + kGaussiansAhead < job.visible) {
+        __builtin_prefetch(job.gaussians[job.sources[k + kGaussiansAhead]].mean);
+      }
+      const std::uint32_t begin = job.first_slot[k];
+      __builtin_prefetch(&job.slots[begin + kSlotsAhead]);
+      __builtin_prefetch(&job.slots[begin + kSlotsAhead + 1]);
+      sum_slots(job, begin, job.first_slot[k + 1], sums[l]);
     }
     F s[16], t[16];
     load_columns(parameter_rows, s);

@@ -12,11 +12,13 @@ namespace sgs::render::cpu {
 
 /// From the per-tile sums of some visible Gaussians, none of them frozen, of a chunk to gradients
 /// of their parameters.
+/// Rows behind the last used one of `slots` that are asked for ahead of time, never used.
+inline constexpr std::uint32_t kSlotsReadAhead = 34;
+
 struct SplatBackwardJob {
-  const map::Gaussian* gaussians = nullptr;  ///< all of them
-  const std::uint32_t* sources = nullptr;    ///< index per visible Gaussian
-  const Record* records = nullptr;           ///< the chunk's
-  const std::uint16_t* trained = nullptr;    ///< number in `records` per visible Gaussian
+  const map::Gaussian* gaussians = nullptr;   ///< all of them
+  const std::uint32_t* sources = nullptr;     ///< index per visible Gaussian
+  const std::uint32_t* first_slot = nullptr;  ///< per visible Gaussian, and the end of the last's
   std::uint32_t visible = 0;
   const SumRow* slots = nullptr;  ///< the chunk's
   const std::uint8_t* slot_used = nullptr;
