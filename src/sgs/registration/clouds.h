@@ -24,8 +24,8 @@ struct SourceCloud {
   std::vector<Eigen::Matrix3f> covariances;
 };
 
-/// One point of the map that frames are registered to.
-struct TargetPoint {
+/// One point of the map that frames are registered to; never across two cache lines.
+struct alignas(32) TargetPoint {
   Eigen::Vector3f point;
   Eigen::Vector3f normal;  ///< unit, towards the camera that saw it
   float variance_m2 = 0;   ///< along the normal; 0 marks a point that has been removed

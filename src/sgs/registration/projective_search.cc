@@ -20,65 +20,53 @@ ProjectiveSearch::ProjectiveSearch(const SearchConfig& config, const PinholeCame
               static_cast<float>(camera.fy / config.cell_px),
               static_cast<float>((camera.cx + 0.5) / config.cell_px + 1),
               static_cast<float>((camera.cy + 0.5) / config.cell_px + 1), kNearPlane_m},
+      shortlist_(camera_, width_, height_),
       cell_targets_(width_, height_) {
   SGS_CHECK(camera.valid(), "the search needs a usable camera");
 }
 
-// Takes over new points, and all of them when they moved. Removed ones have no normal and so face
-// nobody.
-void ProjectiveSearch::follow(const TargetCloud& cloud) {
-  const bool afresh =
-      cloud.layout != layout_ || cloud.moves != moves_ || cloud.points.size() < points_[0].size();
-  layout_ = cloud.layout;
-  moves_ = cloud.moves;
-  const std::size_t begin = afresh ? 0 : points_[0].size();
-  for (int axis = 0; axis < 3; ++axis) {
-    points_[axis].resize(begin);
-    normals_[axis].resize(begin);
-    for (std::size_t i = begin; i < cloud.points.size(); ++i) {
-      const TargetPoint& p = cloud.points[i];
-      points_[axis].push_back(p.point[axis]);
-      normals_[axis].push_back(p.alive() ? p.normal[axis] : 0.0f);
-    }
-  }
-}
-
 void ProjectiveSearch::prepare(const TargetCloud& cloud, const SE3& T_map_predicted) {
   T_map_reference_ = T_map_predicted;
-  const auto cell_count = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
-  cells_.assign(cell_count, kNoMatch);
-  depths_.assign(cell_count, std::numeric_limits<float>::infinity());
   const SE3 inverse = T_map_predicted.inverse();
   const Eigen::Matrix3f R = inverse.R.cast<float>();
   const Eigen::Vector3f t = inverse.t.cast<float>();
+  shortlist_.update(cloud, T_map_predicted);
+  draw(R, t);
+  collect(cloud, R, t);
+}
 
-  follow(cloud);
+/// Finds the nearest target of each cell.
+void ProjectiveSearch::draw(const Eigen::Matrix3f& R, const Eigen::Vector3f& t) {
+  const auto cell_count = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+  cells_.assign(cell_count, kNoMatch);
+  depths_.assign(cell_count, std::numeric_limits<float>::infinity());
+  const std::vector<int>& indices = shortlist_.indices();
   constexpr std::size_t kBatch = 1024;
   int where[kBatch];
   float depth[kBatch];
-  for (std::size_t begin = 0; begin < cloud.points.size(); begin += kBatch) {
-    const std::size_t count = std::min(kBatch, cloud.points.size() - begin);
-    const auto from = [begin](const std::vector<float>(&arrays)[3], int axis) {
-      return arrays[axis].data() + begin;
-    };
-    project_to_cells({{from(points_, 0), from(points_, 1), from(points_, 2)},
-                      {from(normals_, 0), from(normals_, 1), from(normals_, 2)},
-                      count},
-                     camera_, width_, height_, R, t, where, depth);
+  for (std::size_t begin = 0; begin < indices.size(); begin += kBatch) {
+    const std::size_t count = std::min(kBatch, indices.size() - begin);
+    project_to_cells(shortlist_.targets().part(begin, count), camera_, width_, height_, R, t, where,
+                     depth);
     for (std::size_t k = 0; k < count; ++k) {
       if (where[k] < 0) continue;
       const auto c = static_cast<std::size_t>(where[k]);
       if (!(depth[k] < depths_[c])) continue;
       depths_[c] = depth[k];
-      cells_[c] = static_cast<int>(begin + k);
+      cells_[c] = indices[begin + k];
     }
   }
+}
+
+/// Makes targets of the nearest ones.
+void ProjectiveSearch::collect(const TargetCloud& cloud, const Eigen::Matrix3f& R,
+                               const Eigen::Vector3f& t) {
   targets_.clear();
   covariances_.clear();
   cell_targets_.clear();
   constexpr std::size_t kAhead = 16;  // the winners lie anywhere in memory: ask for them early
-  for (std::size_t c = 0; c < cell_count; ++c) {
-    if (c + kAhead < cell_count && cells_[c + kAhead] != kNoMatch) {
+  for (std::size_t c = 0; c < cells_.size(); ++c) {
+    if (c + kAhead < cells_.size() && cells_[c + kAhead] != kNoMatch) {
       hwy::Prefetch(&cloud.points[static_cast<std::size_t>(cells_[c + kAhead])]);
     }
     if (cells_[c] == kNoMatch) continue;

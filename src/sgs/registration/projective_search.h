@@ -4,6 +4,7 @@
 
 #include "sgs/registration/cell_match.h"
 #include "sgs/registration/correspondence_search.h"
+#include "sgs/registration/target_shortlist.h"
 
 namespace sgs::registration {
 
@@ -27,19 +28,18 @@ class ProjectiveSearch : public CorrespondenceSearch {
  private:
   int cell(const Eigen::Vector3f& point) const { return cell_of(camera_, width_, height_, point); }
 
-  void follow(const TargetCloud& cloud);
+  void draw(const Eigen::Matrix3f& R, const Eigen::Vector3f& t);
+  void collect(const TargetCloud& cloud, const Eigen::Matrix3f& R, const Eigen::Vector3f& t);
 
   SearchConfig config_;
   int width_, height_;  // cells, with a border of one empty cell all around
   CellCamera camera_;
   SE3 T_map_reference_;
-  // The cloud's points, structure of arrays: most need nothing else.
-  std::vector<float> points_[3], normals_[3];
-  std::uint64_t layout_ = 0, moves_ = 0;  // of the cloud they were taken from
-  std::vector<int> cells_;                // index into targets_ per cell, or kNoMatch
-  std::vector<float> depths_;             // of the winner of each cell
-  CellTargets cell_targets_;              // the winners again, by cell
-  std::vector<TargetPoint> targets_;      // the winners
+  TargetShortlist shortlist_;
+  std::vector<int> cells_;            // index into targets_ per cell, or kNoMatch
+  std::vector<float> depths_;         // of the winner of each cell
+  CellTargets cell_targets_;          // the winners again, by cell
+  std::vector<TargetPoint> targets_;  // the winners
   std::vector<Eigen::Matrix3f> covariances_;
 };
 

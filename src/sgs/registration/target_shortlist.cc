@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/registration/target_shortlist.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace sgs::registration {
+namespace {
+
+// The camera may turn and move by this much before all targets are looked through again. A new view
+// from less than half a metre away may lose a few targets at its border until then.
+constexpr double kTurn_rad = 0.05, kShift_m = 0.05;
+// Cells by which the field of view is widened on each side, for what comes into view meanwhile: 3
+// degrees and a parallax of 5 cm at a metre are about 55 pixels at a focal length of 525.
+constexpr int kMargin = 16;
+// What lies deeper than this behind the nearest target around it cannot be seen.
+constexpr float kBehind_m = 0.05f;
+// Cells around a target whose depths count: what covers it may move away by so many.
+constexpr int kAround = 1;
+
+}  // namespace
+
+void GrowingArrays::resize(std::size_t count) {
+  for (auto& array : arrays_) array.resize(count);
+}
+
+void GrowingArrays::push_back(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) {
+  for (int axis = 0; axis < 3; ++axis) {
+    arrays_[axis].push_back(point[axis]);
+    arrays_[3 + axis].push_back(normal[axis]);
+  }
+}
+
+void GrowingArrays::push_back(const GrowingArrays& from, std::size_t i) {
+  for (int k = 0; k < 6; ++k) arrays_[k].push_back(from.arrays_[k][i]);
+}
+
+PointArrays GrowingArrays::part(std::size_t begin, std::size_t count) const {
+  const auto from = [&](int k) { return arrays_[k].data() + begin; };
+  return {{from(0), from(1), from(2)}, {from(3), from(4), from(5)}, count};
+}
+
+TargetShortlist::TargetShortlist(const CellCamera& camera, int width, int height)
+    : camera_(camera), width_(width + 2 * kMargin), height_(height + 2 * kMargin) {
+  camera_.cx += kMargin;
+  camera_.cy += kMargin;
+}
+
+void TargetShortlist::update(const TargetCloud& cloud, const SE3& T_map_camera) {
+  const std::size_t before = all_.size();
+  const bool changed = follow(cloud);
+  const SE3 moved = T_map_look_.inverse() * T_map_camera;
+  const double turn = Eigen::AngleAxisd(moved.R).angle();
+  // Written so that NaN looks again.
+  if (looks_ == 0 || changed || !(turn < kTurn_rad && moved.t.norm() < kShift_m)) {
+    look(T_map_camera);
+  } else {
+    for (std::size_t i = before; i < all_.size(); ++i) list(i);
+  }
+}
+
+/// Takes over new points, and all of them when some moved: then returns true.
+bool TargetShortlist::follow(const TargetCloud& cloud) {
+  const bool afresh =
+      cloud.layout != layout_ || cloud.moves != moves_ || cloud.points.size() < all_.size();
+  layout_ = cloud.layout;
+  moves_ = cloud.moves;
+  if (afresh) all_.resize(0);
+  for (std::size_t i = all_.size(); i < cloud.points.size(); ++i) {
+    const TargetPoint& p = cloud.points[i];
+    all_.push_back(p.point, p.alive() ? p.normal : Eigen::Vector3f::Zero());
+  }
+  return afresh;
+}
+
+void TargetShortlist::look(const SE3& T_map_camera) {
+  ++looks_;
+  T_map_look_ = T_map_camera;
+  const SE3 inverse = T_map_camera.inverse();
+  cells_.resize(all_.size());
+  depths_.resize(all_.size());
+  project_to_cells(all_.part(0, all_.size()), camera_, width_, height_, inverse.R.cast<float>(),
+                   inverse.t.cast<float>(), cells_.data(), depths_.data());
+  nearest_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_),
+                  std::numeric_limits<float>::infinity());
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    if (cells_[i] < 0) continue;
+    float& nearest = nearest_[static_cast<std::size_t>(cells_[i])];
+    if (depths_[i] < nearest) nearest = depths_[i];
+  }
+  spread_depths();
+  listed_.resize(0);
+  indices_.clear();
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    if (cells_[i] < 0) continue;
+    if (depths_[i] < nearest_[static_cast<std::size_t>(cells_[i])] + kBehind_m) list(i);
+  }
+}
+
+/// Replaces the depth of each cell by the largest within kAround cells; empty ones do not count.
+void TargetShortlist::spread_depths() {
+  const auto largest = [](const float* from, int count, int stride, float* to) {
+    for (int i = 0; i < count; ++i) {
+      float depth = 0;
+      for (int k = std::max(0, i - kAround); k <= std::min(count - 1, i + kAround); ++k) {
+        const float d = from[k * stride];
+        depth = std::isinf(d) ? depth : std::max(depth, d);
+      }
+      to[i * stride] = depth;
+    }
+  };
+  spread_.resize(nearest_.size());
+  for (int row = 0; row < height_; ++row) {
+    largest(nearest_.data() + row * width_, width_, 1, spread_.data() + row * width_);
+  }
+  for (int column = 0; column < width_; ++column) {
+    largest(spread_.data() + column, height_, width_, nearest_.data() + column);
+  }
+}
+
+void TargetShortlist::list(std::size_t i) {
+  listed_.push_back(all_, i);
+  indices_.push_back(static_cast<int>(i));
+}
+
+}  // namespace sgs::registration
