@@ -32,17 +32,17 @@ struct InsertionConfig {
 
 /// Adam with a step count per Gaussian, and what is averaged and capped after each step.
 struct OptimizerConfig {
-  double rate_mean_m = 1e-3;
-  double rate_log_scale = 4e-2;
+  double rate_mean_m = 7e-4;
+  double rate_log_scale = 2e-2;
   double rate_rotation = 5e-3;
   double rate_opacity = 0.05;
-  double rate_color = 5e-3;
+  double rate_color = 1e-2;
   double beta1 = 0.9;
-  double beta2 = 0.98;
-  double average = 0.97;        ///< ceiling of the averaging factor; 0 = no averaging
+  double beta2 = 0.95;
+  double average = 0.98;        ///< ceiling of the averaging factor; 0 = no averaging
   double max_axis_ratio = 2.5;  ///< largest to middle axis; 0 = free
   double max_flatness = 4;      ///< middle to smallest axis; 0 = free
-  double max_growth = 3;        ///< largest axis over the one it was born with; 0 = free
+  double max_growth = 6;        ///< largest axis over the one it was born with; 0 = free
 
   void declare(ParameterList& p);
 };
