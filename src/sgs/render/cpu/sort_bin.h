@@ -29,7 +29,7 @@ class TileLists {
 
  private:
   void sort(std::span<const std::uint32_t> visible, const std::uint32_t* keys,
-            const TileRect* rects);
+            const TileRect* rects, ThreadPool& pool);
   void deal(int tiles_x, int tiles, ThreadPool& pool);
 
   std::uint32_t total_ = 0;
@@ -37,7 +37,7 @@ class TileLists {
   Buffer<TileRect> sorted_rects_;
   Buffer<std::uint32_t> entries_;
   std::vector<std::uint32_t> start_;
-  std::vector<std::vector<std::uint32_t>> cursors_;  // per part of the sorted order, per tile
+  std::vector<std::vector<std::uint32_t>> cursors_;  // per part of the input, per digit or tile
 };
 
 }  // namespace sgs::render::cpu
