@@ -210,16 +210,21 @@ class Readers(unittest.TestCase):
         from skimage.io import imread
         page, shot = self.export("html", "map.html"), self.folder / "page.png"
         self.assertNotRegex(page.read_text(), r"(?i)(src|href)\s*=\s*['\"]?\s*(https?:)?//")
-        subprocess.run([chromium, *CHROMIUM_FLAGS, f"--user-data-dir={self.folder / 'profile'}",
-                        "--window-size=640,480", f"--screenshot={shot}",
-                        f"{page.as_uri()}#view=0,bare"],
-                       capture_output=True, timeout=240, check=True)
         self.sgs("render", self.run_folder, "--trajectory", self.run_folder / "keyframes.txt",
                  "--every", "1000", "-o", self.folder / "rendered", "--quiet")
         ours = imread(self.folder / "rendered/render_000000.png").astype(float)
-        browser = imread(shot)[:, :, :3].astype(float)
-        self.assertEqual(browser.shape, ours.shape)
-        psnr = 10 * np.log10(255**2 / np.mean((ours - browser) ** 2))
+        # The page sorts in a worker, which virtual time does not wait for: on a busy machine the
+        # picture may be taken too early.
+        for budget_ms in (8000, 30000, 90000):
+            subprocess.run([chromium, *CHROMIUM_FLAGS, f"--virtual-time-budget={budget_ms}",
+                            f"--user-data-dir={self.folder / 'profile'}", "--window-size=640,480",
+                            f"--screenshot={shot}", f"{page.as_uri()}#view=0,bare"],
+                           capture_output=True, timeout=240, check=True)
+            browser = imread(shot)[:, :, :3].astype(float)
+            self.assertEqual(browser.shape, ours.shape)
+            psnr = 10 * np.log10(255**2 / np.mean((ours - browser) ** 2))
+            if psnr > 30:
+                break
         self.assertGreater(psnr, 30)
 
 
