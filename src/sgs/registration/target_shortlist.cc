@@ -9,16 +9,20 @@
 namespace sgs::registration {
 namespace {
 
-// The camera may turn and move by this much before all targets are looked through again. A new view
-// from less than half a metre away may lose a few targets at its border until then.
-constexpr double kTurn_rad = 0.05, kShift_m = 0.05;
-// Cells by which the field of view is widened on each side, for what comes into view meanwhile: 3
-// degrees and a parallax of 5 cm at a metre are about 55 pixels at a focal length of 525.
-constexpr int kMargin = 16;
+// The camera may turn and move by this much before all targets are looked through again. The field
+// of view is widened by what that brings into view from this distance on; nearer targets may be
+// missed at the border until then.
+constexpr double kTurn_rad = 0.05, kShift_m = 0.05, kNear_m = 0.7;
 // What lies deeper than this behind the nearest target around it cannot be seen.
 constexpr float kBehind_m = 0.05f;
 // Cells around a target whose depths count: what covers it may move away by so many.
 constexpr int kAround = 1;
+
+/// The widening on each side, in cells.
+int margin(const CellCamera& camera) {
+  const double focal = std::max(camera.fx, camera.fy);
+  return static_cast<int>(std::ceil(focal * (kTurn_rad + kShift_m / kNear_m)));
+}
 
 }  // namespace
 
@@ -43,9 +47,9 @@ PointArrays GrowingArrays::part(std::size_t begin, std::size_t count) const {
 }
 
 TargetShortlist::TargetShortlist(const CellCamera& camera, int width, int height)
-    : camera_(camera), width_(width + 2 * kMargin), height_(height + 2 * kMargin) {
-  camera_.cx += kMargin;
-  camera_.cy += kMargin;
+    : camera_(camera), width_(width + 2 * margin(camera)), height_(height + 2 * margin(camera)) {
+  camera_.cx += static_cast<float>(margin(camera));
+  camera_.cy += static_cast<float>(margin(camera));
 }
 
 void TargetShortlist::update(const TargetCloud& cloud, const SE3& T_map_camera) {

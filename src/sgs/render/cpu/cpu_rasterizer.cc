@@ -240,7 +240,7 @@ void CpuRasterizer::visit_tiles(const CpuTarget& target, const LossConfig& loss,
 
 void CpuRasterizer::splat_backward(std::span<const map::Gaussian> gaussians,
                                    const View<float>& view, Gradients& out, GradientSink* sink) {
-  constexpr std::uint32_t kRowsAtOnce = 128;  // 4 KiB, still in the first cache when the sink reads
+  constexpr std::uint32_t kRowsAtOnce = 128;  // 8 KiB, still in the first cache when the sink reads
   const std::size_t chunks = trained_.size(), visible = first_trained_[chunks];
   out.visible.resize(visible);
   out.gradient.resize(sink == nullptr ? visible : 0);

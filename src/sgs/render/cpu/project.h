@@ -18,7 +18,7 @@ struct ProjectJob {
   int tiles_x = 0;
 };
 
-/// Where a chunk's visible Gaussians go; arrays of at least kChunk elements.
+/// Where a chunk's visible Gaussians go; arrays of at least kChunk elements, `first_slot` one more.
 struct ProjectedChunk {
   Record* records;
   std::uint32_t* keys;  ///< depth, quantised, increasing

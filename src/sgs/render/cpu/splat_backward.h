@@ -10,11 +10,11 @@
 
 namespace sgs::render::cpu {
 
-/// From the per-tile sums of some visible Gaussians, none of them frozen, of a chunk to gradients
-/// of their parameters.
 /// Rows behind the last used one of `slots` that are asked for ahead of time, never used.
 inline constexpr std::uint32_t kSlotsReadAhead = 34;
 
+/// From the per-tile sums of some visible Gaussians, none of them frozen, of a chunk to gradients
+/// of their parameters.
 struct SplatBackwardJob {
   const map::Gaussian* gaussians = nullptr;   ///< all of them
   const std::uint32_t* sources = nullptr;     ///< index per visible Gaussian
