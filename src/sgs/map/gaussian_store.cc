@@ -8,8 +8,7 @@ void GaussianStore::append(const Gaussian& gaussian, const Anchor& anchor,
                            float largest_log_scale) {
   raw.push_back(gaussian);
   average.push_back(gaussian);
-  moment1.push_back({});
-  moment2.push_back({});
+  moments.push_back({});
   steps.push_back(0);
   max_log_scale.push_back(largest_log_scale);
   anchors.push_back(anchor);
@@ -23,8 +22,7 @@ std::size_t GaussianStore::remove_if(const std::function<bool(std::size_t)>& rem
     if (kept != i) {
       raw[kept] = raw[i];
       average[kept] = average[i];
-      moment1[kept] = moment1[i];
-      moment2[kept] = moment2[i];
+      moments[kept] = moments[i];
       steps[kept] = steps[i];
       max_log_scale[kept] = max_log_scale[i];
       anchors[kept] = anchors[i];
@@ -34,8 +32,7 @@ std::size_t GaussianStore::remove_if(const std::function<bool(std::size_t)>& rem
   const std::size_t removed = size() - kept;
   raw.resize(kept);
   average.resize(kept);
-  moment1.resize(kept);
-  moment2.resize(kept);
+  moments.resize(kept);
   steps.resize(kept);
   max_log_scale.resize(kept);
   anchors.resize(kept);

@@ -23,6 +23,22 @@ inline constexpr int kParts = 16 / kLanes;
 // log_scale is floats 3 to 5 of a row.
 inline constexpr int kFirstScale = 3, kScales = 3;
 
+using Halves = hn::Rebind<std::uint16_t, Tag>;
+using Words = hn::RebindToUnsigned<Tag>;
+using W = hn::Vec<Words>;
+
+HWY_INLINE V from_bfloat(const std::uint16_t* p) {
+  const W words = hn::PromoteTo(Words(), hn::LoadU(Halves(), p));
+  return hn::BitCast(kTag, hn::ShiftLeft<16>(words));
+}
+
+/// `dither` (below 2^16) is added to what is cut off, so that the rounding of many steps has no
+/// bias: an average that changes by less than the last digit would otherwise stand still.
+HWY_INLINE void to_bfloat(V v, W dither, std::uint16_t* p) {
+  const W words = hn::ShiftRight<16>(hn::Add(hn::BitCast(Words(), v), dither));
+  hn::StoreU(hn::TruncateTo(Halves(), words), Halves(), p);
+}
+
 /// 1 / sqrt(a) for normal a > 0, to nearly full precision.
 HWY_INLINE V reciprocal_root(V a) {
   constexpr int kSteps = kLanes >= 8 ? 1 : 2;  // of Newton's method; estimates differ
@@ -80,6 +96,14 @@ class AxisCaps {
 };
 #endif
 
+/// Where the step after `t` others stands in the tables; beyond their end the last period is
+/// repeated.
+inline std::uint32_t table_entry(const AdamSettings& settings, std::uint32_t t) {
+  const std::uint32_t size = settings.table_size;
+  constexpr std::uint32_t kPeriod = AdamSettings::kAverageInterval;
+  return t < size ? t : size - kPeriod + t % kPeriod;
+}
+
 void AdamStep(const AdamSettings& settings, const AdamRows& rows, const std::uint32_t* indices,
               const map::Gaussian* gradient, std::size_t count) {
   constexpr std::size_t kAhead = 16;
@@ -91,32 +115,37 @@ void AdamStep(const AdamSettings& settings, const AdamRows& rows, const std::uin
 #if HWY_TARGET != HWY_SCALAR
   const AxisCaps caps(settings);
 #endif
+  // Multiples of an odd number near 2^16 divided by the golden ratio spread evenly over 16 bits.
+  constexpr std::uint32_t kGolden = 40503;
+  alignas(64) std::uint32_t lane_dither[16];
+  for (std::uint32_t l = 0; l < 16; ++l) lane_dither[l] = l * 25033u;
+  const W low_half = hn::Set(Words(), 0xffff);
   for (std::size_t n = 0; n < count; ++n) {
     if (n + kAhead < count) {
       const std::size_t ahead = indices[n + kAhead];
-      for (map::Gaussian* row : {rows.average, rows.moment1, rows.moment2}) {
-        __builtin_prefetch(&row[ahead], 1);
+      __builtin_prefetch(&rows.moments[ahead], 1);
+      if (settings.average_share[table_entry(settings, rows.steps[ahead])] != 0) {
+        __builtin_prefetch(&rows.average[ahead], 1);
       }
     }
     const std::size_t i = indices[n];
     const std::uint32_t t = rows.steps[i]++;
-    const std::uint32_t entry = t < settings.corrections ? t : settings.corrections - 1;
+    const std::uint32_t entry = table_entry(settings, t);
     const V rate = hn::Set(kTag, settings.correction1[entry] / settings.correction2[entry]);
-    const auto step = static_cast<float>(t);
-    const float kept = std::min(settings.average, (step + 1) / (step + 10));
-    const V share = hn::Set(kTag, 1 - kept);
     // Rows are arrays of 16 floats in all but name (map::Gaussian).
     const auto* g = reinterpret_cast<const float*>(&gradient[n]);
     auto* value = reinterpret_cast<float*>(&rows.value[i]);
     auto* average = reinterpret_cast<float*>(&rows.average[i]);
-    auto* moment1 = reinterpret_cast<float*>(&rows.moment1[i]);
-    auto* moment2 = reinterpret_cast<float*>(&rows.moment2[i]);
+    map::Moments& moments = rows.moments[i];
+    const W step_dither = hn::Set(Words(), t * kGolden);
     for (int at = 0; at < 16; at += kLanes) {
       const V d = hn::LoadU(kTag, g + at);
-      const V m = hn::MulAdd(rest1, d, hn::Mul(b1, hn::LoadU(kTag, moment1 + at)));
-      const V v = hn::MulAdd(hn::Mul(rest2, d), d, hn::Mul(b2, hn::LoadU(kTag, moment2 + at)));
-      hn::StoreU(m, kTag, moment1 + at);
-      hn::StoreU(v, kTag, moment2 + at);
+      const V m = hn::MulAdd(rest1, d, hn::Mul(b1, from_bfloat(moments.mean + at)));
+      const V v =
+          hn::MulAdd(hn::Mul(rest2, d), d, hn::Mul(b2, from_bfloat(moments.mean_square + at)));
+      const W dither = hn::And(hn::Add(step_dither, hn::Load(Words(), lane_dither + at)), low_half);
+      to_bfloat(m, dither, moments.mean + at);
+      to_bfloat(v, dither, moments.mean_square + at);
       const V direction = hn::Mul(m, reciprocal_root(hn::Max(v, least_moment2)));
       const V length = hn::Mul(rate, hn::Load(kTag, settings.rate + at));
       V x = hn::NegMulAdd(length, direction, hn::LoadU(kTag, value + at));
@@ -126,6 +155,8 @@ void AdamStep(const AdamSettings& settings, const AdamRows& rows, const std::uin
       hn::StoreU(x, kTag, value + at);
     }
     if (!kCapsInVector) cap_axes(settings, rows.max_log_scale[i], value + kFirstScale);
+    if (settings.average_share[entry] == 0) continue;
+    const V share = hn::Set(kTag, settings.average_share[entry]);
     for (int at = 0; at < 16; at += kLanes) {
       const V a = hn::LoadU(kTag, average + at);
       const V x = hn::LoadU(kTag, value + at);

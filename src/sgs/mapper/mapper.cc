@@ -22,11 +22,18 @@ render::LossConfig loss_config(const ObjectiveConfig& objective) {
   render::LossConfig loss;
   loss.color_weight = static_cast<float>(objective.color_weight);
   loss.depth_weight = static_cast<float>(objective.depth_weight);
+  loss.color_knee = static_cast<float>(objective.color_knee);
+  loss.depth_knee_m = static_cast<float>(objective.depth_knee_m);
   loss.depth_form = objective.depth_form == "absolute" ? render::LossConfig::Depth::kAbsolute
                                                        : render::LossConfig::Depth::kAlphaRelative;
   loss.color_only_where_depth = objective.color_only_where_depth;
   loss.floater_margin_m = static_cast<float>(objective.floater_margin_m);
   return loss;
+}
+
+Schedule::Order schedule_order(const std::string& name) {
+  if (name == "rounds") return Schedule::Order::kRounds;
+  return name == "random" ? Schedule::Order::kRandom : Schedule::Order::kBalanced;
 }
 
 bool has_depth(const RgbdFrame& frame, double max_depth_m) {
@@ -48,7 +55,7 @@ struct Mapper::Impl {
         rasterizer(render::make_cpu_rasterizer(pool)),
         targets(*rasterizer, static_cast<std::size_t>(c.schedule.full_targets_kept)),
         optimizer(c.optimizer),
-        schedule(seed, c.schedule.order == "rounds"),
+        schedule(seed, schedule_order(c.schedule.order), c.schedule.visit_bias),
         sparse(c.schedule),
         loss(loss_config(c.objective)) {}
 

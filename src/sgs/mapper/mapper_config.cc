@@ -57,8 +57,12 @@ void OptimizerConfig::declare(ParameterList& p) {
 }
 
 void ObjectiveConfig::declare(ParameterList& p) {
-  p.add("color_weight", color_weight, "Weight of the L1 colour loss.", "", {0, 100});
+  p.add("color_weight", color_weight, "Weight of the colour loss.", "", {0, 100});
+  p.add("color_knee", color_knee,
+        "Residuals below this count as squares, those above by their size (Huber); 0 = L1.", "",
+        {0, 100});
   p.add("depth_weight", depth_weight, "Weight of the depth loss.", "", {0, 100});
+  p.add("depth_knee_m", depth_knee_m, "The same for depth.", "m", {0, 100});
   p.add("depth_form", depth_form, "|D - A z| / max(z, 0.3 m), or |D - z| as in the paper.",
         {"alpha_relative", "absolute"});
   p.add("dssim_weight", dssim_weight, "Weight of 1 - SSIM.", "", {0, 100});
@@ -72,8 +76,12 @@ void ObjectiveConfig::declare(ParameterList& p) {
 }
 
 void ScheduleConfig::declare(ParameterList& p) {
-  p.add("order", order, "Shuffled rounds over all keyframes, or random draws.",
-        {"rounds", "random"});
+  p.add("order", order,
+        "Keyframes with few visits more often, shuffled rounds over all, or random draws.",
+        {"balanced", "rounds", "random"});
+  p.add("visit_bias", visit_bias,
+        "Order balanced: a keyframe comes with a frequency in proportion to (visits + 4)^-bias.",
+        "", {0, 4});
   p.add("half_resolution_share", half_resolution_share, "Share of steps at half resolution.", "",
         {0, 1});
   p.add("prune_interval", prune_interval, "Steps between prunings.", "steps", {1, 1000000});
@@ -142,6 +150,9 @@ MapperConfig paper_mapper_config() {
   c.optimizer.max_axis_ratio = 0;
   c.optimizer.max_flatness = 0;
   c.optimizer.max_growth = 0;
+  c.objective.color_weight = 0.8;
+  c.objective.color_knee = 0;
+  c.objective.depth_knee_m = 0;
   c.objective.dssim_weight = 0.2;
   c.objective.depth_weight = 0.01;
   c.objective.depth_form = "absolute";

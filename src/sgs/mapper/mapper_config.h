@@ -42,15 +42,17 @@ struct OptimizerConfig {
   double average = 0.98;        ///< ceiling of the averaging factor; 0 = no averaging
   double max_axis_ratio = 2.5;  ///< largest to middle axis; 0 = free
   double max_flatness = 4;      ///< middle to smallest axis; 0 = free
-  double max_growth = 6;        ///< largest axis over the one it was born with; 0 = free
+  double max_growth = 12;       ///< largest axis over the one it was born with; 0 = free
 
   void declare(ParameterList& p);
 };
 
 /// The loss (render::LossConfig) and which steps pay for structure.
 struct ObjectiveConfig {
-  double color_weight = 0.8;
+  double color_weight = 4;
+  double color_knee = 0.2;  ///< residuals below it count as squares; 0 = L1
   double depth_weight = 0.2;
+  double depth_knee_m = 0.05;
   std::string depth_form = "alpha_relative";  ///< alpha_relative | absolute
   double dssim_weight = 0;
   int dssim_interval = 1;  ///< D-SSIM on every n-th full-resolution step
@@ -62,7 +64,8 @@ struct ObjectiveConfig {
 
 /// Which keyframe is visited when, and at which resolution.
 struct ScheduleConfig {
-  std::string order = "rounds";  ///< rounds (shuffled, each keyframe once) | random (the paper)
+  std::string order = "balanced";  ///< balanced | rounds (each keyframe once) | random (the paper)
+  double visit_bias = 0.5;         ///< balanced: frequency ~ (visits + 4)^-bias
   double half_resolution_share = 0.9;
   int prune_interval = 200;  ///< steps between prunings
   double prune_opacity = 0.02;
@@ -78,7 +81,7 @@ struct ScheduleConfig {
 /// Exposure gains and poses of keyframes, refined along with the map.
 struct KeyframeRefinementConfig {
   bool exposure = true;
-  double exposure_prior = 2;   ///< weight of gain 1 against the measured gain
+  double exposure_prior = 4;   ///< weight of gain 1 against the measured gain
   double exposure_step = 0.5;  ///< share of the way per visit
   bool pose = true;
   double pose_rate = 5e-4;   ///< radians and metres per step

@@ -29,31 +29,35 @@ Optimizer::Optimizer(const OptimizerConfig& config) {
   fill(14, 2, 0);
   settings_.beta1 = static_cast<float>(config.beta1);
   settings_.beta2 = static_cast<float>(config.beta2);
-  settings_.average = static_cast<float>(config.average);
   settings_.log_axis_ratio = log_limit(config.max_axis_ratio);
   settings_.log_flatness = log_limit(config.max_flatness);
   // Beyond the table both corrections are 1 to float precision for the usual betas.
   constexpr int kTable = 8192;
+  constexpr int kEveryStep = 16;  // before this the average follows every step
   for (int t = 1; t <= kTable; ++t) {
     correction1_.push_back(static_cast<float>(1 / (1 - std::pow(config.beta1, t))));
     correction2_.push_back(static_cast<float>(1 / std::sqrt(1 - std::pow(config.beta2, t))));
+    const double kept = std::min(config.average, t / (t + 9.0));
+    const int interval = t < kEveryStep ? 1 : AdamSettings::kAverageInterval;
+    average_share_.push_back(t % interval == 0 ? static_cast<float>(1 - std::pow(kept, interval))
+                                               : 0.0f);
   }
   settings_.correction1 = correction1_.data();
   settings_.correction2 = correction2_.data();
-  settings_.corrections = kTable;
+  settings_.average_share = average_share_.data();
+  settings_.table_size = kTable;
 }
 
 void Optimizer::step(std::span<const std::uint32_t> indices, const map::Gaussian* rows,
                      map::GaussianStore& store) const {
-  const AdamRows all = {store.raw.data(),     store.average.data(), store.moment1.data(),
-                        store.moment2.data(), store.steps.data(),   store.max_log_scale.data()};
+  const AdamRows all = {store.raw.data(), store.average.data(), store.moments.data(),
+                        store.steps.data(), store.max_log_scale.data()};
   adam_step(settings_, all, indices.data(), rows, indices.size());
 }
 
 void reserve(map::GaussianStore& store, std::size_t count) {
-  for (auto* rows : {&store.raw, &store.average, &store.moment1, &store.moment2}) {
-    reserve_huge(*rows, count);
-  }
+  for (auto* rows : {&store.raw, &store.average}) reserve_huge(*rows, count);
+  reserve_huge(store.moments, count);
   reserve_huge(store.anchors, count);
   reserve_huge(store.steps, count);
   reserve_huge(store.max_log_scale, count);

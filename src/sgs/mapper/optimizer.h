@@ -15,7 +15,9 @@ namespace sgs::mapper {
 
 /// Adam on the Gaussians that took part in a rendering, each with its own step count (Kingma & Ba
 /// 2015; bias correction with the Gaussian's own t), followed by the caps and the average
-///   avg <- d avg + (1 - d) value,  d = min(average, (t + 1) / (t + 10)).
+///   avg <- d avg + (1 - d) value,  d = min(average, t / (t + 9)),
+/// from step 16 on in every 4th step with d^4. Moments are kept as bfloat16, rounded so that the
+/// errors of many steps cancel: a step costs mostly the memory it touches.
 /// Gaussians out of view cost nothing and keep their moments. Thread-safe for disjoint Gaussians.
 class Optimizer {
  public:
@@ -30,6 +32,7 @@ class Optimizer {
  private:
   AdamSettings settings_{};
   std::vector<float> correction1_, correction2_;  ///< 1/(1-b1^t), 1/sqrt(1-b2^t)
+  std::vector<float> average_share_;              ///< 1 - d, see above
 };
 
 /// Makes room for `count` Gaussians in memory that the optimiser can walk through quickly.

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/mapper/schedule.h"
 
+#include <cmath>
 #include <utility>
 
 #include "sgs/core/error.h"
@@ -11,16 +12,34 @@ namespace sgs::mapper {
 void Schedule::add_keyframe(std::size_t index) {
   count_ = index + 1;
   fresh_.push_back(index);
+  const double jitter = random_.uniform();
+  entries_.push_back({jitter, jitter, 0, 0});
 }
 
 std::size_t Schedule::next() {
   SGS_CHECK(count_ > 0, "the schedule needs a keyframe");
+  std::size_t index = 0;
   if (!fresh_.empty()) {
-    const std::size_t index = fresh_.front();
+    index = fresh_.front();
     fresh_.erase(fresh_.begin());
-    return index;
+  } else {
+    switch (order_) {
+      case Order::kBalanced:
+        index = next_balanced();
+        break;
+      case Order::kRounds:
+        index = next_in_round();
+        break;
+      case Order::kRandom:
+        index = random_.below(count_);
+        break;
+    }
   }
-  if (!rounds_) return random_.below(count_);
+  count_visit(index);
+  return index;
+}
+
+std::size_t Schedule::next_in_round() {
   if (round_.empty()) {
     for (std::size_t i = 0; i < count_; ++i) round_.push_back(i);
     for (std::size_t i = count_ - 1; i > 0; --i) std::swap(round_[i], round_[random_.below(i + 1)]);
@@ -28,6 +47,27 @@ std::size_t Schedule::next() {
   const std::size_t index = round_.back();
   round_.pop_back();
   return index;
+}
+
+std::size_t Schedule::next_balanced() {
+  double sum = 0;
+  for (const Entry& entry : entries_) sum += entry.weight;
+  std::size_t best = 0;
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    entries_[i].credit += entries_[i].weight / sum;
+    if (entries_[i].credit > entries_[best].credit) best = i;
+  }
+  Entry& entry = entries_[best];
+  const double jitter = random_.uniform();
+  entry.credit += jitter - entry.jitter - 1;
+  entry.jitter = jitter;
+  return best;
+}
+
+void Schedule::count_visit(std::size_t index) {
+  constexpr double kSoftening = 4;
+  Entry& entry = entries_[index];
+  entry.weight = std::pow(++entry.visits + kSoftening, -visit_bias_);
 }
 
 }  // namespace sgs::mapper

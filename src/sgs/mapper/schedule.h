@@ -29,12 +29,24 @@ class Random {
   std::uint64_t state_;
 };
 
-/// Which keyframe is optimised next: a new keyframe once, then shuffled rounds in which every
-/// keyframe comes exactly once (or random draws). With sign-like Adam steps the last views win, so
-/// no view may come more often than others (MAPPING, "Order").
+/// Which keyframe is optimised next: a new keyframe once, then in an order that mixes all.
+///
+/// Where all come equally often, the k-th of n keyframes has had s ln(n / k) visits in the end, s
+/// being the steps per keyframe: the newest have next to none. Where the least visited comes first,
+/// the last views win over what others have taught (MAPPING, "Order"). `kBalanced` lies between: a
+/// keyframe comes with a frequency in proportion to (visits + 4)^-bias, spread over time as evenly
+/// as shuffled rounds are.
 class Schedule {
  public:
-  Schedule(std::uint64_t seed, bool rounds) : random_(seed), rounds_(rounds) {}
+  enum class Order {
+    kBalanced,
+    kRounds,  ///< shuffled rounds in which every keyframe comes once
+    kRandom,
+  };
+
+  /// `visit_bias` is the exponent of kBalanced.
+  Schedule(std::uint64_t seed, Order order, double visit_bias)
+      : random_(seed), order_(order), visit_bias_(visit_bias) {}
   /// Announces keyframe number `index`; it comes next.
   void add_keyframe(std::size_t index);
   /// Number of the keyframe to optimise; there must be one.
@@ -42,11 +54,25 @@ class Schedule {
   Random& random() { return random_; }
 
  private:
+  std::size_t next_in_round();
+  std::size_t next_balanced();
+  void count_visit(std::size_t index);
+
   Random random_;
-  bool rounds_;
+  Order order_;
+  double visit_bias_;
   std::size_t count_ = 0;
   std::vector<std::size_t> fresh_;  ///< announced, not yet visited
-  std::vector<std::size_t> round_;  ///< what is left of the current round, last first
+  std::vector<std::size_t> round_;  ///< kRounds: what is left of the current round, last first
+
+  /// kBalanced: `credit` grows with every step by the share that the keyframe should have had of
+  /// it; the one with the most comes next and pays a whole step. The jitter, drawn anew each time,
+  /// keeps keyframes from following each other in the same order for ever.
+  struct Entry {
+    double credit, jitter, weight;
+    int visits;
+  };
+  std::vector<Entry> entries_;
 };
 
 }  // namespace sgs::mapper

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
 #include <set>
 #include <vector>
 
@@ -12,7 +13,7 @@ namespace sgs::mapper {
 namespace {
 
 TEST(Schedule, VisitsANewKeyframeFirst) {
-  Schedule schedule(1, true);
+  Schedule schedule(1, Schedule::Order::kBalanced, 0.5);
   schedule.add_keyframe(0);
   EXPECT_EQ(schedule.next(), 0u);
   schedule.add_keyframe(1);
@@ -20,7 +21,7 @@ TEST(Schedule, VisitsANewKeyframeFirst) {
 }
 
 TEST(Schedule, VisitsEveryKeyframeOncePerRound) {
-  Schedule schedule(7, true);
+  Schedule schedule(7, Schedule::Order::kRounds, 0);
   for (std::size_t i = 0; i < 9; ++i) {
     schedule.add_keyframe(i);
     schedule.next();
@@ -38,15 +39,52 @@ TEST(Schedule, VisitsEveryKeyframeOncePerRound) {
 }
 
 TEST(Schedule, DependsOnNothingButTheSeed) {
-  const auto draw = [](std::uint64_t seed) {
-    Schedule schedule(seed, true);
+  using Order = Schedule::Order;
+  const auto draw = [](std::uint64_t seed, Order order) {
+    Schedule schedule(seed, order, 0.5);
     for (std::size_t i = 0; i < 9; ++i) schedule.add_keyframe(i);
     std::vector<std::size_t> drawn;
     for (int i = 0; i < 40; ++i) drawn.push_back(schedule.next());
     return drawn;
   };
-  EXPECT_EQ(draw(3), draw(3));
-  EXPECT_NE(draw(3), draw(4));
+  for (const Order order : {Order::kBalanced, Order::kRounds, Order::kRandom}) {
+    EXPECT_EQ(draw(3, order), draw(3, order));
+    EXPECT_NE(draw(3, order), draw(4, order));
+  }
+}
+
+TEST(Schedule, BalancedOrderFavoursTheLeastVisited) {
+  // Forty keyframes, twelve steps each. In rounds the last eight would have 12 ln(40 / k), on
+  // average 1.3, visits beside their first, the one in the middle 8.
+  const auto visits = [](double bias) {
+    Schedule schedule(5, Schedule::Order::kBalanced, bias);
+    std::vector<int> count(40);
+    for (std::size_t k = 0; k < count.size(); ++k) {
+      schedule.add_keyframe(k);
+      for (int i = 0; i < 12; ++i) ++count[schedule.next()];
+    }
+    return std::pair(count.front(), std::accumulate(count.end() - 8, count.end(), 0) / 8.0);
+  };
+  const auto [even_first, even_last] = visits(0);
+  const auto [biased_first, biased_last] = visits(1);
+  EXPECT_NEAR(even_last, 1 + 1.3, 0.6);
+  EXPECT_GT(biased_last, 1.2 * even_last);
+  EXPECT_LT(biased_first, even_first);
+  EXPECT_GT(biased_first, biased_last) << "old keyframes are not forgotten";
+}
+
+TEST(Schedule, BalancedOrderSpreadsVisitsOverTime) {
+  Schedule schedule(5, Schedule::Order::kBalanced, 0.5);
+  constexpr int kKeyframes = 20;
+  for (std::size_t k = 0; k < kKeyframes; ++k) schedule.add_keyframe(k);
+  std::vector<int> last_visit(kKeyframes, 0);
+  int longest = 0;
+  for (int step = 0; step < 400; ++step) {
+    int& last = last_visit[schedule.next()];
+    longest = std::max(longest, step - last);
+    last = step;
+  }
+  EXPECT_LE(longest, 2 * kKeyframes) << "twice a round, because of the jitter";
 }
 
 TEST(Random, IsUniform) {

@@ -60,11 +60,14 @@ class PreparedTarget {
 ///   depth_weight * |D - z|                         (kAbsolute: the paper's form)
 /// + dssim_weight * (1 - SSIM) averaged over channels, over all pixels (0 = off), SSIM between
 ///   gain_c r_c and y_c in an 11x11 Gaussian window (sigma 1.5) on zero-padded images.
-/// At a residual of exactly zero the L1 terms take the slope from below.
+/// Where |e| is below a knee k it is replaced by its Huber form, e^2 / 2k (and |e| - k/2 above): an
+/// L1 slope that does not shrink with the residual keeps Adam's steps from settling.
 struct LossConfig {
   enum class Depth { kAlphaRelative, kAbsolute };
   float color_weight = 0.8f;
+  float color_knee = 0.0f;  ///< 0 = L1
   float depth_weight = 0.2f;
+  float depth_knee_m = 0.0f;
   float dssim_weight = 0.0f;
   Depth depth_form = Depth::kAlphaRelative;
   bool color_only_where_depth = false;  ///< paper: pixels without depth count nothing

@@ -25,6 +25,8 @@ void match_size(Image<T>& image, const TileGrid& grid) {
 TileLoss tile_loss(const LossConfig& loss) {
   TileLoss out;
   out.color_weight = loss.color_weight / 3;
+  out.color_knee = std::max(loss.color_knee, kLeastKnee);
+  out.depth_knee_m = std::max(loss.depth_knee_m, kLeastKnee);
   out.depth_weight = loss.depth_weight;
   std::copy(loss.gain.begin(), loss.gain.end(), out.gain);
   out.floater_margin_m = loss.floater_margin_m;

@@ -184,6 +184,14 @@ TEST_P(EachTarget, OddImageSizes) {
   expect_parity(make_scene(3, 2, 10, 1, 4), {});
 }
 
+TEST_P(EachTarget, RoundedResiduals) {
+  LossConfig loss;
+  loss.color_knee = 0.2f;
+  loss.depth_knee_m = 0.05f;
+  loss.gain = {1.1f, 0.9f, 1.0f};
+  expect_parity(make_scene(130, 97, 200, 5, 6), loss);
+}
+
 TEST_P(EachTarget, AllTermsOfTheLoss) {
   LossConfig loss;
   loss.depth_form = LossConfig::Depth::kAbsolute;

@@ -59,10 +59,14 @@ struct alignas(64) SumRow {
   float lane[16];
 };
 
+/// Stands for a knee of 0: no residual but zero is below it.
+inline constexpr float kLeastKnee = 1e-20f;
+
 /// LossConfig in the form of the tile kernel.
 struct TileLoss {
   float color_weight = 0;  ///< per channel
   float depth_weight = 0;
+  float color_knee = kLeastKnee, depth_knee_m = kLeastKnee;
   float gain[3] = {1, 1, 1};
   float floater_margin_m = 0;
   bool depth_relative = true;

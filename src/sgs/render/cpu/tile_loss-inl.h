@@ -19,9 +19,16 @@ struct LossSums {
   F loss, measured[3], rendered[3];
 };
 
-HWY_INLINE F signed_weight(F residual, F weight) {
-  return select(residual > F(0.0f), weight, F(0.0f) - weight);
-}
+/// |e| with its tip rounded off below `knee` > 0 (Huber 1964), and the slope of that.
+struct RoundedAbs {
+  F knee, inverse;
+  explicit HWY_INLINE RoundedAbs(float width) : knee(width), inverse(1.0f / width) {}
+  HWY_INLINE F value(F e) const {
+    const F a = absolute(e), c = minimum(a, knee);
+    return c * inverse * neg_mul_add(F(0.5f), c, a);
+  }
+  HWY_INLINE F slope(F e) const { return maximum(minimum(e * inverse, F(1.0f)), F(-1.0f)); }
+};
 
 /// `inside` tells which pixels belong to the image.
 HWY_INLINE void loss_part(const TileLoss& loss, const BlockState& state, const float* target,
@@ -29,6 +36,7 @@ HWY_INLINE void loss_part(const TileLoss& loss, const BlockState& state, const f
                           LossSums& sums) {
   const int at = part * kLanes;
   const F zero(0.0f);
+  const RoundedAbs color_loss(loss.color_knee), depth_loss(loss.depth_knee_m);
   const F z = load(target + 3 * kBlockPixels + at);
   const F depth = load(state.d + at), alpha = load(state.a + at);
   const Mask measured = hn::And(inside, z > zero);
@@ -42,8 +50,8 @@ HWY_INLINE void loss_part(const TileLoss& loss, const BlockState& state, const f
     const F x = load(rendered[c] + at), y = load(target + c * kBlockPixels + at);
     const F gain(loss.gain[c]);
     const F e = gain * x - y;
-    F g = signed_weight(e, color_weight * gain);
-    sums.loss = mul_add(color_weight, absolute(e), sums.loss);
+    F g = color_weight * gain * color_loss.slope(e);
+    sums.loss = mul_add(color_weight, color_loss.value(e), sums.loss);
     if (color_gradient != nullptr) {
       g = g + zero_unless(inside, load(color_gradient + c * kBlockPixels + at));
     }
@@ -61,9 +69,9 @@ HWY_INLINE void loss_part(const TileLoss& loss, const BlockState& state, const f
     e = depth - z;
   }
   weight = zero_unless(measured, weight);
-  const F gd = signed_weight(e, weight);
+  const F gd = weight * depth_loss.slope(e);
   if (loss.depth_relative) ga = zero - z * gd;
-  sums.loss = mul_add(weight, absolute(e), sums.loss);
+  sums.loss = mul_add(weight, depth_loss.value(e), sums.loss);
   store(gd, out.d + at);
   store(ga, out.a + at);
   store(F(1.0f), out.T + at);

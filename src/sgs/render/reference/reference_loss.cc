@@ -38,7 +38,16 @@ std::vector<double> blur(std::span<const double> image, int width, int height) {
   return out;
 }
 
-double sign(double e) { return e > 0 ? 1 : -1; }
+/// Huber's loss with slopes of at most 1; |e| where the knee is 0.
+double rounded_abs(double e, double knee) {
+  const double a = std::abs(e);
+  return a < knee ? e * e / (2 * knee) : a - knee / 2;
+}
+
+double slope(double e, double knee) {
+  if (std::abs(e) < knee) return e / knee;
+  return e > 0 ? 1 : (e < 0 ? -1 : 0);
+}
 
 }  // namespace
 
@@ -104,8 +113,8 @@ double image_loss(const PixelImage& image, const TrainingImage& target, const Lo
     const double w = loss.color_only_where_depth && !(z > 0) ? 0.0 : double{loss.color_weight} / 3;
     for (std::size_t k = 0; k < 3; ++k) {
       const double gain = loss.gain[k], e = gain * p[k] - measured[k];
-      own += w * std::abs(e);
-      g[k] = w * gain * sign(e);
+      own += w * rounded_abs(e, loss.color_knee);
+      g[k] = w * gain * slope(e, loss.color_knee);
       x[k].push_back(gain * p[k]);
       y[k].push_back(measured[k]);
     }
@@ -113,8 +122,8 @@ double image_loss(const PixelImage& image, const TrainingImage& target, const Lo
     const bool relative = loss.depth_form == LossConfig::Depth::kAlphaRelative;
     const double e = relative ? p[3] - p[4] * z : p[3] - z;
     const double wd = relative ? loss.depth_weight / std::max(z, 0.3) : double{loss.depth_weight};
-    own += wd * std::abs(e);
-    g[3] = wd * sign(e);
+    own += wd * rounded_abs(e, loss.depth_knee_m);
+    g[3] = wd * slope(e, loss.depth_knee_m);
     if (relative) g[4] = -z * g[3];
   }
   tile_loss.clear();

@@ -116,6 +116,20 @@ TEST(ReferenceGradient, AbsoluteDepthOnlyWhereDepthWithGains) {
   expect_twist_matches(s, loss);
 }
 
+TEST(ReferenceGradient, RoundedResiduals) {
+  // Knees on either side of most residuals.
+  for (const float knee : {0.1f, 10.0f}) {
+    LossConfig loss;
+    loss.color_weight = 0.8f + knee;
+    loss.depth_weight = 0.2f + knee;
+    loss.color_knee = knee;
+    loss.depth_knee_m = knee;
+    loss.gain = {1.2f, 0.9f, 1.05f};
+    expect_gradients_match(make_scene(5), loss);
+    expect_twist_matches(make_scene(5), loss);
+  }
+}
+
 TEST(ReferenceGradient, Dssim) {
   LossConfig loss;
   loss.color_weight = 0;
