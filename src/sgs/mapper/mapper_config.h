@@ -52,7 +52,7 @@ struct ObjectiveConfig {
   double color_weight = 4;
   double color_knee = 0.2;  ///< residuals below it count as squares; 0 = L1
   double depth_weight = 0.2;
-  double depth_knee_m = 0.05;
+  double depth_knee_m = 0;
   std::string depth_form = "alpha_relative";  ///< alpha_relative | absolute
   double dssim_weight = 0;
   int dssim_interval = 1;  ///< D-SSIM on every n-th full-resolution step
