@@ -38,7 +38,8 @@ Optimizer::Optimizer(const OptimizerConfig& config) {
     correction1_.push_back(static_cast<float>(1 / (1 - std::pow(config.beta1, t))));
     correction2_.push_back(static_cast<float>(1 / std::sqrt(1 - std::pow(config.beta2, t))));
     const double kept = std::min(config.average, t / (t + 9.0));
-    const int interval = t < kEveryStep ? 1 : AdamSettings::kAverageInterval;
+    const bool every_step = t < kEveryStep || config.average == 0;
+    const int interval = every_step ? 1 : AdamSettings::kAverageInterval;
     average_share_.push_back(t % interval == 0 ? static_cast<float>(1 - std::pow(kept, interval))
                                                : 0.0f);
   }

@@ -16,9 +16,10 @@ namespace sgs::mapper {
 /// Adam on the Gaussians that took part in a rendering, each with its own step count (Kingma & Ba
 /// 2015; bias correction with the Gaussian's own t), followed by the caps and the average
 ///   avg <- d avg + (1 - d) value,  d = min(average, t / (t + 9)),
-/// from step 16 on in every 4th step with d^4. Moments are kept as bfloat16, rounded so that the
-/// errors of many steps cancel: a step costs mostly the memory it touches.
-/// Gaussians out of view cost nothing and keep their moments. Thread-safe for disjoint Gaussians.
+/// from step 16 on in every 4th step with d^4 (average 0: always the value itself). Moments are
+/// kept as bfloat16, rounded so that the errors of many steps cancel: a step costs mostly the
+/// memory it touches. Gaussians out of view cost nothing and keep their moments. Thread-safe for
+/// disjoint Gaussians.
 class Optimizer {
  public:
   explicit Optimizer(const OptimizerConfig& config);

@@ -77,6 +77,18 @@ TEST_P(EachInstructionSet, LongMemoriesDoNotStandStill) {
   EXPECT_NEAR(store.average[0].rgb[0], before, 100 * config.rate_color);
 }
 
+TEST_P(EachInstructionSet, NoAverageMeansTheValueItself) {
+  OptimizerConfig config;
+  config.average = 0;
+  map::GaussianStore store;
+  store.append(row(1), {}, 1e6f);
+  const Optimizer optimizer(config);
+  for (int t = 0; t < 23; ++t) {
+    step(optimizer, {0}, {row(1)}, store);
+    EXPECT_NEAR(store.average[0].rgb[0], store.raw[0].rgb[0], 1e-6) << t;
+  }
+}
+
 TEST_P(EachInstructionSet, TouchesOnlyVisibleGaussians) {
   map::GaussianStore store;
   for (int i = 0; i < 3; ++i) store.append(row(1), {}, 1e6f);
