@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "sgs/camera/rgbd_frame.h"
@@ -16,7 +17,8 @@ namespace sgs::mapper {
 /// its pose and exposure as refined so far. Training images are made from it on demand.
 class MapKeyframe {
  public:
-  /// `max_depth_m` bounds the depth that is kept; farther measurements are dropped.
+  /// Both poses begin as `T_world_camera`. `max_depth_m` bounds the depth that is kept; farther
+  /// measurements are dropped.
   MapKeyframe(const RgbdFrame& frame, const SE3& T_world_camera, double max_depth_m);
 
   /// The images at full (0) or half (1) resolution. Half resolution averages 2x2 pixels; depth only
@@ -31,10 +33,11 @@ class MapKeyframe {
   std::int64_t frame_index() const { return frame_index_; }
 
   SE3 T_world_camera;                     ///< refined
+  SE3 T_world_tracked;                    ///< where the tracker holds it to be
   std::array<float, 3> gain = {1, 1, 1};  ///< measured colour = gain * scene colour
   int visits = 0;                         ///< optimisation steps so far
-  Vector6d pose_moment1 = Vector6d::Zero(), pose_moment2 = Vector6d::Zero();  ///< Adam
-  int pose_steps = 0;
+  /// Of its half-resolution view (pose_information), made when it is needed first.
+  std::optional<Matrix6d> pose_information;
 
  private:
   PinholeCamera camera_;

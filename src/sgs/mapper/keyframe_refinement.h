@@ -23,7 +23,20 @@ struct ExposureSums {
 };
 ExposureSums exposure_sums(const MapKeyframe& keyframe, const render::Rendering& rendering);
 
-/// One Adam step (0.8 / 0.99) of a keyframe's pose along d loss / d xi.
-void refine_pose(MapKeyframe& keyframe, const Vector6d& gradient, double rate);
+/// Gauss-Newton approximation of the second derivative of the summed loss in xi of
+/// T_world_camera * exp(xi), from the keyframe's own picture and depth: what a small motion would
+/// change in them. `image`: the training image the loss is summed over. Residuals of L1 terms are
+/// taken to be 0.03 (colour) and 2 cm (depth) in the mean. Colour without depth counts as if it
+/// were at the mean depth.
+Matrix6d pose_information(const render::TrainingImage& image, const render::LossConfig& loss);
+
+/// One Gauss-Newton step of a keyframe's pose: `config.pose_share` of the way to the minimum of the
+/// loss, quadratic with keyframe.pose_information, plus
+///   1/2 pixels (pose_prior_rotation |phi|^2 + pose_prior_translation |rho|^2),
+///   [phi; rho] = log(T_world_tracked^-1 T_world_camera).
+/// `gradient`: d loss / d xi summed over as many pixels as keyframe.pose_information is; `pixels`:
+/// how many. A gradient that is not finite is passed over.
+void refine_pose(MapKeyframe& keyframe, const Vector6d& gradient, double pixels,
+                 const KeyframeRefinementConfig& config);
 
 }  // namespace sgs::mapper

@@ -114,7 +114,14 @@ void Mapper::Impl::step() {
                 refinement.exposure_prior, refinement.exposure_step);
   }
   if (refinement.pose && whole && index > 0 && keyframe.visits >= refinement.pose_first_visit) {
-    refine_pose(keyframe, gradients.camera_twist, refinement.pose_rate);
+    if (!keyframe.pose_information) {
+      keyframe.pose_information = pose_information(keyframe.training_image(1), loss);
+    }
+    // A step at full resolution sums over four times as many pixels.
+    const PinholeCamera half = camera.halved(1);
+    const double pixels = static_cast<double>(half.width) * half.height;
+    const double share = pixels / (static_cast<double>(view.width) * view.height);
+    refine_pose(keyframe, share * gradients.camera_twist, pixels, refinement);
   }
   ++keyframe.visits;
   ++iterations;
@@ -144,11 +151,17 @@ Mapper::Mapper(const MapperConfig& config, const PinholeCamera& camera, std::uin
 Mapper::~Mapper() = default;
 
 int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE3& T) {
+  return add_keyframe(frame, T, T);
+}
+
+int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE3& T,
+                         const SE3& T_world_tracked) {
   Impl& m = *impl_;
   SGS_CHECK(frame && frame->camera == m.camera, "the keyframe's camera differs from the mapper's");
-  if (!T.all_finite() || !has_depth(*frame, m.config.insertion.max_depth_m)) {
+  const bool finite = T.all_finite() && T_world_tracked.all_finite();
+  if (!finite || !has_depth(*frame, m.config.insertion.max_depth_m)) {
     log().warn("frame {} is not used for mapping: {}", frame->index,
-               T.all_finite() ? "it has hardly any depth" : "its pose is not finite");
+               finite ? "it has hardly any depth" : "its pose is not finite");
     return -1;
   }
   const ScopedTimer timer(m.times, "map/insertion");
@@ -158,6 +171,7 @@ int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE
     m.keyframes.emplace_back(*frame, T, m.config.insertion.max_depth_m);
   }
   MapKeyframe& keyframe = m.keyframes.back();
+  keyframe.T_world_tracked = T_world_tracked;
   // Rarely more than one new Gaussian for every 4x4 pixels.
   reserve(m.store,
           m.store.size() + static_cast<std::size_t>(m.camera.width * m.camera.height / 16));

@@ -108,9 +108,16 @@ void KeyframeRefinementConfig::declare(ParameterList& p) {
         {0, 100});
   p.add("exposure_step", exposure_step, "Share of the way to the new gain per visit.", "", {0, 1});
   p.add("pose", pose, "Refine the keyframes' poses.");
-  p.add("pose_rate", pose_rate, "Adam rate of the poses.", "rad, m", {0, 0.1});
+  p.add("pose_share", pose_share, "Share of a Gauss-Newton step that a pose moves per visit.", "",
+        {0, 2});
   p.add("pose_first_visit", pose_first_visit, "Visits of a keyframe before its pose moves.", "",
         {0, 1000});
+  p.add("pose_prior_rotation", pose_prior_rotation,
+        "Pull of a keyframe's rotation towards the tracked one: loss per pixel.", "1/rad^2",
+        {0, 1e6});
+  p.add("pose_prior_translation", pose_prior_translation,
+        "Pull of a keyframe's position towards the tracked one: loss per pixel.", "1/m^2",
+        {0, 1e6});
 }
 
 void MapperConfig::declare(ParameterList& p) {

@@ -66,7 +66,7 @@ struct ObjectiveConfig {
 struct ScheduleConfig {
   std::string order = "balanced";  ///< balanced | rounds (each keyframe once) | random (the paper)
   double visit_bias = 0.5;         ///< balanced: frequency ~ (visits + 4)^-bias
-  double half_resolution_share = 0.9;
+  double half_resolution_share = 0.95;
   int prune_interval = 200;  ///< steps between prunings
   double prune_opacity = 0.02;
   double prune_scale_m = 1.0;
@@ -84,8 +84,11 @@ struct KeyframeRefinementConfig {
   double exposure_prior = 4;   ///< weight of gain 1 against the measured gain
   double exposure_step = 0.5;  ///< share of the way per visit
   bool pose = true;
-  double pose_rate = 5e-4;   ///< radians and metres per step
+  double pose_share = 1;     ///< of a Gauss-Newton step per visit
   int pose_first_visit = 3;  ///< visits of a keyframe before its pose may move
+  /// Pull towards the tracked pose, in loss per pixel of half resolution.
+  double pose_prior_rotation = 13;      ///< per radian squared
+  double pose_prior_translation = 2.5;  ///< per metre squared
 
   void declare(ParameterList& p);
 };

@@ -145,6 +145,21 @@ TEST(Mapper, PullsAMisplacedKeyframeBack) {
   EXPECT_LT((refined.t - truth.t).head<2>().norm(), 0.009) << refined.t.transpose();
 }
 
+TEST(Mapper, IsPulledTowardsTheTrackedPoseNotTheOneItBeganWith) {
+  MapperConfig config = config_for_test();
+  config.refinement.pose_prior_rotation = config.refinement.pose_prior_translation = 1e4;
+  Mapper mapper(config, small_camera(), 3, nullptr);
+  mapper.add_keyframe(wall_frame(small_camera(), SE3{}), SE3{});
+  mapper.iterate(30);
+  const SE3 truth = translated(0.1, 0, 0), begun = translated(0.11, 0.01, 0);
+  ASSERT_EQ(mapper.add_keyframe(wall_frame(small_camera(), truth, 1), begun, truth), 1);
+  mapper.iterate(60);
+  EXPECT_LT((mapper.snapshot()->T_world_keyframe.back().t - truth.t).norm(), 1e-3);
+  SE3 nowhere;
+  nowhere.t.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(mapper.add_keyframe(wall_frame(small_camera(), truth, 2), truth, nowhere), -1);
+}
+
 TEST(Mapper, FindsTheGainOfADimmedView) {
   MapperConfig config = config_for_test();
   config.refinement.exposure_prior = 0;

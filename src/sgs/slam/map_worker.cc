@@ -47,7 +47,7 @@ void MapWorker::process(const MapJob& job) {
           last.T_world_refined * last.T_world_tracked.inverse() * job.T_world_tracked;
       keyframe.T_world_refined = keyframe.T_world_inserted;
     }
-    if (mapper_.add_keyframe(job.keyframe, keyframe.T_world_inserted) >= 0) {
+    if (mapper_.add_keyframe(job.keyframe, keyframe.T_world_inserted, job.T_world_tracked) >= 0) {
       keyframes_.push_back(keyframe);
     }
   }
