@@ -87,8 +87,8 @@ struct KeyframeRefinementConfig {
   double pose_share = 1;     ///< of a Gauss-Newton step per visit
   int pose_first_visit = 3;  ///< visits of a keyframe before its pose may move
   /// Pull towards the tracked pose, in loss per pixel of half resolution.
-  double pose_prior_rotation = 13;      ///< per radian squared
-  double pose_prior_translation = 2.5;  ///< per metre squared
+  double pose_prior_rotation = 50;    ///< per radian squared
+  double pose_prior_translation = 5;  ///< per metre squared
 
   void declare(ParameterList& p);
 };

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "sgs/mapper/keyframe_refinement.h"
 #include "sgs/mapper/wall_scene.h"
