@@ -20,6 +20,63 @@ int full_pixel(float level_coordinate, int level, int size) {
   return std::min(full, size - 1);
 }
 
+struct Pixel {
+  int x = -1, y = -1;
+};
+
+// Squared gradients of the inner pixels of row `y`, 0 where the depth `z` beside them is none or
+// beyond `max_depth_m`. Without branches, so that it becomes vector code.
+void write_gradients(const Image<float>& gray, int y, const float* z, float max_depth_m,
+                     float* gradients) {
+  const float* row = gray.row(y);
+  const float *above = gray.row(y - 1), *below = gray.row(y + 1);
+  for (int x = 1; x < gray.width() - 1; ++x) {
+    const float gx = 0.5f * (row[x + 1] - row[x - 1]), gy = 0.5f * (below[x] - above[x]);
+    const bool usable = (z[x] > kNearPlane_m) & (z[x] < max_depth_m);
+    gradients[x] = usable ? gx * gx + gy * gy : 0.0f;
+  }
+}
+
+// The pixel of highest gradient above the threshold among those with depth in each block of a
+// level, row by row.
+std::vector<Pixel> select_pixels(const Image<float>& gray, int level, const DepthImage& depth,
+                                 const PhotometricConfig& config) {
+  constexpr int kMargin = 2;
+  struct Best {
+    float gradient2;
+    Pixel pixel;
+  };
+  const int block = config.block_at(level);
+  const float threshold = static_cast<float>(config.gradient_threshold_at(level));
+  const auto width = static_cast<std::size_t>(gray.width());
+  std::vector<float> z(width), gradients(width);
+  std::vector<Best> best;
+  std::vector<Pixel> out;
+  for (int y0 = kMargin; y0 + block < gray.height() - kMargin; y0 += block) {
+    best.assign(width / static_cast<std::size_t>(block) + 1, {threshold * threshold, {}});
+    for (int y = y0; y < y0 + block; ++y) {
+      const float* depths = depth.row(full_pixel(static_cast<float>(y), level, depth.height()));
+      for (int x = 0; x < gray.width() && level > 0; ++x) {
+        z[static_cast<std::size_t>(x)] =
+            depths[full_pixel(static_cast<float>(x), level, depth.width())];
+      }
+      write_gradients(gray, y, level > 0 ? z.data() : depths,
+                      static_cast<float>(config.max_depth_m), gradients.data());
+      auto own = best.begin();
+      for (int x0 = kMargin; x0 + block < gray.width() - kMargin; x0 += block, ++own) {
+        for (int x = x0; x < x0 + block; ++x) {
+          const float g2 = gradients[static_cast<std::size_t>(x)];
+          if (g2 > own->gradient2) *own = {g2, {x, y}};
+        }
+      }
+    }
+    for (const Best& b : best) {
+      if (b.pixel.x >= 0) out.push_back(b.pixel);
+    }
+  }
+  return out;
+}
+
 // Eliminates gain and offset, whose prior keeps the 2x2 block regular.
 void eliminate_brightness(const PhotometricSums& sums, const AffineBrightness& brightness,
                           const PhotometricConfig& config, PhotometricLinearization& out) {
@@ -95,47 +152,19 @@ PhotometricReference::PhotometricReference(const GrayPyramid& pyramid, const Dep
   SGS_CHECK(!pyramid.empty() && depth.width() == pyramid.level(0).camera.width &&
                 depth.height() == pyramid.level(0).camera.height,
             "depth must have the size of the pyramid's finest level");
-  const int margin = 2;
   points_.resize(static_cast<std::size_t>(std::min(config.levels, pyramid.levels())));
   for (int l = 0; l < levels(); ++l) {
     const auto& level = pyramid.level(l);
-    const int block = config.block_at(l);
-    const float threshold = static_cast<float>(config.gradient_threshold_at(l));
-    const auto depth_at = [&](int x, int y) {
-      return depth(full_pixel(static_cast<float>(x), l, depth.width()),
-                   full_pixel(static_cast<float>(y), l, depth.height()));
-    };
-    for (int y0 = margin; y0 + block < level.gray.height() - margin; y0 += block) {
-      for (int x0 = margin; x0 + block < level.gray.width() - margin; x0 += block) {
-        float best = threshold * threshold;
-        int bx = -1, by = -1;
-        for (int y = y0; y < y0 + block; ++y) {
-          const float* row = level.gray.row(y);
-          const float *above = level.gray.row(y - 1), *below = level.gray.row(y + 1);
-          for (int x = x0; x < x0 + block; ++x) {
-            const float gx = 0.5f * (row[x + 1] - row[x - 1]), gy = 0.5f * (below[x] - above[x]);
-            const float g2 = gx * gx + gy * gy;
-            if (!(g2 > best)) continue;
-            const float z = depth_at(x, y);
-            if (!(z > kNearPlane_m && z < config.max_depth_m)) continue;
-            best = g2;
-            bx = x;
-            by = y;
-          }
-        }
-        if (bx < 0) continue;
-        float z = depth_at(bx, by);
-        if (smooth_depth) {
-          z = smooth_depth(full_pixel(static_cast<float>(bx), l, depth.width()),
-                           full_pixel(static_cast<float>(by), l, depth.height()));
-        }
-        if (!(z > kNearPlane_m)) continue;
-        const Eigen::Vector3f p_row =
-            level.camera.back_project(bx, by, static_cast<double>(z)).cast<float>();
-        const float offset = ReadoutMotion::offset(static_cast<float>(by), level.gray.height());
-        points_[static_cast<std::size_t>(l)].push_back(
-            {readout.to_middle(p_row, offset), level.gray(bx, by)});
-      }
+    for (const Pixel& pixel : select_pixels(level.gray, l, depth, config)) {
+      const int u = full_pixel(static_cast<float>(pixel.x), l, depth.width());
+      const int v = full_pixel(static_cast<float>(pixel.y), l, depth.height());
+      const float z = smooth_depth ? smooth_depth(u, v) : depth(u, v);
+      if (!(z > kNearPlane_m)) continue;
+      const Eigen::Vector3f p_row =
+          level.camera.back_project(pixel.x, pixel.y, static_cast<double>(z)).cast<float>();
+      const float offset = ReadoutMotion::offset(static_cast<float>(pixel.y), level.gray.height());
+      points_[static_cast<std::size_t>(l)].push_back(
+          {readout.to_middle(p_row, offset), level.gray(pixel.x, pixel.y)});
     }
   }
 }

@@ -15,8 +15,6 @@ namespace {
 constexpr double kTurn_rad = 0.05, kShift_m = 0.05, kNear_m = 0.7;
 // What lies deeper than this behind the nearest target around it cannot be seen.
 constexpr float kBehind_m = 0.05f;
-// Cells around a target whose depths count: what covers it may move away by so many.
-constexpr int kAround = 1;
 
 /// The widening on each side, in cells.
 int margin(const CellCamera& camera) {
@@ -39,6 +37,15 @@ void GrowingArrays::push_back(const Eigen::Vector3f& point, const Eigen::Vector3
 
 void GrowingArrays::push_back(const GrowingArrays& from, std::size_t i) {
   for (int k = 0; k < 6; ++k) arrays_[k].push_back(from.arrays_[k][i]);
+}
+
+void GrowingArrays::assign(const GrowingArrays& from, std::span<const int> indices) {
+  resize(indices.size());
+  for (int k = 0; k < 6; ++k) {
+    const float* source = from.arrays_[k].data();
+    std::transform(indices.begin(), indices.end(), arrays_[k].begin(),
+                   [source](int i) { return source[i]; });
+  }
 }
 
 PointArrays GrowingArrays::part(std::size_t begin, std::size_t count) const {
@@ -95,33 +102,45 @@ void TargetShortlist::look(const SE3& T_map_camera) {
     if (depths_[i] < nearest) nearest = depths_[i];
   }
   spread_depths();
-  listed_.resize(0);
-  indices_.clear();
-  for (std::size_t i = 0; i < all_.size(); ++i) {
-    if (cells_[i] < 0) continue;
-    if (depths_[i] < nearest_[static_cast<std::size_t>(cells_[i])] + kBehind_m) list(i);
+  list_near();
+}
+
+/// Replaces the depth of each cell by the largest of the 3x3 cells around it; empty ones do not
+/// count.
+void TargetShortlist::spread_depths() {
+  // Plain loops over rows, which become vector code.
+  for (float& depth : nearest_) depth = std::isinf(depth) ? 0 : depth;
+  spread_.resize(nearest_.size());
+  for (int row = 0; row < height_; ++row) {
+    const float* from = nearest_.data() + row * width_;
+    float* to = spread_.data() + row * width_;
+    to[0] = std::max(from[0], from[1]);
+    for (int i = 1; i < width_ - 1; ++i)
+      to[i] = std::max(from[i], std::max(from[i - 1], from[i + 1]));
+    to[width_ - 1] = std::max(from[width_ - 1], from[width_ - 2]);
+  }
+  for (int row = 0; row < height_; ++row) {
+    const float* from = spread_.data() + row * width_;
+    const float* above = row > 0 ? from - width_ : from;
+    const float* below = row + 1 < height_ ? from + width_ : from;
+    float* to = nearest_.data() + row * width_;
+    for (int i = 0; i < width_; ++i) to[i] = std::max(from[i], std::max(above[i], below[i]));
   }
 }
 
-/// Replaces the depth of each cell by the largest within kAround cells; empty ones do not count.
-void TargetShortlist::spread_depths() {
-  const auto largest = [](const float* from, int count, int stride, float* to) {
-    for (int i = 0; i < count; ++i) {
-      float depth = 0;
-      for (int k = std::max(0, i - kAround); k <= std::min(count - 1, i + kAround); ++k) {
-        const float d = from[k * stride];
-        depth = std::isinf(d) ? depth : std::max(depth, d);
-      }
-      to[i * stride] = depth;
-    }
-  };
-  spread_.resize(nearest_.size());
-  for (int row = 0; row < height_; ++row) {
-    largest(nearest_.data() + row * width_, width_, 1, spread_.data() + row * width_);
+/// Lists those that lie hardly behind the depths.
+void TargetShortlist::list_near() {
+  indices_.resize(all_.size());
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    // No predictor guesses which are near: no branches.
+    const int cell = std::max(cells_[i], 0);
+    const bool near = depths_[i] < nearest_[static_cast<std::size_t>(cell)] + kBehind_m;
+    indices_[count] = static_cast<int>(i);
+    count += static_cast<std::size_t>((cells_[i] >= 0) & near);
   }
-  for (int column = 0; column < width_; ++column) {
-    largest(spread_.data() + column, height_, width_, nearest_.data() + column);
-  }
+  indices_.resize(count);
+  listed_.assign(all_, indices_);
 }
 
 void TargetShortlist::list(std::size_t i) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "sgs/geometry/se3.h"
@@ -17,6 +18,8 @@ class GrowingArrays {
   void push_back(const Eigen::Vector3f& point, const Eigen::Vector3f& normal);
   /// Appends element `i` of `from`.
   void push_back(const GrowingArrays& from, std::size_t i);
+  /// Makes it the elements `indices` of `from`.
+  void assign(const GrowingArrays& from, std::span<const int> indices);
   PointArrays part(std::size_t begin, std::size_t count) const;
 
  private:
@@ -45,6 +48,7 @@ class TargetShortlist {
   bool follow(const TargetCloud& cloud);
   void look(const SE3& T_map_camera);
   void spread_depths();
+  void list_near();
   void list(std::size_t i);
 
   CellCamera camera_;  // onto the widened field of view

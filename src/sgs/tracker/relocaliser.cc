@@ -9,8 +9,14 @@ Relocaliser::Relocaliser(const SpectralConfig& config, const features::OrbConfig
     : config_(config), orb_(orb), pose_(pose) {}
 
 void Relocaliser::add_keyframe(const RgbdFrame& frame, const SE3& T_map_camera) {
-  keyframes_.push_back({frame, T_map_camera});
-  if (static_cast<int>(keyframes_.size()) > config_.relocalise_keyframes) keyframes_.pop_front();
+  Keyframe keyframe;
+  if (static_cast<int>(keyframes_.size()) >= config_.relocalise_keyframes) {
+    keyframe = std::move(keyframes_.front());  // its images' memory is used again
+    keyframes_.pop_front();
+  }
+  keyframe.frame = frame;
+  keyframe.T_map_camera = T_map_camera;
+  keyframes_.push_back(std::move(keyframe));
 }
 
 std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame) const {
