@@ -7,6 +7,7 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <numeric>
 
 #include "room_scene.h"
 #include "sgs/map/gaussian_store.h"
@@ -46,13 +47,12 @@ struct ProjectedRoom {
   void project() {
     visible.clear();
     for (std::size_t first = 0; first < gaussians.size(); first += kChunk) {
-      const std::size_t count = std::min<std::size_t>(kChunk, gaussians.size() - first);
-      ChunkCount found;
-      project_run(view, {.gaussians = gaussians.data()}, static_cast<std::uint32_t>(first),
-                  static_cast<std::uint32_t>(count),
-                  {records.data() + first, keys.data() + first, rects.data() + first,
-                   trained.data() + first, first_slot.data() + first},
-                  found);
+      std::vector<std::uint32_t> indices(std::min<std::size_t>(kChunk, gaussians.size() - first));
+      std::iota(indices.begin(), indices.end(), static_cast<std::uint32_t>(first));
+      const ChunkCount found =
+          project_chunk(view, {.gaussians = gaussians.data()}, indices,
+                        {records.data() + first, keys.data() + first, rects.data() + first,
+                         trained.data() + first, first_slot.data() + first});
       visible.push_back(found.visible);
     }
   }

@@ -13,6 +13,7 @@
 #include "sgs/mapper/optimizer.h"
 #include "sgs/mapper/schedule.h"
 #include "sgs/mapper/sparse_steps.h"
+#include "sgs/mapper/view_candidates.h"
 #include "sgs/render/rasterizer.h"
 
 namespace sgs::mapper {
@@ -57,6 +58,7 @@ struct Mapper::Impl {
         optimizer(c.optimizer),
         schedule(seed, schedule_order(c.schedule.order), c.schedule.visit_bias),
         sparse(c.schedule),
+        views(c.schedule.look_interval),
         loss(loss_config(c.objective)) {}
 
   void step();
@@ -69,6 +71,8 @@ struct Mapper::Impl {
   Optimizer optimizer;
   Schedule schedule;
   SparseSteps sparse;
+  ViewCandidates views;
+  map::GaussianSet removed;
   render::LossConfig loss;
   map::GaussianStore store;
   map::MeanBounds bounds;  // of store.raw and store.average
@@ -103,6 +107,12 @@ void Mapper::Impl::step() {
     options.tile_loss = sparse.tile_loss(index, level);
   }
   const bool whole = options.frozen.empty() && options.tiles.empty();
+  if (whole) {
+    const ViewCandidates::Visit visit = views.next(index);
+    options.candidates = visit.candidates;
+    options.reached = visit.reached;
+  }
+  options.min_transmittance = static_cast<float>(config.schedule.min_transmittance);
   rasterizer->evaluate(store.raw, *target, keyframe.T_world_camera, loss, gradients, options);
   const PinholeCamera view = camera.halved(level);
   last_loss = gradients.loss / (static_cast<double>(view.width) * view.height);
@@ -134,13 +144,19 @@ void Mapper::Impl::prune() {
   const double opacity = config.schedule.prune_opacity;
   const auto min_logit = static_cast<float>(std::log(opacity / (1 - opacity)));
   const auto max_log_scale = static_cast<float>(std::log(config.schedule.prune_scale_m));
-  store.remove_if([&](std::size_t i) {
+  removed.clear(store.size());
+  const auto is_useless = [&](std::size_t i) {
     const map::Gaussian& g = store.raw[i];
     const float largest = std::max({g.log_scale[0], g.log_scale[1], g.log_scale[2]});
     // Written so that NaN goes, too.
     return !(g.opacity_logit >= min_logit) || !(largest <= max_log_scale) ||
            !std::isfinite(g.mean[0] + g.mean[1] + g.mean[2]);
-  });
+  };
+  for (std::size_t i = 0; i < store.size(); ++i) {
+    if (is_useless(i)) removed.insert(i);
+  }
+  views.follow_removal(removed);
+  store.remove_if([this](std::size_t i) { return removed.contains(i); });
   bounds.assign(store.raw, store.average);
 }
 

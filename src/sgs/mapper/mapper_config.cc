@@ -97,6 +97,13 @@ void ScheduleConfig::declare(ParameterList& p) {
         "Every second visit of a keyframe leaves out tiles of 32 pixels whose loss is below this "
         "share of the mean; 0 = none. Not in steps with D-SSIM.",
         "", {0, 100});
+  p.add("look_interval", look_interval,
+        "Every n-th visit of a keyframe looks at the whole map, the others at what that visit saw "
+        "and "
+        "at what is new since.",
+        "visits", {1, 1000});
+  p.add("min_transmittance", min_transmittance,
+        "Training views are composited until so little light comes through.", "", {1e-6, 0.5});
   p.add("full_targets_kept", full_targets_kept,
         "Full-resolution targets kept ready; others are converted when they are visited.", "",
         {1, 10000});
@@ -168,6 +175,8 @@ MapperConfig paper_mapper_config() {
   c.schedule.order = "random";
   c.schedule.half_resolution_share = 0;
   c.schedule.prune_opacity = 0.005;
+  c.schedule.look_interval = 1;
+  c.schedule.min_transmittance = 1e-4;
   c.refinement.exposure = false;
   c.refinement.pose = false;
   return c;

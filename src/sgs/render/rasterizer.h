@@ -15,6 +15,7 @@
 #include "sgs/core/thread_pool.h"
 #include "sgs/geometry/se3.h"
 #include "sgs/map/gaussian.h"
+#include "sgs/map/gaussian_set.h"
 #include "sgs/map/mean_bounds.h"
 
 namespace sgs::render {
@@ -103,6 +104,9 @@ class GradientSink {
 /// Side of the tiles of EvaluateOptions::tiles, pixels.
 inline constexpr int kMaskTile = 32;
 
+/// Compositing stops at this transmittance: nothing behind is seen.
+inline constexpr float kMinTransmittance = 1e-4f;
+
 /// What an evaluation may do beside filling Gradients, and what it may leave out.
 struct EvaluateOptions {
   Rendering* rendering = nullptr;  ///< where to store the forward images
@@ -118,12 +122,20 @@ struct EvaluateOptions {
   /// neither with `rendering` nor with D-SSIM.
   std::span<const std::uint8_t> tiles = {};
   std::vector<float>* tile_loss = nullptr;  ///< loss per tile like `tiles`, without D-SSIM
+  /// Gaussians that it is known not to contain are left out. Null = all are looked at.
+  const map::GaussianSet* candidates = nullptr;
+  /// Gets the Gaussians that were composited, not hidden: all with a weight in some pixel that
+  /// counts, and few others. Goes not with `frozen`.
+  map::GaussianSet* reached = nullptr;
+  /// In (0, 1): where a training view may stop sooner than a picture.
+  float min_transmittance = kMinTransmittance;
 };
 
 /// A differentiable Gaussian rasterizer: EWA projection with 0.3 px^2 low-pass, alpha clamped to
-/// 0.99, contributions below 1/255 dropped, compositing stops at transmittance 1e-4. Gaussians
-/// nearer than 0.1 m, far outside the view or with non-finite or absurd parameters are left out.
-/// Not thread-safe: one per user. Same input gives the same bits for any number of threads.
+/// 0.99, contributions below 1/255 dropped, compositing stops at transmittance 1e-4
+/// (kMinTransmittance). Gaussians nearer than 0.1 m, far outside the view or with non-finite or
+/// absurd parameters are left out. Not thread-safe: one per user. Same input gives the same bits
+/// for any number of threads.
 class Rasterizer {
  public:
   virtual ~Rasterizer() = default;

@@ -13,7 +13,6 @@
 
 constexpr float kLowPass_px2 = 0.3f;  // added to the image covariance's diagonal
 constexpr float kMaxAlpha = 0.99f;
-constexpr float kMinTransmittance = 1e-4f;  // compositing stops here
 constexpr float kLog2Of255 = 7.994353436858858f;
 constexpr float kLog2E = 1.4426950408889634f;
 constexpr float kLn2 = 0.6931471805599453f;

@@ -27,6 +27,12 @@ inline void check_options(const EvaluateOptions& options, std::size_t gaussians,
             "the bounds belong to other Gaussians");
   SGS_CHECK(options.frozen.empty() || options.frozen.size() == gaussians,
             "`frozen` needs one entry per Gaussian");
+  SGS_CHECK(options.candidates == nullptr || options.candidates->size() <= gaussians,
+            "the candidates belong to other Gaussians");
+  SGS_CHECK(options.reached == nullptr || options.frozen.empty(),
+            "which Gaussians were reached is not known of frozen ones");
+  SGS_CHECK(options.min_transmittance > 0 && options.min_transmittance < 1,
+            "the least transmittance must lie between 0 and 1");
   if (options.tiles.empty()) return;
   SGS_CHECK(options.tiles.size() == tiles_along(camera.width) * tiles_along(camera.height),
             "`tiles` needs one entry per tile");

@@ -3,6 +3,8 @@
 #include "sgs/render/cpu/cpu_rasterizer.h"
 
 #include <algorithm>
+#include <bit>
+#include <numeric>
 
 #include "sgs/render/cpu/frustum.h"
 #include "sgs/render/cpu/project.h"
@@ -35,6 +37,34 @@ TileLoss tile_loss(const LossConfig& loss) {
   return out;
 }
 
+/// The Gaussians of chunk number `chunk` of `count` that are worth a look, into `indices`; returns
+/// their number.
+std::size_t list_chunk(std::size_t chunk, std::size_t count, const Frustum& frustum,
+                       const EvaluateOptions& options, std::uint32_t* indices) {
+  constexpr std::size_t kBlock = map::MeanBounds::kBlock;
+  static_assert(kChunk % kBlock == 0 && map::GaussianSet::kWord == kBlock);
+  const std::size_t first = chunk * kChunk, end = std::min<std::size_t>(first + kChunk, count);
+  std::size_t listed = 0;
+  for (std::size_t begin = first; begin < end; begin += kBlock) {
+    const std::size_t block = begin / kBlock;
+    std::uint64_t mask =
+        options.candidates == nullptr ? ~std::uint64_t{0} : options.candidates->maybe(block);
+    if (end - begin < kBlock) mask &= ~(~std::uint64_t{0} << (end - begin));
+    if (mask == 0) continue;
+    if (options.bounds != nullptr && !frustum.may_show(options.bounds->boxes()[block])) continue;
+    if (mask == ~std::uint64_t{0}) {
+      std::iota(indices + listed, indices + listed + kBlock, static_cast<std::uint32_t>(begin));
+      listed += kBlock;
+      continue;
+    }
+    for (; mask != 0; mask &= mask - 1) {
+      indices[listed++] =
+          static_cast<std::uint32_t>(begin) + static_cast<std::uint32_t>(std::countr_zero(mask));
+    }
+  }
+  return listed;
+}
+
 }  // namespace
 
 CpuRasterizer::CpuRasterizer(ThreadPool* pool)
@@ -47,7 +77,7 @@ void CpuRasterizer::render(std::span<const map::Gaussian> gaussians, const Pinho
   SGS_CHECK(camera.valid(), "the camera must be valid");
   const TileGrid grid(camera.width, camera.height);
   arrange(gaussians, make_view<float>(camera, T_world_camera), grid, {});
-  forward_only(grid);
+  forward_only(grid, kMinTransmittance);
   store(grid, out);
 }
 
@@ -66,7 +96,7 @@ void CpuRasterizer::evaluate(std::span<const map::Gaussian> gaussians, const Pre
   arrange(gaussians, view, own->grid(), options);
   out.loss = 0;
   has_color_gradient_ = loss.dssim_weight != 0.0f;
-  if (has_color_gradient_) out.loss += add_dssim(*own, loss);
+  if (has_color_gradient_) out.loss += add_dssim(*own, loss, options.min_transmittance);
   visit_tiles(*own, loss, options);
   out.exposure_measured = out.exposure_rendered = {0, 0, 0};
   for (const TileResult& r : results_) {
@@ -83,6 +113,7 @@ void CpuRasterizer::evaluate(std::span<const map::Gaussian> gaussians, const Pre
     }
   }
   splat_backward(gaussians, view, out, options.sink);
+  if (options.reached != nullptr) mark_reached(gaussians.size(), *options.reached);
   if (options.rendering != nullptr) store(own->grid(), *options.rendering);
 }
 
@@ -103,9 +134,15 @@ void CpuRasterizer::arrange(std::span<const map::Gaussian> gaussians, const View
   const ProjectJob job = {gaussians.data(),
                           options.frozen.empty() ? nullptr : options.frozen.data(),
                           options.tiles.empty() ? nullptr : options.tiles.data(), grid.tiles_x};
+  const Frustum frustum(view);
   pool_->run(static_cast<int>(chunks), [&](int chunk, int) {
-    const auto c = static_cast<std::size_t>(chunk);
-    const ChunkCount found = project_chunk(view, job, c, count, options.bounds);
+    const auto c = static_cast<std::size_t>(chunk), first = c * kChunk;
+    std::array<std::uint32_t, kChunk> indices;
+    const std::size_t listed = list_chunk(c, count, frustum, options, indices.data());
+    const ProjectedChunk to = {records_.data() + first, keys_.data() + first, rects_.data() + first,
+                               trained_sources_.data() + first,
+                               first_slot_.data() + c * kSlotStride};
+    const ChunkCount found = project_chunk(view, job, {indices.data(), listed}, to);
     visible_[c] = found.visible;
     trained_[c] = found.trained;
     slot_base_[c] = found.slots;
@@ -123,38 +160,7 @@ void CpuRasterizer::arrange(std::span<const map::Gaussian> gaussians, const View
   lists_.build(visible_, keys_.data(), rects_.data(), grid.tiles_x, grid.tiles_y, *pool_);
 }
 
-/// Projects chunk number `chunk` in runs between the blocks that are out of view.
-ChunkCount CpuRasterizer::project_chunk(const View<float>& view, const ProjectJob& job,
-                                        std::size_t chunk, std::size_t gaussians,
-                                        const map::MeanBounds* bounds) {
-  constexpr std::size_t kBlock = map::MeanBounds::kBlock;
-  static_assert(kChunk % kBlock == 0);
-  const std::size_t first = chunk * kChunk, end = std::min<std::size_t>(first + kChunk, gaussians);
-  const ProjectedChunk to = {records_.data() + first, keys_.data() + first, rects_.data() + first,
-                             trained_sources_.data() + first,
-                             first_slot_.data() + chunk * kSlotStride};
-  ChunkCount found;
-  const auto project = [&](std::size_t from, std::size_t until) {
-    if (from == until) return;
-    project_run(view, job, static_cast<std::uint32_t>(from),
-                static_cast<std::uint32_t>(until - from), to, found);
-  };
-  if (bounds == nullptr) {
-    project(first, end);
-    return found;
-  }
-  const Frustum frustum(view);
-  std::size_t run = first;
-  for (std::size_t block = first; block < end; block += kBlock) {
-    if (frustum.may_show(bounds->boxes()[block / kBlock])) continue;
-    project(run, block);
-    run = std::min(block + kBlock, end);
-  }
-  project(run, end);
-  return found;
-}
-
-TileJob CpuRasterizer::job_for(const TileGrid& grid, int tile) {
+TileJob CpuRasterizer::job_for(const TileGrid& grid, int tile, float min_transmittance) {
   TileJob job;
   job.records = records_.data();
   job.entries = lists_.tile(tile);
@@ -162,13 +168,14 @@ TileJob CpuRasterizer::job_for(const TileGrid& grid, int tile) {
   job.tile_y = tile / grid.tiles_x;
   job.width = grid.width;
   job.height = grid.height;
+  job.min_transmittance = min_transmittance;
   return job;
 }
 
-void CpuRasterizer::forward_only(const TileGrid& grid) {
+void CpuRasterizer::forward_only(const TileGrid& grid, float min_transmittance) {
   image_.ensure(static_cast<std::size_t>(grid.tiles()) * tile_floats(kImageChannels));
   pool_->run(grid.tiles(), [&](int t, int worker) {
-    TileJob job = job_for(grid, t);
+    TileJob job = job_for(grid, t, min_transmittance);
     job.image = image_.data() + static_cast<std::size_t>(t) * tile_floats(kImageChannels);
     process_tile(job, scratch_[static_cast<std::size_t>(worker)]);
   });
@@ -176,9 +183,10 @@ void CpuRasterizer::forward_only(const TileGrid& grid) {
 
 /// SSIM needs a pixel's neighbours across tile borders, hence a rendering of the whole image ahead
 /// of the tile visits. (Compositing twice is cheaper than keeping the alphas of all tiles.)
-double CpuRasterizer::add_dssim(const CpuTarget& target, const LossConfig& loss) {
+double CpuRasterizer::add_dssim(const CpuTarget& target, const LossConfig& loss,
+                                float min_transmittance) {
   const TileGrid& grid = target.grid();
-  forward_only(grid);
+  forward_only(grid, min_transmittance);
   color_gradient_.ensure(static_cast<std::size_t>(grid.tiles()) * tile_floats(kGradientChannels));
   if (plane_.width != grid.width || plane_.height != grid.height) {
     plane_ = PaddedPlane(grid.width, grid.height);
@@ -224,7 +232,7 @@ void CpuRasterizer::visit_tiles(const CpuTarget& target, const LossConfig& loss,
       results_[i] = {};
       return;
     }
-    TileJob job = job_for(grid, t);
+    TileJob job = job_for(grid, t, options.min_transmittance);
     if (keep_image) job.image = image_.data() + i * tile_floats(kImageChannels);
     job.target = target.tile(t);
     if (has_color_gradient_) {
@@ -272,6 +280,22 @@ void CpuRasterizer::splat_backward(std::span<const map::Gaussian> gaussians,
   for (const auto& twist : twists_) {
     for (int k = 0; k < 6; ++k) out.camera_twist[k] += twist[static_cast<std::size_t>(k)];
   }
+}
+
+/// A Gaussian was composited where one of its slots was used.
+void CpuRasterizer::mark_reached(std::size_t gaussians, map::GaussianSet& out) {
+  out.clear(gaussians);
+  pool_->run(static_cast<int>(trained_.size()), [&](int chunk, int) {
+    const auto c = static_cast<std::size_t>(chunk);
+    const std::uint32_t* sources = trained_sources_.data() + c * kChunk;
+    const std::uint32_t* first = first_slot_.data() + c * kSlotStride;
+    const std::uint8_t* used = slot_used_.data() + slot_base_[c];
+    for (std::uint32_t i = 0; i < trained_[c]; ++i) {
+      if (std::find(used + first[i], used + first[i + 1], 1) != used + first[i + 1]) {
+        out.insert(sources[i]);
+      }
+    }
+  });
 }
 
 void CpuRasterizer::store(const TileGrid& grid, Rendering& out) {

@@ -38,14 +38,13 @@ class CpuRasterizer final : public Rasterizer {
   /// Projection, sorting and binning.
   void arrange(std::span<const map::Gaussian> gaussians, const View<float>& view,
                const TileGrid& grid, const EvaluateOptions& options);
-  ChunkCount project_chunk(const View<float>& view, const ProjectJob& job, std::size_t chunk,
-                           std::size_t gaussians, const map::MeanBounds* bounds);
-  void forward_only(const TileGrid& grid);
-  TileJob job_for(const TileGrid& grid, int tile);
-  double add_dssim(const CpuTarget& target, const LossConfig& loss);
+  void forward_only(const TileGrid& grid, float min_transmittance);
+  TileJob job_for(const TileGrid& grid, int tile, float min_transmittance);
+  double add_dssim(const CpuTarget& target, const LossConfig& loss, float min_transmittance);
   void visit_tiles(const CpuTarget& target, const LossConfig& loss, const EvaluateOptions& options);
   void splat_backward(std::span<const map::Gaussian> gaussians, const View<float>& view,
                       Gradients& out, GradientSink* sink);
+  void mark_reached(std::size_t gaussians, map::GaussianSet& out);
   void store(const TileGrid& grid, Rendering& out);
 
   ThreadPool own_pool_;

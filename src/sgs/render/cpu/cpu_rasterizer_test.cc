@@ -411,6 +411,95 @@ TEST_P(EachTarget, OnlyActiveTilesCount) {
             1e-4 * all.camera_twist.norm());
 }
 
+/// Two layers of nearly opaque Gaussians of which the far one is hidden for the most part.
+Scene make_hidden_layer(std::uint64_t seed) {
+  Random random(seed);
+  Scene s{testing::small_camera(160, 120), testing::tilted_pose(), {}, {}};
+  const auto add_layer = [&](double z, double u_end, float logit) {
+    for (double v = 0; v < 120; v += 4) {
+      for (double u = 0; u < u_end; u += 4) {
+        // Equal depths would leave the order to rounding.
+        const double depth = z + random.uniform(0, 0.2);
+        s.gaussians.push_back(testing::gaussian_at(s.camera, s.pose, u, v, depth, 4, random));
+        s.gaussians.back().opacity_logit = logit;
+      }
+    }
+  };
+  add_layer(1, 110, 3);
+  add_layer(2, 160, 1);
+  s.target = target_for(s, random);
+  return s;
+}
+
+TEST_P(EachTarget, ReachedAreThoseWithAWeight) {
+  const Scene s = make_hidden_layer(20);
+  auto reference = make_reference_rasterizer();
+  ThreadPool pool(3);
+  auto fast = make_cpu_rasterizer(&pool);
+  const std::vector<std::uint8_t> some_tiles = {1, 0, 1, 0, 1, 0, 1, 0, 1, 1,
+                                                1, 0, 1, 0, 1, 0, 1, 0, 1, 1};
+  for (const auto& tiles : {std::vector<std::uint8_t>{}, some_tiles}) {
+    Gradients out;
+    map::GaussianSet expected, reached;
+    reference->evaluate(s.gaussians, *reference->prepare(s.target), s.pose, {}, out,
+                        {.tiles = tiles, .reached = &expected});
+    fast->evaluate(s.gaussians, *fast->prepare(s.target), s.pose, {}, out,
+                   {.tiles = tiles, .reached = &reached});
+    ASSERT_EQ(reached.size(), s.gaussians.size());
+    std::size_t missed = 0;
+    for (std::size_t i = 0; i < s.gaussians.size(); ++i) {
+      missed += expected.contains(i) && !reached.contains(i) ? 1 : 0;
+    }
+    EXPECT_LE(missed, 2u);  // rounding about the least transmittance
+    EXPECT_LT(reached.count(), expected.count() + s.gaussians.size() / 10);
+    EXPECT_LT(reached.count(), out.visible.size() * 9 / 10);  // some are hidden
+  }
+}
+
+TEST_P(EachTarget, CandidatesThatReachedTheImageMakeTheSameImage) {
+  Scene s = make_hidden_layer(21);
+  auto fast = make_cpu_rasterizer(nullptr);
+  const auto target = fast->prepare(s.target);
+  Gradients all, some;
+  Rendering image_all, image_some;
+  map::GaussianSet reached;
+  fast->evaluate(s.gaussians, *target, s.pose, {}, all,
+                 {.rendering = &image_all, .reached = &reached});
+  fast->evaluate(s.gaussians, *target, s.pose, {}, some,
+                 {.rendering = &image_some, .candidates = &reached});
+  EXPECT_EQ(all.loss, some.loss);
+  EXPECT_EQ(std::memcmp(image_all.color.data(), image_some.color.data(),
+                        image_all.color.size() * sizeof(Rgbf)),
+            0);
+  EXPECT_EQ(some.visible.size(), reached.count());
+  const auto rows = dense(all, s.gaussians.size());
+  for (std::size_t k = 0; k < some.visible.size(); ++k) {
+    ASSERT_EQ(std::memcmp(&rows[some.visible[k]], &some.gradient[k], sizeof rows[0]), 0) << k;
+  }
+}
+
+TEST_P(EachTarget, OnlyCandidatesAndNewGaussiansAreLookedAt) {
+  const Scene s = make_surroundings(22);
+  map::GaussianSet candidates;
+  candidates.clear(250);  // in the middle of a word; what follows is new
+  for (std::size_t i = 0; i < 250; i += 3) candidates.insert(i);
+  map::MeanBounds bounds;
+  bounds.assign(s.gaussians, s.gaussians);
+  expect_parity_of_options(s, {.candidates = &candidates});
+  expect_parity_of_options(s, {.bounds = &bounds, .candidates = &candidates});
+}
+
+TEST_P(EachTarget, TrainingViewsMayStopSooner) {
+  const Scene s = make_hidden_layer(23);
+  expect_parity_of_options(s, {.min_transmittance = 0.02f});
+  auto fast = make_cpu_rasterizer(nullptr);
+  const auto target = fast->prepare(s.target);
+  Gradients all, some;
+  fast->evaluate(s.gaussians, *target, s.pose, {}, all);
+  fast->evaluate(s.gaussians, *target, s.pose, {}, some, {.min_transmittance = 0.02f});
+  EXPECT_GT(std::abs(all.loss - some.loss), 1e-3 * all.loss);  // parity would tell
+}
+
 TEST_P(EachTarget, EmptyMap) {
   Scene s = make_scene(50, 40, 10, 3, 11);
   s.gaussians.clear();
@@ -450,6 +539,16 @@ TEST(CpuRasterizer, RefusesWhatDoesNotFit) {
   EXPECT_THROW(fast->evaluate(s.gaussians, *own, s.pose, {}, out, {.tiles = few}),
                ContractViolation);
   EXPECT_THROW(fast->evaluate(s.gaussians, *own, s.pose, {}, out, {.bounds = &bounds}),
+               ContractViolation);
+  map::GaussianSet set;
+  set.clear(s.gaussians.size() + 1);
+  EXPECT_THROW(fast->evaluate(s.gaussians, *own, s.pose, {}, out, {.candidates = &set}),
+               ContractViolation);
+  const std::vector<std::uint8_t> frozen(s.gaussians.size());
+  EXPECT_THROW(
+      fast->evaluate(s.gaussians, *own, s.pose, {}, out, {.frozen = frozen, .reached = &set}),
+      ContractViolation);
+  EXPECT_THROW(fast->evaluate(s.gaussians, *own, s.pose, {}, out, {.min_transmittance = 0}),
                ContractViolation);
   TrainingImage wrong = s.target;
   wrong.depth = DepthImage(10, 10);

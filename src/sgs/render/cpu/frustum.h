@@ -10,7 +10,7 @@
 
 namespace sgs::render::cpu {
 
-/// Where the means of visible Gaussians may lie: the planes behind the tests of project_run.
+/// Where the means of visible Gaussians may lie: the planes behind the tests of project_chunk.
 class Frustum {
  public:
   explicit Frustum(const View<float>& view);

@@ -63,21 +63,20 @@ HWY_INLINE bool reaches_active_tile(const TileRect& rect, const ProjectJob& job)
   return false;
 }
 
-void ProjectRun(const View<float>& view, const ProjectJob& all, std::uint32_t first,
-                std::uint32_t count, const ProjectedChunk& to, ChunkCount& so_far) {
+void ProjectChunk(const View<float>& view, const ProjectJob& all, const std::uint32_t* indices,
+                  std::uint32_t count, const ProjectedChunk& to, ChunkCount& found) {
   // Copies, which the bytes written below cannot alias.
   const ProjectJob job = all;
   const ProjectedChunk out = to;
-  ChunkCount total = so_far;
+  ChunkCount total;
   constexpr std::uint32_t kAhead = 64;
-  const map::Gaussian* gaussians = job.gaussians + first;
   for (std::uint32_t i = 0; i < count; i += kLanes) {
     const int n = static_cast<int>(count - i) < kLanes ? static_cast<int>(count - i) : kLanes;
     const float* rows[kLanes];
     for (int l = 0; l < kLanes; ++l) {
-      rows[l] = gaussians[i + static_cast<std::uint32_t>(l < n ? l : 0)].mean;
+      rows[l] = job.gaussians[indices[i + static_cast<std::uint32_t>(l < n ? l : 0)]].mean;
       if (i + kAhead + kLanes <= count) {
-        __builtin_prefetch(gaussians[i + kAhead + static_cast<std::uint32_t>(l)].mean);
+        __builtin_prefetch(job.gaussians[indices[i + kAhead + static_cast<std::uint32_t>(l)]].mean);
       }
     }
     F s[16];
@@ -132,7 +131,7 @@ void ProjectRun(const View<float>& view, const ProjectJob& all, std::uint32_t fi
       const TileRect rect = {static_cast<std::uint8_t>(x0[l]), static_cast<std::uint8_t>(y0[l]),
                              static_cast<std::uint8_t>(x1[l]), static_cast<std::uint8_t>(y1[l])};
       if (job.active_tiles != nullptr && !reaches_active_tile(rect, job)) continue;
-      const std::uint32_t k = total.visible++, source = first + i + static_cast<std::uint32_t>(l);
+      const std::uint32_t k = total.visible++, source = indices[i + static_cast<std::uint32_t>(l)];
       Record& r = out.records[k];
       std::memcpy(&r, packed[l], sizeof r);
       r.rect = rect;
@@ -149,7 +148,7 @@ void ProjectRun(const View<float>& view, const ProjectJob& all, std::uint32_t fi
     }
   }
   out.first_slot[total.trained] = total.slots;
-  so_far = total;
+  found = total;
 }
 
 }  // namespace sgs::render::cpu::HWY_NAMESPACE
@@ -157,11 +156,14 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace sgs::render::cpu {
-HWY_EXPORT(ProjectRun);
+HWY_EXPORT(ProjectChunk);
 
-void project_run(const View<float>& view, const ProjectJob& job, std::uint32_t first,
-                 std::uint32_t count, const ProjectedChunk& out, ChunkCount& total) {
-  HWY_DYNAMIC_DISPATCH(ProjectRun)(view, job, first, count, out, total);
+ChunkCount project_chunk(const View<float>& view, const ProjectJob& job,
+                         std::span<const std::uint32_t> indices, const ProjectedChunk& out) {
+  ChunkCount found;
+  HWY_DYNAMIC_DISPATCH(ProjectChunk)
+  (view, job, indices.data(), static_cast<std::uint32_t>(indices.size()), out, found);
+  return found;
 }
 }  // namespace sgs::render::cpu
 #endif

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "sgs/map/gaussian.h"
 #include "sgs/render/cpu/layout.h"
@@ -33,9 +34,8 @@ struct ChunkCount {
 
 inline constexpr int kKeyBits = 22;
 
-/// Projects the Gaussians [first, first + count), at most what is left of a chunk, and appends the
-/// visible ones in order to the `total` that `out` holds already.
-void project_run(const View<float>& view, const ProjectJob& job, std::uint32_t first,
-                 std::uint32_t count, const ProjectedChunk& out, ChunkCount& total);
+/// Projects the Gaussians `indices`, at most kChunk, and puts the visible ones in order into `out`.
+ChunkCount project_chunk(const View<float>& view, const ProjectJob& job,
+                         std::span<const std::uint32_t> indices, const ProjectedChunk& out);
 
 }  // namespace sgs::render::cpu

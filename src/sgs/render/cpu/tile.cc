@@ -63,6 +63,7 @@ HWY_INLINE std::uint32_t forward_tile(const TileJob& job, const std::uint32_t* e
                                       std::uint32_t count, const TilePlace& place,
                                       TileScratch& scratch) {
   std::uint64_t live = start_blocks(place, scratch.state);
+  const F limit(job.min_transmittance);
   std::uint32_t alphas = 0, begin = 0;
   while (begin < count && live != 0) {
     const std::uint32_t end = count - begin < kBatch ? count : begin + kBatch;
@@ -83,8 +84,8 @@ HWY_INLINE std::uint32_t forward_tile(const TileJob& job, const std::uint32_t* e
       if (counts[b] == 0) continue;
       const std::uint32_t* list = scratch.block_list.data() + b * kListStride;
       float* own = scratch.alphas.data() + static_cast<std::size_t>(alpha_start[b]) * kBlockPixels;
-      const std::uint32_t visited =
-          composite_block(scratch.staged.data() + begin, list, counts[b], b, own, scratch.state[b]);
+      const std::uint32_t visited = composite_block(scratch.staged.data() + begin, list, counts[b],
+                                                    b, limit, own, scratch.state[b]);
       if (visited == counts[b]) continue;
       live &= ~(std::uint64_t{1} << b);
       std::uint32_t* active = scratch.active[b / 32].data() + begin;

@@ -61,6 +61,7 @@ struct TileJob {
   const float* target = nullptr;          ///< this tile's kTargetChannels
   const float* color_gradient = nullptr;  ///< added to the colour gradient, or null
   TileLoss loss;
+  float min_transmittance = 0;               ///< compositing stops here
   bool any_frozen = false;                   ///< some records have kNoSlot
   const std::uint32_t* slot_base = nullptr;  ///< first slot of each chunk
   SumRow* slots = nullptr;

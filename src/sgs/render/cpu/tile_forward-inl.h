@@ -45,12 +45,13 @@ struct PixelState {
 
 /// One Gaussian over kLanes pixels. T goes on shrinking below the limit unseen, so that the only
 /// chain from step to step is one multiply-add; its dead lanes are masked out of the weights.
-HWY_INLINE void composite_step(const Staged& q, F x, F y, PixelState& s, float* alpha_out) {
+HWY_INLINE void composite_step(const Staged& q, F x, F y, F limit, PixelState& s,
+                               float* alpha_out) {
   const F dx = x + F(q.x), dy = y + F(q.y);
   const F power =
       mul_add(mul_add(F(q.A), dx, F(q.B) * dy), dx, mul_add(F(q.C) * dy, dy, F(q.log2_opacity)));
   const F alpha = zero_unless(power >= F(-kLog2Of255), minimum(exp2_of(power), F(kMaxAlpha)));
-  const F seen = zero_unless(s.T > F(kMinTransmittance), alpha);
+  const F seen = zero_unless(s.T > limit, alpha);
   const F weight = seen * s.T;
   s.T = neg_mul_add(alpha, s.T, s.T);
   s.r = mul_add(weight, F(q.r), s.r);
@@ -64,15 +65,15 @@ HWY_INLINE void composite_step(const Staged& q, F x, F y, PixelState& s, float* 
 /// Composites the `count` Gaussians of `list` over one part of a block and stores their alphas in
 /// its order; returns how many were visited before all its pixels were saturated.
 HWY_INLINE std::uint32_t composite_part(const Staged* staged, const std::uint32_t* list,
-                                        std::uint32_t count, int block, int part, float* alphas,
-                                        BlockState& state) {
+                                        std::uint32_t count, int block, int part, F limit,
+                                        float* alphas, BlockState& state) {
   const int at = part * kLanes;
   PixelState s = {load(state.T + at), load(state.r + at), load(state.g + at),
                   load(state.b + at), load(state.d + at), load(state.a + at)};
   const F x = block_x(block, part), y = block_y(block, part);
   std::uint32_t e = 0;
   const auto step = [&](std::uint32_t i) HWY_ATTR {
-    composite_step(staged[list[i]], x, y, s, alphas + i * kBlockPixels + at);
+    composite_step(staged[list[i]], x, y, limit, s, alphas + i * kBlockPixels + at);
   };
   while (e + 4 <= count) {
     step(e);
@@ -80,13 +81,13 @@ HWY_INLINE std::uint32_t composite_part(const Staged* staged, const std::uint32_
     step(e + 2);
     step(e + 3);
     e += 4;
-    const Mask alive = s.T > F(kMinTransmittance);
+    const Mask alive = s.T > limit;
     s.T = zero_unless(alive, s.T);  // and never denormal
     if (hn::AllFalse(kF, alive)) break;
   }
   if (e + 4 > count && hn::AllFalse(kF, s.T > F(0.0f)) == false) {
     for (; e < count; ++e) step(e);
-    s.T = zero_unless(s.T > F(kMinTransmittance), s.T);
+    s.T = zero_unless(s.T > limit, s.T);
   }
   store(s.T, state.T + at);
   store(s.r, state.r + at);
@@ -99,11 +100,11 @@ HWY_INLINE std::uint32_t composite_part(const Staged* staged, const std::uint32_
 
 /// Whole block; alphas of parts that stopped earlier than others are filled with zeros.
 HWY_INLINE std::uint32_t composite_block(const Staged* staged, const std::uint32_t* list,
-                                         std::uint32_t count, int block, float* alphas,
+                                         std::uint32_t count, int block, F limit, float* alphas,
                                          BlockState& state) {
   std::uint32_t visited[kParts], most = 0;
   for (int part = 0; part < kParts; ++part) {
-    visited[part] = composite_part(staged, list, count, block, part, alphas, state);
+    visited[part] = composite_part(staged, list, count, block, part, limit, alphas, state);
     if (visited[part] > most) most = visited[part];
   }
   if constexpr (kParts > 1) {

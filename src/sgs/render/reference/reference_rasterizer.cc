@@ -42,6 +42,12 @@ class ReferenceRasterizer final : public Rasterizer {
     const auto rows = convert(gaussians);
     const auto e = reference::evaluate(rows, own->image, T_world_camera, loss, options);
     if (options.tile_loss != nullptr) *options.tile_loss = e.tile_loss;
+    if (options.reached != nullptr) {
+      options.reached->clear(rows.size());
+      for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (e.reached[i]) options.reached->insert(i);
+      }
+    }
     out.visible.clear();
     out.gradient.clear();
     for (std::size_t i = 0; i < rows.size(); ++i) {

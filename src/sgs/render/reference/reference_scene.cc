@@ -48,10 +48,11 @@ struct Hit {
 };
 
 /// What a pixel is composed of, front to back.
-void collect_hits(std::span<const ImageSplat> splats, int x, int y, std::vector<Hit>& hits) {
+void collect_hits(std::span<const ImageSplat> splats, int x, int y, double min_transmittance,
+                  std::vector<Hit>& hits) {
   hits.clear();
   double T = 1;
-  for (std::size_t i = 0; i < splats.size() && T > scalar::kMinTransmittance; ++i) {
+  for (std::size_t i = 0; i < splats.size() && T > min_transmittance; ++i) {
     const ImageSplat& s = splats[i];
     if (std::abs(x - s.x) > s.extent_x + 1e-6 || std::abs(y - s.y) > s.extent_y + 1e-6) continue;
     const double alpha = alpha_at(s, x, y);
@@ -138,11 +139,13 @@ Parameters to_parameters(const map::Gaussian& g) {
 }
 
 std::vector<ImageSplat> project_all(std::span<const Parameters> gaussians,
-                                    const PinholeCamera& camera, const SE3& T_world_camera) {
+                                    const PinholeCamera& camera, const SE3& T_world_camera,
+                                    const map::GaussianSet* candidates) {
   const View view = make_view<double>(camera, T_world_camera);
   std::vector<ImageSplat> out;
   for (std::size_t i = 0; i < gaussians.size(); ++i) {
-    if (!sane(gaussians[i])) continue;
+    const bool known = candidates != nullptr && i < candidates->size();
+    if ((known && !candidates->contains(i)) || !sane(gaussians[i])) continue;
     const auto shape = shape_of(gaussians[i]);
     const auto p = scalar::to_camera(view, shape.mean);
     if (!in_view(view, p)) continue;
@@ -171,13 +174,14 @@ std::vector<ImageSplat> project_all(std::span<const Parameters> gaussians,
   return out;
 }
 
-PixelImage composite(std::span<const ImageSplat> splats, const PinholeCamera& camera) {
+PixelImage composite(std::span<const ImageSplat> splats, const PinholeCamera& camera,
+                     double min_transmittance) {
   PixelImage image;
   image.reserve(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
   std::vector<Hit> hits;
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
-      collect_hits(splats, x, y, hits);
+      collect_hits(splats, x, y, min_transmittance, hits);
       Pixel pixel{};
       for (const Hit& hit : hits) {
         const ImageSplat& s = splats[hit.splat];
@@ -197,14 +201,15 @@ Evaluation evaluate(std::span<const Parameters> gaussians, const TrainingImage& 
                     const EvaluateOptions& options, bool backward) {
   Evaluation out;
   const PinholeCamera& camera = target.camera;
-  const auto splats = project_all(gaussians, camera, T_world_camera);
-  out.image = composite(splats, camera);
+  const auto splats = project_all(gaussians, camera, T_world_camera, options.candidates);
+  out.image = composite(splats, camera, options.min_transmittance);
   PixelImage gradient;
   out.loss = image_loss(out.image, target, loss, options.tiles, gradient, out.tile_loss);
   if (!backward) return out;
   sum_exposure(out.image, target, options.tiles, out);
 
   std::vector<Sums> sums(splats.size(), Sums{});
+  out.reached.assign(gaussians.size(), false);
   std::vector<Hit> hits;
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
@@ -213,7 +218,12 @@ Evaluation evaluate(std::span<const Parameters> gaussians, const TrainingImage& 
       const double depth = target.depth.data()[i];
       const double nearest_z =
           loss.floater_margin_m > 0 && depth > 0 ? depth - double{loss.floater_margin_m} : 0.0;
-      collect_hits(splats, x, y, hits);
+      collect_hits(splats, x, y, options.min_transmittance, hits);
+      const bool counts =
+          options.tiles.empty() || options.tiles[mask_tile_of(i, target.camera)] != 0;
+      for (const Hit& hit : hits) {
+        if (counts) out.reached[splats[hit.splat].source] = true;
+      }
       backward_pixel(splats, hits, x, y, gradient[i], nearest_z, sums);
     }
   }

@@ -34,18 +34,20 @@ using PixelImage = std::vector<Pixel>;  // row-major
 
 struct Evaluation {
   double loss = 0;
-  std::vector<Parameters> gradient;  ///< one row per Gaussian, zero where invisible
-  std::vector<bool> visible;
+  std::vector<Parameters> gradient;    ///< one row per Gaussian, zero where invisible
+  std::vector<bool> visible, reached;  ///< reached: has a weight in some pixel that counts
   Vector6d camera_twist = Vector6d::Zero();
   std::array<double, 3> exposure_measured{}, exposure_rendered{};
   PixelImage image;
   std::vector<float> tile_loss;  ///< per tile of kMaskTile pixels
 };
 
-/// Visible Gaussians, nearest first.
+/// Visible Gaussians among the candidates (null = all), nearest first.
 std::vector<ImageSplat> project_all(std::span<const Parameters> gaussians,
-                                    const PinholeCamera& camera, const SE3& T_world_camera);
-PixelImage composite(std::span<const ImageSplat> splats, const PinholeCamera& camera);
+                                    const PinholeCamera& camera, const SE3& T_world_camera,
+                                    const map::GaussianSet* candidates = nullptr);
+PixelImage composite(std::span<const ImageSplat> splats, const PinholeCamera& camera,
+                     double min_transmittance = kMinTransmittance);
 /// Number of the tile of EvaluateOptions::tiles in which pixel `i` lies.
 std::size_t mask_tile_of(std::size_t i, const PinholeCamera& camera);
 /// Value of the loss over the marked tiles (empty = all), and its gradient with respect to each

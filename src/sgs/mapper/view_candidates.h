@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "sgs/map/gaussian_set.h"
+
+namespace sgs::mapper {
+
+/// Which Gaussians each keyframe sees. In a long session most of the map lies out of a keyframe's
+/// view or behind walls, and stays there: most visits need not look at it. Every n-th visit looks
+/// at everything and notes what it saw; Gaussians inserted since then are looked at as well.
+class ViewCandidates {
+ public:
+  /// What a visit looks at and where it notes what it saw; null = everything, nowhere.
+  struct Visit {
+    const map::GaussianSet* candidates = nullptr;
+    map::GaussianSet* reached = nullptr;
+  };
+
+  /// Every `interval`-th visit of a keyframe looks at everything; 1 = all do and note nothing.
+  explicit ViewCandidates(int interval) : interval_(interval) {}
+  /// The next visit of a keyframe. Valid until the next call.
+  Visit next(std::size_t keyframe);
+  /// `removed` Gaussians are about to go, the others move up.
+  void follow_removal(const map::GaussianSet& removed);
+
+ private:
+  struct Keyframe {
+    int visits = 0;
+    map::GaussianSet seen;
+  };
+  int interval_;
+  std::vector<Keyframe> keyframes_;
+};
+
+}  // namespace sgs::mapper
