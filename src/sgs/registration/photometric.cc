@@ -7,75 +7,12 @@
 #include <cmath>
 
 #include "sgs/registration/photometric_kernel.h"
+#include "sgs/registration/pixel_selection.h"
 
 namespace sgs::registration {
 namespace {
 
-constexpr float kNearPlane_m = 0.1f;
 using FullMatrix = Eigen::Matrix<double, kPhotometricUnknowns, kPhotometricUnknowns>;
-
-// Centre of a level's pixel in the full image, rounded to a pixel.
-int full_pixel(float level_coordinate, int level, int size) {
-  const int full = static_cast<int>((level_coordinate + 0.5f) * static_cast<float>(1 << level));
-  return std::min(full, size - 1);
-}
-
-struct Pixel {
-  int x = -1, y = -1;
-};
-
-// Squared gradients of the inner pixels of row `y`, 0 where the depth `z` beside them is none or
-// beyond `max_depth_m`. Without branches, so that it becomes vector code.
-void write_gradients(const Image<float>& gray, int y, const float* z, float max_depth_m,
-                     float* gradients) {
-  const float* row = gray.row(y);
-  const float *above = gray.row(y - 1), *below = gray.row(y + 1);
-  for (int x = 1; x < gray.width() - 1; ++x) {
-    const float gx = 0.5f * (row[x + 1] - row[x - 1]), gy = 0.5f * (below[x] - above[x]);
-    const bool usable = (z[x] > kNearPlane_m) & (z[x] < max_depth_m);
-    gradients[x] = usable ? gx * gx + gy * gy : 0.0f;
-  }
-}
-
-// The pixel of highest gradient above the threshold among those with depth in each block of a
-// level, row by row.
-std::vector<Pixel> select_pixels(const Image<float>& gray, int level, const DepthImage& depth,
-                                 const PhotometricConfig& config) {
-  constexpr int kMargin = 2;
-  struct Best {
-    float gradient2;
-    Pixel pixel;
-  };
-  const int block = config.block_at(level);
-  const float threshold = static_cast<float>(config.gradient_threshold_at(level));
-  const auto width = static_cast<std::size_t>(gray.width());
-  std::vector<float> z(width), gradients(width);
-  std::vector<Best> best;
-  std::vector<Pixel> out;
-  for (int y0 = kMargin; y0 + block < gray.height() - kMargin; y0 += block) {
-    best.assign(width / static_cast<std::size_t>(block) + 1, {threshold * threshold, {}});
-    for (int y = y0; y < y0 + block; ++y) {
-      const float* depths = depth.row(full_pixel(static_cast<float>(y), level, depth.height()));
-      for (int x = 0; x < gray.width() && level > 0; ++x) {
-        z[static_cast<std::size_t>(x)] =
-            depths[full_pixel(static_cast<float>(x), level, depth.width())];
-      }
-      write_gradients(gray, y, level > 0 ? z.data() : depths,
-                      static_cast<float>(config.max_depth_m), gradients.data());
-      auto own = best.begin();
-      for (int x0 = kMargin; x0 + block < gray.width() - kMargin; x0 += block, ++own) {
-        for (int x = x0; x < x0 + block; ++x) {
-          const float g2 = gradients[static_cast<std::size_t>(x)];
-          if (g2 > own->gradient2) *own = {g2, {x, y}};
-        }
-      }
-    }
-    for (const Best& b : best) {
-      if (b.pixel.x >= 0) out.push_back(b.pixel);
-    }
-  }
-  return out;
-}
 
 // Eliminates gain and offset, whose prior keeps the 2x2 block regular.
 void eliminate_brightness(const PhotometricSums& sums, const AffineBrightness& brightness,
@@ -155,11 +92,11 @@ PhotometricReference::PhotometricReference(const GrayPyramid& pyramid, const Dep
   points_.resize(static_cast<std::size_t>(std::min(config.levels, pyramid.levels())));
   for (int l = 0; l < levels(); ++l) {
     const auto& level = pyramid.level(l);
-    for (const Pixel& pixel : select_pixels(level.gray, l, depth, config)) {
-      const int u = full_pixel(static_cast<float>(pixel.x), l, depth.width());
-      const int v = full_pixel(static_cast<float>(pixel.y), l, depth.height());
+    for (const SelectedPixel& pixel : select_pixels(level.gray, l, depth, config)) {
+      const int u = full_pixel(pixel.x, l, depth.width());
+      const int v = full_pixel(pixel.y, l, depth.height());
       const float z = smooth_depth ? smooth_depth(u, v) : depth(u, v);
-      if (!(z > kNearPlane_m)) continue;
+      if (!(z > kNearestPixel_m)) continue;
       const Eigen::Vector3f p_row =
           level.camera.back_project(pixel.x, pixel.y, static_cast<double>(z)).cast<float>();
       const float offset = ReadoutMotion::offset(static_cast<float>(pixel.y), level.gray.height());
