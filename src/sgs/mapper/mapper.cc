@@ -12,6 +12,7 @@
 #include "sgs/mapper/keyframe_refinement.h"
 #include "sgs/mapper/optimizer.h"
 #include "sgs/mapper/schedule.h"
+#include "sgs/mapper/snapshot_pool.h"
 #include "sgs/mapper/sparse_steps.h"
 #include "sgs/mapper/view_candidates.h"
 #include "sgs/render/rasterizer.h"
@@ -84,6 +85,7 @@ struct Mapper::Impl {
   bool changed = true;
   std::uint64_t version = 0;
   map::SnapshotPtr newest;
+  SnapshotPool snapshots;
   StageTimes times{"mapping"};
 };
 
@@ -227,10 +229,12 @@ map::SnapshotPtr Mapper::snapshot() {
   Impl& m = *impl_;
   if (m.changed || !m.newest) {
     const ScopedTimer timer(m.times, "map/snapshot");
-    auto snapshot = std::make_shared<map::Snapshot>();
+    auto snapshot = m.snapshots.take(m.store.size());
     snapshot->version = ++m.version;
     snapshot->gaussians = m.config.optimizer.average > 0 ? m.store.average : m.store.raw;
     snapshot->anchors = m.store.anchors;
+    snapshot->T_world_keyframe.clear();
+    snapshot->keyframe_frames.clear();
     for (const MapKeyframe& keyframe : m.keyframes) {
       snapshot->T_world_keyframe.push_back(keyframe.T_world_camera);
       snapshot->keyframe_frames.push_back(keyframe.frame_index());

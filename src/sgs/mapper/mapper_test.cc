@@ -63,6 +63,32 @@ TEST(Mapper, LearnsWithStepsThatLeaveThingsOut) {
   EXPECT_GT(tiles, full - 3);
 }
 
+TEST(Mapper, VisitsThatLookAtLessLearnAsMuch) {
+  MapperConfig config = config_for_test();
+  config.schedule.prune_interval = 25;
+  config.schedule.prune_opacity = 0.2;  // some go while keyframes remember what they see
+  const SE3 between = translated(0.15, 0.03, 0.02);
+  const auto view = wall_frame(small_camera(), between, 0, 1.2);
+  const auto quality = [&](int look_interval, std::size_t& size) {
+    config.schedule.look_interval = look_interval;
+    const auto mapper = trained(config, nullptr, 20);
+    // From now on another wall hides the first one.
+    for (int i = 5; i < 10; ++i) {
+      const SE3 T = translated(0.1 * (i - 5), 0.02 * (i - 5), 0);
+      mapper->add_keyframe(wall_frame(small_camera(), T, i, 1.2), T);
+      mapper->iterate(20);
+    }
+    size = mapper->size();
+    return psnr_db(*mapper->snapshot(), *view, between);
+  };
+  std::size_t size_all = 0, size_some = 0;
+  const double all = quality(1, size_all), some = quality(8, size_some);
+  EXPECT_NE(some, all);
+  EXPECT_GT(some, all - 1);
+  EXPECT_NEAR(static_cast<double>(size_some), static_cast<double>(size_all),
+              0.1 * static_cast<double>(size_all));
+}
+
 TEST(Mapper, TrainingExplainsThePictures) {
   MapperConfig config = config_for_test();
   config.refinement.pose = false;
