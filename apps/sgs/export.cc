@@ -48,6 +48,16 @@ Result<Trajectory> load_poses(const std::string& run) {
   return std::move(loaded.trajectory);
 }
 
+/// A run's trajectory is TUM text already. Its rows stay as they are: poses made from rounded
+/// quaternions and written again may differ in the last digit.
+Status export_tum(const std::string& run, const fs::path& out) {
+  const fs::path path = fs::path(run) / "trajectory.txt";
+  SGS_ASSIGN_OR_RETURN(const auto loaded, io::load_trajectory(path));
+  if (!loaded.warning.empty()) return io::save_trajectory(out, loaded.trajectory);
+  SGS_ASSIGN_OR_RETURN(const auto text, io::read_file(path));
+  return io::write_file(out, text);
+}
+
 /// RUN is a run folder or a splat PLY.
 Result<std::vector<map::Gaussian>> load_map(const std::string& run) {
   std::error_code error;
@@ -119,10 +129,7 @@ const std::array<Format, 9> kFormats = {{
        return with_map(c, [&](const auto& map) { return export_colmap(c.run, map, out); });
      }},
     {"tum", "trajectory, TUM text",
-     [](const ExportCommand& c, const fs::path& out) -> Status {
-       SGS_ASSIGN_OR_RETURN(const auto poses, load_poses(c.run));
-       return io::save_trajectory(out, poses);
-     }},
+     [](const ExportCommand& c, const fs::path& out) { return export_tum(c.run, out); }},
     {"kitti", "trajectory, KITTI text",
      [](const ExportCommand& c, const fs::path& out) -> Status {
        SGS_ASSIGN_OR_RETURN(const auto poses, load_poses(c.run));

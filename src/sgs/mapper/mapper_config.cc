@@ -97,11 +97,11 @@ void ScheduleConfig::declare(ParameterList& p) {
         "Every second visit of a keyframe leaves out tiles of 32 pixels whose loss is below this "
         "share of the mean; 0 = none. Not in steps with D-SSIM.",
         "", {0, 100});
-  p.add("look_interval", look_interval,
-        "Every n-th visit of a keyframe looks at the whole map, the others at what that visit saw "
-        "and "
-        "at what is new since.",
-        "visits", {1, 1000});
+  p.add(
+      "look_interval", look_interval,
+      "Every n-th visit of a keyframe looks at the whole map, the others at what that one saw and "
+      "at what is new since.",
+      "visits", {1, 1000});
   p.add("min_transmittance", min_transmittance,
         "Training views are composited until so little light comes through.", "", {1e-6, 0.5});
   p.add("full_targets_kept", full_targets_kept,

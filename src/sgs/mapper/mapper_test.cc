@@ -89,6 +89,18 @@ TEST(Mapper, VisitsThatLookAtLessLearnAsMuch) {
               0.1 * static_cast<double>(size_all));
 }
 
+TEST(Mapper, TrainingViewsStopWhereTheyAreTold) {
+  MapperConfig config = config_for_test();
+  config.schedule.min_transmittance = 1e-4;
+  const auto deep = trained(config, nullptr, 10)->snapshot();
+  config.schedule.min_transmittance = 0.2;
+  const auto shallow = trained(config, nullptr, 10)->snapshot();
+  ASSERT_EQ(deep->gaussians.size(), shallow->gaussians.size());
+  EXPECT_NE(std::memcmp(deep->gaussians.data(), shallow->gaussians.data(),
+                        deep->gaussians.size() * sizeof(map::Gaussian)),
+            0);
+}
+
 TEST(Mapper, TrainingExplainsThePictures) {
   MapperConfig config = config_for_test();
   config.refinement.pose = false;

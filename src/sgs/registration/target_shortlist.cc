@@ -115,8 +115,9 @@ void TargetShortlist::spread_depths() {
     const float* from = nearest_.data() + row * width_;
     float* to = spread_.data() + row * width_;
     to[0] = std::max(from[0], from[1]);
-    for (int i = 1; i < width_ - 1; ++i)
+    for (int i = 1; i < width_ - 1; ++i) {
       to[i] = std::max(from[i], std::max(from[i - 1], from[i + 1]));
+    }
     to[width_ - 1] = std::max(from[width_ - 1], from[width_ - 2]);
   }
   for (int row = 0; row < height_; ++row) {
