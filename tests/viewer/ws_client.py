@@ -30,6 +30,7 @@ def upgrade_request(port, host=None, origin=None, path="/ws"):
 
 class Client:
     def __init__(self, port, host=None, origin=None, timeout=20, receive_buffer=None):
+        self.passed = set()
         self.socket = socket.socket()
         if receive_buffer:
             self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
@@ -109,9 +110,12 @@ class Client:
                 return payload
 
     def wait_for(self, wanted):
-        """Receives until `wanted(message)`; returns that message."""
+        """Receives until `wanted(message)`; returns that message. The types of those it passes over
+        are remembered in `passed`: a run may end before what one waits for comes."""
         while True:
             message = self.receive()
+            if isinstance(message, dict):
+                self.passed.add(message["type"])
             if wanted(message):
                 return message
 
