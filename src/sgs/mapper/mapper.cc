@@ -110,9 +110,10 @@ void Mapper::Impl::step() {
   }
   const bool whole = options.frozen.empty() && options.tiles.empty();
   if (whole) {
-    const ViewCandidates::Visit visit = views.next(index);
+    const ViewCandidates::Visit visit = views.next(index, store.size());
     options.candidates = visit.candidates;
     options.reached = visit.reached;
+    options.reached_weight = static_cast<float>(config.schedule.min_weight);
   }
   options.min_transmittance = static_cast<float>(config.schedule.min_transmittance);
   rasterizer->evaluate(store.raw, *target, keyframe.T_world_camera, loss, gradients, options);

@@ -102,6 +102,10 @@ void ScheduleConfig::declare(ParameterList& p) {
       "Every n-th visit of a keyframe looks at the whole map, the others at what that one saw and "
       "at what is new since.",
       "visits", {1, 1000});
+  p.add("min_weight", min_weight,
+        "The visits between look at those Gaussians that weigh (alpha times transmittance) so much "
+        "in some pixel of that one.",
+        "", {0, 0.5});
   p.add("min_transmittance", min_transmittance,
         "Training views are composited until so little light comes through.", "", {1e-6, 0.5});
   p.add("full_targets_kept", full_targets_kept,
@@ -176,6 +180,7 @@ MapperConfig paper_mapper_config() {
   c.schedule.half_resolution_share = 0;
   c.schedule.prune_opacity = 0.005;
   c.schedule.look_interval = 1;
+  c.schedule.min_weight = 0;
   c.schedule.min_transmittance = 1e-4;
   c.refinement.exposure = false;
   c.refinement.pose = false;

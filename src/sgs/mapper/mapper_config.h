@@ -74,6 +74,7 @@ struct ScheduleConfig {
   int freeze_interval = 2;     ///< in all steps but every n-th
   double tile_loss_floor = 0;  ///< tiles below this share of the mean loss rest every second visit
   int look_interval = 8;       ///< see ViewCandidates; 1 = every visit looks at the whole map
+  double min_weight = 0.02;    ///< a keyframe sees what weighs so much in one of its pixels
   double min_transmittance = 4e-3;  ///< training views are composited down to this
   int full_targets_kept = 12;       ///< full-resolution targets kept ready (memory against time)
 

@@ -89,16 +89,21 @@ TEST(Mapper, VisitsThatLookAtLessLearnAsMuch) {
               0.1 * static_cast<double>(size_all));
 }
 
-TEST(Mapper, TrainingViewsStopWhereTheyAreTold) {
-  MapperConfig config = config_for_test();
-  config.schedule.min_transmittance = 1e-4;
-  const auto deep = trained(config, nullptr, 10)->snapshot();
-  config.schedule.min_transmittance = 0.2;
-  const auto shallow = trained(config, nullptr, 10)->snapshot();
-  const bool same = deep->gaussians.size() == shallow->gaussians.size() &&
-                    std::memcmp(deep->gaussians.data(), shallow->gaussians.data(),
-                                deep->gaussians.size() * sizeof(map::Gaussian)) == 0;
-  EXPECT_FALSE(same);
+TEST(Mapper, TrainingViewsLeaveOutWhatTheyAreTold) {
+  MapperConfig all = config_for_test();
+  all.schedule.min_transmittance = 1e-4;
+  all.schedule.min_weight = 0;
+  MapperConfig shallow = all, strong = all;
+  shallow.schedule.min_transmittance = 0.2;
+  strong.schedule.min_weight = 0.2;
+  const auto expected = trained(all, nullptr, 10)->snapshot();
+  for (const MapperConfig& config : {shallow, strong}) {
+    const auto actual = trained(config, nullptr, 10)->snapshot();
+    const bool same = actual->gaussians.size() == expected->gaussians.size() &&
+                      std::memcmp(actual->gaussians.data(), expected->gaussians.data(),
+                                  actual->gaussians.size() * sizeof(map::Gaussian)) == 0;
+    EXPECT_FALSE(same);
+  }
 }
 
 TEST(Mapper, TrainingExplainsThePictures) {

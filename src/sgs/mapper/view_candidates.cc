@@ -4,12 +4,13 @@
 
 namespace sgs::mapper {
 
-ViewCandidates::Visit ViewCandidates::next(std::size_t keyframe) {
+ViewCandidates::Visit ViewCandidates::next(std::size_t keyframe, std::size_t gaussians) {
   if (interval_ <= 1) return {};
   if (keyframes_.size() <= keyframe) keyframes_.resize(keyframe + 1);
   Keyframe& own = keyframes_[keyframe];
   const bool looks_at_all = own.visits++ % interval_ == 0;
-  return looks_at_all ? Visit{nullptr, &own.seen} : Visit{&own.seen, nullptr};
+  if (looks_at_all) return {nullptr, &own.seen};
+  return {&own.seen, own.seen.size() < gaussians ? &own.seen : nullptr};
 }
 
 void ViewCandidates::follow_removal(const map::GaussianSet& removed) {

@@ -11,7 +11,8 @@ namespace sgs::mapper {
 
 /// Which Gaussians each keyframe sees. In a long session most of the map lies out of a keyframe's
 /// view or behind walls, and stays there: most visits need not look at it. Every n-th visit looks
-/// at everything and notes what it saw; Gaussians inserted since then are looked at as well.
+/// at everything and notes what it saw. The visits between look at that and at what was inserted
+/// since, and note what they saw if there was any.
 class ViewCandidates {
  public:
   /// What a visit looks at and where it notes what it saw; null = everything, nowhere.
@@ -22,8 +23,8 @@ class ViewCandidates {
 
   /// Every `interval`-th visit of a keyframe looks at everything; 1 = all do and note nothing.
   explicit ViewCandidates(int interval) : interval_(interval) {}
-  /// The next visit of a keyframe. Valid until the next call.
-  Visit next(std::size_t keyframe);
+  /// The next visit of a keyframe, to a map of so many Gaussians. Valid until the next call.
+  Visit next(std::size_t keyframe, std::size_t gaussians);
   /// `removed` Gaussians are about to go, the others move up.
   void follow_removal(const map::GaussianSet& removed);
 

@@ -124,9 +124,11 @@ struct EvaluateOptions {
   std::vector<float>* tile_loss = nullptr;  ///< loss per tile like `tiles`, without D-SSIM
   /// Gaussians that it is known not to contain are left out. Null = all are looked at.
   const map::GaussianSet* candidates = nullptr;
-  /// Gets the Gaussians that were composited, not hidden: all with a weight in some pixel that
-  /// counts, and few others. Goes not with `frozen`.
+  /// Gets the Gaussians that were composited, not hidden: all that weigh at least reached_weight
+  /// (alpha times transmittance, in [0, 1)) in some pixel that counts, and few others. Goes not
+  /// with `frozen`. May be the very set of `candidates`.
   map::GaussianSet* reached = nullptr;
+  float reached_weight = 0;
   /// In (0, 1): where a training view may stop sooner than a picture.
   float min_transmittance = kMinTransmittance;
 };

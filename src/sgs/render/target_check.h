@@ -31,6 +31,8 @@ inline void check_options(const EvaluateOptions& options, std::size_t gaussians,
             "the candidates belong to other Gaussians");
   SGS_CHECK(options.reached == nullptr || options.frozen.empty(),
             "which Gaussians were reached is not known of frozen ones");
+  SGS_CHECK(options.reached_weight >= 0 && options.reached_weight < 1,
+            "the least weight must lie between 0 and 1");
   SGS_CHECK(options.min_transmittance > 0 && options.min_transmittance < 1,
             "the least transmittance must lie between 0 and 1");
   if (options.tiles.empty()) return;

@@ -243,6 +243,8 @@ void CpuRasterizer::visit_tiles(const CpuTarget& target, const LossConfig& loss,
     job.slot_base = slot_base_.data();
     job.slots = slots_.data();
     job.slot_used = slot_used_.data();
+    job.note_reached = options.reached != nullptr;
+    job.reached_weight = options.reached_weight;
     job.result = &results_[i];
     process_tile(job, scratch_[static_cast<std::size_t>(worker)]);
   });
@@ -282,7 +284,7 @@ void CpuRasterizer::splat_backward(std::span<const map::Gaussian> gaussians,
   }
 }
 
-/// A Gaussian was composited where one of its slots was used.
+/// A Gaussian reached the image where it did so in one of its tiles.
 void CpuRasterizer::mark_reached(std::size_t gaussians, map::GaussianSet& out) {
   out.clear(gaussians);
   pool_->run(static_cast<int>(trained_.size()), [&](int chunk, int) {
@@ -291,9 +293,8 @@ void CpuRasterizer::mark_reached(std::size_t gaussians, map::GaussianSet& out) {
     const std::uint32_t* first = first_slot_.data() + c * kSlotStride;
     const std::uint8_t* used = slot_used_.data() + slot_base_[c];
     for (std::uint32_t i = 0; i < trained_[c]; ++i) {
-      if (std::find(used + first[i], used + first[i + 1], 1) != used + first[i + 1]) {
-        out.insert(sources[i]);
-      }
+      const std::uint8_t* end = used + first[i + 1];
+      if (std::find(used + first[i], end, kSlotReached) != end) out.insert(sources[i]);
     }
   });
 }

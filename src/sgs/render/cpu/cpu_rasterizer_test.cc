@@ -440,11 +440,12 @@ TEST_P(EachTarget, ReachedAreThoseWithAWeight) {
                                                 1, 0, 1, 0, 1, 0, 1, 0, 1, 1};
   for (const auto& tiles : {std::vector<std::uint8_t>{}, some_tiles}) {
     Gradients out;
-    map::GaussianSet expected, reached;
+    map::GaussianSet expected, reached, strong;
     reference->evaluate(s.gaussians, *reference->prepare(s.target), s.pose, {}, out,
                         {.tiles = tiles, .reached = &expected});
     fast->evaluate(s.gaussians, *fast->prepare(s.target), s.pose, {}, out,
                    {.tiles = tiles, .reached = &reached});
+    const std::size_t visible = out.visible.size();
     ASSERT_EQ(reached.size(), s.gaussians.size());
     std::size_t missed = 0;
     for (std::size_t i = 0; i < s.gaussians.size(); ++i) {
@@ -452,7 +453,21 @@ TEST_P(EachTarget, ReachedAreThoseWithAWeight) {
     }
     EXPECT_LE(missed, 2u);  // rounding about the least transmittance
     EXPECT_LT(reached.count(), expected.count() + s.gaussians.size() / 10);
-    EXPECT_LT(reached.count(), out.visible.size() * 9 / 10);  // some are hidden
+    EXPECT_LT(reached.count(), visible * 9 / 10);  // some are hidden
+
+    constexpr float kWeight = 0.1f;
+    reference->evaluate(s.gaussians, *reference->prepare(s.target), s.pose, {}, out,
+                        {.tiles = tiles, .reached = &expected, .reached_weight = kWeight});
+    fast->evaluate(s.gaussians, *fast->prepare(s.target), s.pose, {}, out,
+                   {.tiles = tiles, .reached = &strong, .reached_weight = kWeight});
+    EXPECT_EQ(out.visible.size(), visible);  // noting changes nothing
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < s.gaussians.size(); ++i) {
+      different += expected.contains(i) != strong.contains(i) ? 1 : 0;
+    }
+    EXPECT_LE(different, 2u);
+    EXPECT_LT(strong.count(), reached.count() * 9 / 10);
+    EXPECT_GT(strong.count(), 0u);
   }
 }
 
@@ -487,6 +502,29 @@ TEST_P(EachTarget, OnlyCandidatesAndNewGaussiansAreLookedAt) {
   bounds.assign(s.gaussians, s.gaussians);
   expect_parity_of_options(s, {.candidates = &candidates});
   expect_parity_of_options(s, {.bounds = &bounds, .candidates = &candidates});
+}
+
+TEST_P(EachTarget, CandidatesMayBeReplacedByWhatTheyReached) {
+  const Scene s = make_hidden_layer(24);
+  auto fast = make_cpu_rasterizer(nullptr);
+  const auto target = fast->prepare(s.target);
+  map::GaussianSet half, reached, replaced;
+  half.clear(s.gaussians.size() - 20);  // the last ones are new
+  for (std::size_t i = 0; i < half.size(); i += 2) half.insert(i);
+  replaced = half;
+  Gradients apart, at_once;
+  fast->evaluate(s.gaussians, *target, s.pose, {}, apart,
+                 {.candidates = &half, .reached = &reached, .reached_weight = 0.05f});
+  fast->evaluate(s.gaussians, *target, s.pose, {}, at_once,
+                 {.candidates = &replaced, .reached = &replaced, .reached_weight = 0.05f});
+  EXPECT_EQ(apart.visible, at_once.visible);
+  ASSERT_EQ(replaced.size(), s.gaussians.size());
+  for (std::size_t i = 0; i < s.gaussians.size(); ++i) {
+    EXPECT_EQ(replaced.contains(i), reached.contains(i)) << i;
+    const bool may = i >= half.size() || half.contains(i);
+    EXPECT_TRUE(may || !replaced.contains(i)) << i;
+  }
+  EXPECT_GT(replaced.count(), 0u);
 }
 
 TEST_P(EachTarget, TrainingViewsMayStopSooner) {
@@ -550,6 +588,10 @@ TEST(CpuRasterizer, RefusesWhatDoesNotFit) {
       ContractViolation);
   EXPECT_THROW(fast->evaluate(s.gaussians, *own, s.pose, {}, out, {.min_transmittance = 0}),
                ContractViolation);
+  for (const float outside : {-0.1f, 1.0f}) {
+    EXPECT_THROW(fast->evaluate(s.gaussians, *own, s.pose, {}, out, {.reached_weight = outside}),
+                 ContractViolation);
+  }
   TrainingImage wrong = s.target;
   wrong.depth = DepthImage(10, 10);
   EXPECT_THROW(fast->prepare(wrong), ContractViolation);

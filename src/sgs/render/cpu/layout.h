@@ -53,6 +53,9 @@ struct alignas(64) Record {
 };
 static_assert(sizeof(Record) == 64);
 
+/// What is noted of a slot: it holds sums; and its Gaussian weighs enough in one of the pixels.
+inline constexpr std::uint8_t kSlotUsed = 1, kSlotReached = 3;
+
 /// The ten sums over the pixels of one (Gaussian, tile) instance; which lane holds which sum is a
 /// matter of the instruction set (see reduce-inl.h).
 struct alignas(64) SumRow {

@@ -137,6 +137,19 @@ HWY_INLINE void loss_tile(const TileJob& job, const TilePlace& place, TileScratc
   }
 }
 
+/// Chooses the kind of Gaussians' steps; check_options has no frozen ones where reached ones are
+/// noted.
+template <bool kFloaters>
+HWY_INLINE void backward(const TileJob& job, std::uint32_t visited, TileScratch& scratch) {
+  if (job.note_reached) {
+    backward_tile<kFloaters, Notes::kReached>(job, visited, scratch);
+  } else if (job.any_frozen) {
+    backward_tile<kFloaters, Notes::kFrozen>(job, visited, scratch);
+  } else {
+    backward_tile<kFloaters, Notes::kNothing>(job, visited, scratch);
+  }
+}
+
 void ProcessTile(const TileJob& job, const std::uint32_t* entries, std::uint32_t count,
                  TileScratch& scratch) {
   const TilePlace place = {job.tile_x * kTileSide, job.tile_y * kTileSide, job.width, job.height};
@@ -144,15 +157,10 @@ void ProcessTile(const TileJob& job, const std::uint32_t* entries, std::uint32_t
   if (job.image != nullptr) store_image(scratch.state, job.image);
   if (job.target == nullptr) return;
   loss_tile(job, place, scratch);
-  const bool floaters = job.loss.floater_margin_m > 0;
-  if (floaters && job.any_frozen) {
-    backward_tile<true, true>(job, visited, scratch);
-  } else if (floaters) {
-    backward_tile<true, false>(job, visited, scratch);
-  } else if (job.any_frozen) {
-    backward_tile<false, true>(job, visited, scratch);
+  if (job.loss.floater_margin_m > 0) {
+    backward<true>(job, visited, scratch);
   } else {
-    backward_tile<false, false>(job, visited, scratch);
+    backward<false>(job, visited, scratch);
   }
 }
 

@@ -65,7 +65,9 @@ struct TileJob {
   bool any_frozen = false;                   ///< some records have kNoSlot
   const std::uint32_t* slot_base = nullptr;  ///< first slot of each chunk
   SumRow* slots = nullptr;
-  std::uint8_t* slot_used = nullptr;  ///< set to 1 where the slot holds sums; 0 before
+  std::uint8_t* slot_used = nullptr;  ///< kSlotUsed or kSlotReached; 0 before
+  bool note_reached = false;          ///< tell kSlotReached by `reached_weight`
+  float reached_weight = 0;
   TileResult* result = nullptr;
 };
 

@@ -28,16 +28,21 @@ HWY_INLINE F reciprocal(F a) {
   return guess * neg_mul_add(a, guess, F(2.0f));
 }
 
-/// Adds one block's share to the ten sums h, hx, hy, hxx, hxy, hyy, r, g, b, z.
+/// What a batch has to heed beside the sums: Gaussians that are frozen, or how much each weighs.
+enum class Notes { kNothing, kFrozen, kReached };
+
+/// Adds one block's share to the ten sums h, hx, hy, hxx, hxy, hyy, r, g, b, z. Returns the
+/// Gaussian's weights.
 template <bool kFloaters>
-HWY_INLINE void backward_step(const Staged& q, const float* alphas, int block, int part,
-                              BlockGradient& g, F* sums) {
+HWY_INLINE F backward_step(const Staged& q, const float* alphas, int block, int part,
+                           BlockGradient& g, F* sums) {
   const int at = part * kLanes;
   const F alpha = load(alphas + at), T = load(g.T + at);
   const F gr = load(g.r + at), gg = load(g.g + at), gb = load(g.b + at), gd = load(g.d + at);
   const F value = mul_add(
       gr, F(q.r), mul_add(gg, F(q.g), mul_add(gb, F(q.b), mul_add(gd, F(q.z), load(g.a + at)))));
-  F weight = alpha * T;
+  const F seen = alpha * T;
+  F weight = seen;
   const F behind = neg_mul_add(weight, value, load(g.S + at));
   store(behind, g.S + at);
   store(T - weight, g.T + at);
@@ -60,6 +65,7 @@ HWY_INLINE void backward_step(const Staged& q, const float* alphas, int block, i
   sums[7] = mul_add(weight, gg, sums[7]);
   sums[8] = mul_add(weight, gb, sums[8]);
   sums[9] = mul_add(weight, gd, sums[9]);
+  return seen;
 }
 
 /// Passes a frozen Gaussian: what lies behind it is still needed.
@@ -76,10 +82,11 @@ HWY_INLINE void pass_step(const Staged& q, const float* alphas, int part, BlockG
 
 /// Backward pass of the Gaussians [begin, end) of one batch whose alphas start at `alpha_start` in
 /// each block: writes their slots and marks those used.
-template <bool kFloaters, bool kFrozen>
+template <bool kFloaters, Notes kNotes>
 HWY_INLINE void backward_batch(const TileJob& job, std::uint32_t begin, std::uint32_t end,
                                const std::uint32_t* alpha_start, TileScratch& scratch) {
   constexpr std::uint32_t kAhead = 6;
+  constexpr bool kFrozen = kNotes == Notes::kFrozen;
   const Staged* staged = scratch.staged.data();
   const std::uint32_t* low = scratch.active[0].data();
   const std::uint32_t* high = scratch.active[1].data();
@@ -105,27 +112,34 @@ HWY_INLINE void backward_batch(const TileJob& job, std::uint32_t begin, std::uin
       }
       continue;
     }
-    job.slot_used[slot] = 1;
-    F sums[10];
+    F sums[10], strongest(0.0f);
     for (F& s : sums) s = F(0.0f);
     do {
       const int block = __builtin_ctzll(active);
       active &= active - 1;
       const float* own = alphas + static_cast<std::size_t>(next[block]++) * kBlockPixels;
       for (int part = 0; part < kParts; ++part) {
-        backward_step<kFloaters>(staged[j], own, block, part, scratch.gradient[block], sums);
+        const F weight =
+            backward_step<kFloaters>(staged[j], own, block, part, scratch.gradient[block], sums);
+        if constexpr (kNotes == Notes::kReached) strongest = maximum(strongest, weight);
       }
     } while (active != 0);
+    job.slot_used[slot] = kSlotUsed;
+    if constexpr (kNotes == Notes::kReached) {
+      if (!hn::AllFalse(kF, strongest >= F(job.reached_weight))) {
+        job.slot_used[slot] = kSlotReached;
+      }
+    }
     store_ten_sums(sums, job.slots[slot].lane);
   }
 }
 
 /// Backward pass of the first `visited` Gaussians of a tile.
-template <bool kFloaters, bool kFrozen>
+template <bool kFloaters, Notes kNotes>
 HWY_INLINE void backward_tile(const TileJob& job, std::uint32_t visited, TileScratch& scratch) {
   for (std::uint32_t begin = 0; begin < visited; begin += kBatch) {
     const std::uint32_t end = visited - begin < kBatch ? visited : begin + kBatch;
-    backward_batch<kFloaters, kFrozen>(
+    backward_batch<kFloaters, kNotes>(
         job, begin, end, scratch.alpha_start.data() + begin / kBatch * kBlocksPerTile, scratch);
   }
 }

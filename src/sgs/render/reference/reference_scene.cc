@@ -222,7 +222,8 @@ Evaluation evaluate(std::span<const Parameters> gaussians, const TrainingImage& 
       const bool counts =
           options.tiles.empty() || options.tiles[mask_tile_of(i, target.camera)] != 0;
       for (const Hit& hit : hits) {
-        if (counts) out.reached[splats[hit.splat].source] = true;
+        const bool weighs = hit.alpha * hit.transmittance >= double{options.reached_weight};
+        if (counts && weighs) out.reached[splats[hit.splat].source] = true;
       }
       backward_pixel(splats, hits, x, y, gradient[i], nearest_z, sums);
     }

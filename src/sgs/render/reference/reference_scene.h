@@ -35,7 +35,7 @@ using PixelImage = std::vector<Pixel>;  // row-major
 struct Evaluation {
   double loss = 0;
   std::vector<Parameters> gradient;    ///< one row per Gaussian, zero where invisible
-  std::vector<bool> visible, reached;  ///< reached: has a weight in some pixel that counts
+  std::vector<bool> visible, reached;  ///< reached: weighs enough in some pixel that counts
   Vector6d camera_twist = Vector6d::Zero();
   std::array<double, 3> exposure_measured{}, exposure_rendered{};
   PixelImage image;
