@@ -460,7 +460,7 @@ TEST_P(EachTarget, ReachedAreThoseWithAWeight) {
                         {.tiles = tiles, .reached = &expected, .reached_weight = kWeight});
     fast->evaluate(s.gaussians, *fast->prepare(s.target), s.pose, {}, out,
                    {.tiles = tiles, .reached = &strong, .reached_weight = kWeight});
-    EXPECT_EQ(out.visible.size(), visible);  // noting changes nothing
+    EXPECT_EQ(out.visible.size(), visible);
     std::size_t different = 0;
     for (std::size_t i = 0; i < s.gaussians.size(); ++i) {
       different += expected.contains(i) != strong.contains(i) ? 1 : 0;
@@ -512,12 +512,20 @@ TEST_P(EachTarget, CandidatesMayBeReplacedByWhatTheyReached) {
   half.clear(s.gaussians.size() - 20);  // the last ones are new
   for (std::size_t i = 0; i < half.size(); i += 2) half.insert(i);
   replaced = half;
-  Gradients apart, at_once;
+  Gradients unnoted, apart, at_once;
+  fast->evaluate(s.gaussians, *target, s.pose, {}, unnoted, {.candidates = &half});
   fast->evaluate(s.gaussians, *target, s.pose, {}, apart,
                  {.candidates = &half, .reached = &reached, .reached_weight = 0.05f});
   fast->evaluate(s.gaussians, *target, s.pose, {}, at_once,
                  {.candidates = &replaced, .reached = &replaced, .reached_weight = 0.05f});
-  EXPECT_EQ(apart.visible, at_once.visible);
+  for (const Gradients& noted : {apart, at_once}) {
+    EXPECT_EQ(noted.visible, unnoted.visible);
+    EXPECT_EQ(noted.loss, unnoted.loss);
+    ASSERT_EQ(noted.gradient.size(), unnoted.gradient.size());
+    EXPECT_EQ(std::memcmp(noted.gradient.data(), unnoted.gradient.data(),
+                          noted.gradient.size() * sizeof(map::Gaussian)),
+              0);
+  }
   ASSERT_EQ(replaced.size(), s.gaussians.size());
   for (std::size_t i = 0; i < s.gaussians.size(); ++i) {
     EXPECT_EQ(replaced.contains(i), reached.contains(i)) << i;
