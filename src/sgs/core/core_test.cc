@@ -105,6 +105,62 @@ TEST(ThreadPool, SurvivesManyShortLoopsAndPausesBetweenThem) {
   }
 }
 
+TEST(ThreadPool, TheLastThreadRestsDuringARecess) {
+  ThreadPool pool(3);
+  const auto runs_of_last = [&pool] {
+    std::atomic<int> count{0};
+    pool.run(200, [&](int, int worker) {
+      count += worker == 2 ? 1 : 0;
+      std::this_thread::sleep_for(std::chrono::microseconds(20));
+    });
+    return count.load();
+  };
+  const auto comes_back = [&] {
+    for (int loop = 0; loop < 1000; ++loop) {
+      if (runs_of_last() > 0) return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(comes_back());
+  {
+    const ThreadPool::Recess outer(pool);
+    EXPECT_EQ(runs_of_last(), 0);
+    { const ThreadPool::Recess inner(pool); }
+    for (int loop = 0; loop < 20; ++loop) EXPECT_EQ(runs_of_last(), 0);
+  }
+  EXPECT_TRUE(comes_back());
+}
+
+TEST(ThreadPool, RecessesOfAnotherThreadLoseNoChunks) {
+  for (const int threads : {1, 2, 3}) {
+    ThreadPool pool(threads);
+    std::atomic<bool> done{false};
+    std::thread other([&] {
+      while (!done) {
+        const ThreadPool::Recess recess(pool);
+        std::this_thread::yield();
+      }
+    });
+    for (int loop = 0; loop < 3000; ++loop) {
+      std::array<int, 6> seen{};
+      pool.run(6, [&](int chunk, int) { seen[static_cast<std::size_t>(chunk)] += loop + 1; });
+      for (const int value : seen) ASSERT_EQ(value, loop + 1);
+    }
+    done = true;
+    other.join();
+  }
+}
+
+TEST(ThreadPool, MayEndRightAfterARecess) {
+  for (int i = 0; i < 50; ++i) {
+    ThreadPool pool(2);
+    const ThreadPool::Recess recess(pool);
+    std::atomic<int> count{0};
+    pool.run(4, [&](int, int) { ++count; });
+    EXPECT_EQ(count, 4);
+  }
+}
+
 TEST(Stopwatch, QuantilesAndMerging) {
   EXPECT_EQ(quantile({3, 1, 2}, 0.5), 2);
   EXPECT_EQ(quantile({4, 1, 2, 3}, 0.5), 2.5);

@@ -22,6 +22,8 @@ namespace {
 /// loops of one computation, so that those cost no system calls, and far shorter than a frame, so
 /// that an idle pool burns nothing.
 constexpr std::chrono::microseconds kSpin{100};
+/// How long a recess is waited for: several times what a chunk takes.
+constexpr std::chrono::milliseconds kLongestChunk{1};
 
 inline void relax() {
 #if defined(__x86_64__) || defined(__i386__)
@@ -77,6 +79,11 @@ struct ThreadPool::State {
   std::condition_variable wake, finished;
   std::atomic<int> sleepers{0};
   std::atomic<bool> caller_sleeps{false};
+  // A thread at work says so before it looks for a recess, and who wants a recess says so before
+  // looking whether that thread is at work: one of the two sees the other.
+  std::atomic<int> recesses{0};
+  std::atomic<bool> last_at_work{false};
+  std::condition_variable rested, resumed;
   bool stop = false;         // guarded by mutex
   std::exception_ptr error;  // guarded by mutex
 
@@ -96,19 +103,36 @@ struct ThreadPool::State {
     }
   }
 
-  /// Runs chunks until there are none left to take.
+  /// Runs chunks until there are none left to take or the worker has a recess.
   void take_all(int worker) {
+    const bool last = worker == threads - 1;
+    if (last) last_at_work = true;
     std::uint64_t word = work.load();
-    while (Work::any(word)) {
+    while (Work::any(word) && !(last && recesses > 0)) {
       if (!work.compare_exchange_weak(word, word + 1)) continue;
       run_chunk(static_cast<int>(Work::next(word)), worker);
       word = work.load();
     }
+    if (!last) return;
+    last_at_work = false;
+    if (recesses > 0) {
+      const std::scoped_lock lock(mutex);
+      rested.notify_all();
+    }
+  }
+
+  /// Sleeps through recesses; returns whether the pool still exists.
+  bool rest() {
+    std::unique_lock lock(mutex);
+    resumed.wait(lock, [this] { return stop || recesses == 0; });
+    return !stop;
   }
 
   void worker_loop(int worker) {
     const auto has_work = [this] { return Work::any(work.load()); };
+    const bool last = worker == threads - 1;
     while (true) {
+      if (last && recesses > 0 && !rest()) return;
       if (!spin_until(has_work)) {
         std::unique_lock lock(mutex);
         ++sleepers;
@@ -138,6 +162,7 @@ ThreadPool::~ThreadPool() {
     state_->stop = true;
   }
   state_->wake.notify_all();
+  state_->resumed.notify_all();
   for (auto& worker : state_->workers) worker.join();
 }
 
@@ -172,6 +197,22 @@ void ThreadPool::run(int chunks, const std::function<void(int, int)>& body) {
     const std::scoped_lock lock(s.mutex);
     std::rethrow_exception(std::exchange(s.error, nullptr));
   }
+}
+
+ThreadPool::Recess::Recess(ThreadPool& pool) : pool_(pool) {
+  State& s = *pool_.state_;
+  if (s.threads == 1) return;
+  ++s.recesses;
+  if (!s.last_at_work) return;
+  std::unique_lock lock(s.mutex);
+  s.rested.wait_for(lock, kLongestChunk, [&s] { return !s.last_at_work; });
+}
+
+ThreadPool::Recess::~Recess() {
+  State& s = *pool_.state_;
+  if (s.threads == 1 || --s.recesses > 0) return;
+  const std::scoped_lock lock(s.mutex);
+  s.resumed.notify_one();
 }
 
 }  // namespace sgs

@@ -29,6 +29,22 @@ class ThreadPool {
   /// called from inside a body, nor from two threads at once.
   void run(int chunks, const std::function<void(int chunk, int worker)>& body);
 
+  /// While it lives the last of the pool's threads takes no chunks. For a thread that is about to
+  /// compute on a machine whose cores the pool fills: it would otherwise interrupt a thread of the
+  /// pool in the middle of a chunk, for which the whole loop would then wait. Whoever makes one
+  /// sleeps until the chunk in hand is done, though not longer than a millisecond. Pools of one
+  /// thread know no recess. May be made from any thread, and several at once.
+  class Recess {
+   public:
+    explicit Recess(ThreadPool& pool);
+    ~Recess();
+    Recess(const Recess&) = delete;
+    Recess& operator=(const Recess&) = delete;
+
+   private:
+    ThreadPool& pool_;
+  };
+
  private:
   struct State;
   std::unique_ptr<State> state_;

@@ -101,6 +101,12 @@ MapView MapWorker::view_for(std::int64_t n) {
   return views_.front();
 }
 
+std::unique_ptr<ThreadPool::Recess> MapWorker::leave_core() {
+  const auto cores = static_cast<int>(std::thread::hardware_concurrency());
+  if (mode_ == Mode::kInline || pool_.threads() < cores) return nullptr;
+  return std::make_unique<ThreadPool::Recess>(pool_);
+}
+
 void MapWorker::loop() {
   constexpr int kLiveIterationsPerSnapshot = 20;
   int live_iterations = 0;

@@ -52,6 +52,8 @@ class MapWorker {
   /// The state that frame number `n` is to be tracked against; waits for job n - snapshot_lag
   /// offline, never waits live.
   MapView view_for(std::int64_t n);
+  /// While it lives the mapper leaves a core to the caller, where it would otherwise take them all.
+  std::unique_ptr<ThreadPool::Recess> leave_core();
   /// Finishes all queued jobs and stops; the map is final afterwards.
   void finish();
 

@@ -60,10 +60,12 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& frame) 
   record.gaussians = view.snapshot ? static_cast<std::int64_t>(view.snapshot->gaussians.size()) : 0;
   record.iterations = view.iterations;
 
+  auto recess = worker_->leave_core();
   const double wall_start_s = wall_time_s(), start_s = thread_cpu_time_s();
   const tracker::TrackResult result = tracker_->track(*frame, view.snapshot);
   record.track_ms = 1e3 * (thread_cpu_time_s() - start_s);
   const double wall_ms = 1e3 * (wall_time_s() - wall_start_s);
+  recess.reset();
   record.T_world_tracked = result.T_world_camera;
   record.status = result.status;
   record.tracking_keyframe = result.keyframe;
