@@ -131,6 +131,33 @@ TEST(ThreadPool, TheLastThreadRestsDuringARecess) {
   EXPECT_TRUE(comes_back());
 }
 
+// On a machine that is busy otherwise the wait may run out; without it nearly every try would fail.
+TEST(ThreadPool, ARecessBeginsWhenTheLastThreadHasFinishedItsChunk) {
+  using Clock = std::chrono::steady_clock;
+  ThreadPool pool(2);
+  std::atomic<bool> inside{false}, done{false};
+  std::thread user([&] {
+    while (!done) {
+      pool.run(64, [&](int, int worker) {
+        if (worker == 1) inside = true;
+        for (const auto end = Clock::now() + std::chrono::microseconds(100); Clock::now() < end;) {
+        }
+        if (worker == 1) inside = false;
+      });
+    }
+  });
+  int kept = 0;
+  constexpr int kTries = 100;
+  for (int i = 0; i < kTries; ++i) {
+    while (!inside) std::this_thread::yield();
+    const ThreadPool::Recess recess(pool);
+    kept += inside ? 0 : 1;
+  }
+  done = true;
+  user.join();
+  EXPECT_GT(kept, kTries / 10);
+}
+
 TEST(ThreadPool, RecessesOfAnotherThreadLoseNoChunks) {
   for (const int threads : {1, 2, 3}) {
     ThreadPool pool(threads);
@@ -141,9 +168,15 @@ TEST(ThreadPool, RecessesOfAnotherThreadLoseNoChunks) {
         std::this_thread::yield();
       }
     });
-    for (int loop = 0; loop < 3000; ++loop) {
+    for (int loop = 0; loop < 1000; ++loop) {
       std::array<int, 6> seen{};
-      pool.run(6, [&](int chunk, int) { seen[static_cast<std::size_t>(chunk)] += loop + 1; });
+      pool.run(6, [&](int chunk, int) {
+        // Long enough for the others to take part.
+        const auto end = std::chrono::steady_clock::now() + std::chrono::microseconds(5);
+        while (std::chrono::steady_clock::now() < end) {
+        }
+        seen[static_cast<std::size_t>(chunk)] += loop + 1;
+      });
       for (const int value : seen) ASSERT_EQ(value, loop + 1);
     }
     done = true;
