@@ -6,11 +6,8 @@
 #include <cmath>
 #include <map>
 #include <memory>
-#include <regex>
 
 #include "commands.h"
-#include "interrupt.h"
-#include "sgs/io/atomic_file.h"
 #include "suite.h"
 
 namespace sgs::app {
@@ -26,6 +23,27 @@ void print_row(const std::string& name, const std::vector<std::string>& cells) {
   fmt::print("{:<26}", name);
   for (const std::string& text : cells) fmt::print(" {:>17}", text);
   fmt::print("\n");
+}
+
+/// What others published of these sequences; nothing where nobody did.
+void print_published(const std::vector<std::string>& sequences) {
+  bool headed = false;
+  for (const PublishedRow& row : published_results()) {
+    std::vector<std::string> cells;
+    bool any = false;
+    for (const std::string& name : sequences) {
+      const auto it = std::find_if(row.ate_cm.begin(), row.ate_cm.end(),
+                                   [&](const auto& entry) { return entry.first == name; });
+      cells.push_back(it == row.ate_cm.end() ? ""
+                      : it->second < 0       ? "lost"
+                                             : fmt::format("{:.2f}", it->second));
+      any = any || it != row.ate_cm.end();
+    }
+    if (!any) continue;
+    if (!headed) fmt::print("published, on the real sequences\n");
+    headed = true;
+    print_row(row.system, cells);
+  }
 }
 
 void print_table(const std::vector<SuiteJob>& jobs) {
@@ -48,18 +66,7 @@ void print_table(const std::vector<SuiteJob>& jobs) {
     for (const std::string& name : sequences) cells.push_back(ate_cell(results[row][name]));
     print_row(row, cells);
   }
-  fmt::print("published, on the real sequences\n");
-  for (const PublishedRow& row : published_results()) {
-    std::vector<std::string> cells;
-    for (const std::string& name : sequences) {
-      const auto it = std::find_if(row.ate_cm.begin(), row.ate_cm.end(),
-                                   [&](const auto& entry) { return entry.first == name; });
-      cells.push_back(it == row.ate_cm.end() ? ""
-                      : it->second < 0       ? "lost"
-                                             : fmt::format("{:.2f}", it->second));
-    }
-    print_row(row.system, cells);
-  }
+  print_published(sequences);
 }
 
 int run_bench(const BenchCommand& command) {
@@ -69,18 +76,10 @@ int run_bench(const BenchCommand& command) {
     if (!variant) return report(variant.error());
     options.variants.push_back(*variant);
   }
-  std::vector<SuiteJob> jobs;
-  try {
-    jobs = make_jobs(options);
-  } catch (const std::regex_error& error) {
-    return report({ErrorCode::kInvalidArgument,
-                   fmt::format("--filter '{}': {}", options.filter, error.what()),
-                   "use an ECMAScript regular expression"});
-  }
-  if (const auto made = io::make_folder(options.output); !made) return report(made.error());
-  run_jobs(jobs, options);
-  print_table(jobs);
-  return interrupted() ? kExitInterrupted : kExitDone;
+  const auto outcome = run_suite(options);
+  if (!outcome) return report(outcome.error());
+  print_table(outcome->jobs);
+  return outcome->exit_code();
 }
 
 }  // namespace
@@ -92,10 +91,15 @@ void add_suite_options(CLI::App& sub, SuiteOptions& options) {
   sub.add_option("--cache", options.cache,
                  "Folder that keeps the rendered sequences: each is rendered once for all runs");
   sub.add_option("--filter", options.filter, "Only runs SEQUENCE-LEVEL-VARIANT-SEED that match");
-  sub.add_option("--levels", options.levels, "clean, kinect, hard")->delimiter(',');
-  sub.add_option("--seeds", options.seeds, "Seeds of scene, noise and mapper")->delimiter(',');
+  sub.add_option("--levels", options.levels, "clean, kinect, hard")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"clean", "kinect", "hard"}));
+  sub.add_option("--seeds", options.seeds, "Seeds of scene, noise and mapper")
+      ->delimiter(',')
+      ->check(CLI::NonNegativeNumber);
   sub.add_option("--set", options.assignments, "key=value for every run")->allow_extra_args(false);
-  sub.add_option("--frames", options.frames, "At most so many frames per sequence");
+  sub.add_option("--frames", options.frames, "At most so many frames per sequence; 0 = all")
+      ->check(CLI::NonNegativeNumber);
   sub.add_option("--jobs", options.jobs, "Runs at a time")->check(CLI::Range(1, 64));
   sub.add_flag("--rendering", options.rendering, "Also compute the rendering scores");
   sub.add_flag("--again", options.again, "Repeat runs that are already done");

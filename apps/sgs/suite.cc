@@ -10,12 +10,15 @@
 #include <atomic>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <mutex>
 #include <regex>
 #include <set>
 #include <thread>
 
+#include "commands.h"
 #include "interrupt.h"
+#include "sgs/io/atomic_file.h"
 
 extern char** environ;
 
@@ -46,9 +49,13 @@ Result<int> run_program(const std::vector<std::string>& arguments, const std::st
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
+/// Lies in a run's folder until it has ended well: an interrupted run leaves scores too.
+fs::path unfinished_mark(const SuiteJob& job) { return fs::path(job.folder) / "unfinished"; }
+
 bool is_done(const SuiteJob& job) {
   std::error_code error;
-  return fs::exists(fs::path(job.folder) / "metrics.json", error);
+  return fs::exists(fs::path(job.folder) / "metrics.json", error) &&
+         !fs::exists(unfinished_mark(job), error);
 }
 
 bool is_rendered(const SuiteJob& job) {
@@ -68,8 +75,25 @@ void in_parallel(std::size_t count, int threads, const Work& work) {
   for (std::thread& thread : pool) thread.join();
 }
 
-std::string outcome_text(const Result<int>& code) {
-  return code ? fmt::format("exit {}", *code) : code.error().text();
+/// The last line that a program wrote; empty where there is none.
+std::string last_line(const std::string& log_file) {
+  std::ifstream file(log_file);
+  std::string last;
+  for (std::string line; std::getline(file, line);) {
+    if (!line.empty()) last = line;
+  }
+  return last;
+}
+
+/// Runs that lost track have scores too.
+bool succeeded(const Result<int>& code) {
+  return code && (*code == kExitDone || *code == kExitLost);
+}
+
+std::string outcome_text(const Result<int>& code, const std::string& log_file) {
+  if (!code) return code.error().text();
+  const std::string reason = succeeded(code) ? "" : last_line(log_file);
+  return fmt::format("exit {}{}{}", *code, reason.empty() ? "" : ": ", reason);
 }
 
 SuiteJob make_job(const SuiteOptions& options, const SuiteSequence& sequence,
@@ -110,28 +134,79 @@ SuiteJob make_job(const SuiteOptions& options, const SuiteSequence& sequence,
   return job;
 }
 
-// Renders what the jobs need, each sequence once; a half-rendered one is never mistaken for whole.
-void render_missing(const std::vector<SuiteJob>& jobs, int threads) {
+/// Renders what the jobs need, each sequence once; a half-rendered one is never mistaken for whole.
+/// Returns whether all went well.
+bool render_missing(const std::vector<SuiteJob>& jobs, int threads) {
   std::set<std::string> seen;
   std::vector<const SuiteJob*> missing;
   for (const SuiteJob& job : jobs) {
     if (!is_rendered(job) && seen.insert(job.rendered).second) missing.push_back(&job);
   }
   std::mutex print;
+  std::atomic<bool> well{true};
   in_parallel(missing.size(), threads, [&](std::size_t i) {
     const SuiteJob& job = *missing[i];
     std::error_code error;
     fs::create_directories(fs::path(job.rendered).parent_path(), error);
     fs::remove_all(job.rendered + ".part", error);
-    const auto code = run_program(job.render_arguments, job.rendered + ".log");
-    if (code && *code == 0) {
-      fs::rename(job.rendered + ".part", job.rendered, error);
-      fs::remove(job.rendered + ".log", error);
-    }
+    const std::string log = job.rendered + ".log";
+    const auto code = run_program(job.render_arguments, log);
     const std::scoped_lock lock(print);
     fmt::print(stderr, "[rendered {}/{}] {} {}\n", i + 1, missing.size(), job.rendered,
-               outcome_text(code));
+               outcome_text(code, log));
+    if (code && *code == kExitDone) {
+      fs::rename(job.rendered + ".part", job.rendered, error);
+      fs::remove(log, error);
+    } else {
+      well = false;
+    }
   });
+  return well;
+}
+
+std::vector<SuiteJob> make_jobs(const SuiteOptions& options, const std::regex& filter) {
+  std::vector<SuiteJob> jobs;
+  for (const std::string& level : options.levels)
+    for (const SuiteSequence& sequence : tum_synth_suite())
+      for (const SuiteVariant& variant : options.variants)
+        for (const int seed : options.seeds) {
+          SuiteJob job = make_job(options, sequence, level, variant, seed);
+          if (std::regex_search(fs::path(job.folder).filename().string(), filter)) {
+            jobs.push_back(std::move(job));
+          }
+        }
+  return jobs;
+}
+
+/// Runs what is missing; returns whether all went well.
+bool run_jobs(const std::vector<SuiteJob>& jobs, const SuiteOptions& options) {
+  std::vector<SuiteJob> missing;
+  std::copy_if(jobs.begin(), jobs.end(), std::back_inserter(missing),
+               [&](const SuiteJob& job) { return options.again || !is_done(job); });
+  if (missing.size() < jobs.size()) {
+    fmt::print(stderr, "{} of {} runs were done before (--again repeats them)\n",
+               jobs.size() - missing.size(), jobs.size());
+  }
+  std::atomic<bool> well{render_missing(missing, options.jobs)};
+  std::mutex print;
+  in_parallel(missing.size(), options.jobs, [&](std::size_t i) {
+    const SuiteJob& job = missing[i];
+    if (!is_rendered(job)) return;
+    std::error_code error;
+    fs::create_directories(job.folder, error);
+    std::ofstream(unfinished_mark(job)).flush();
+    const std::string log = (fs::path(job.folder) / "console.txt").string();
+    const auto code = run_program(job.arguments, log);
+    if (succeeded(code)) {
+      fs::remove(unfinished_mark(job), error);
+    } else {
+      well = false;
+    }
+    const std::scoped_lock lock(print);
+    fmt::print(stderr, "[{}/{}] {} {}\n", i + 1, missing.size(), job.folder,
+               outcome_text(code, log));
+  });
+  return well;
 }
 
 }  // namespace
@@ -216,39 +291,29 @@ Result<SuiteVariant> find_variant(const std::string& name) {
               "there are " + names);
 }
 
-std::vector<SuiteJob> make_jobs(const SuiteOptions& options) {
-  const std::regex filter(options.filter);
-  std::vector<SuiteJob> jobs;
-  for (const std::string& level : options.levels)
-    for (const SuiteSequence& sequence : tum_synth_suite())
-      for (const SuiteVariant& variant : options.variants)
-        for (const int seed : options.seeds) {
-          SuiteJob job = make_job(options, sequence, level, variant, seed);
-          if (std::regex_search(fs::path(job.folder).filename().string(), filter)) {
-            jobs.push_back(std::move(job));
-          }
-        }
-  return jobs;
+int SuiteOutcome::exit_code() const {
+  if (interrupted()) return kExitInterrupted;
+  return failed ? kExitFailed : kExitDone;
 }
 
-void run_jobs(const std::vector<SuiteJob>& jobs, const SuiteOptions& options) {
-  std::vector<SuiteJob> missing;
-  std::copy_if(jobs.begin(), jobs.end(), std::back_inserter(missing),
-               [&](const SuiteJob& job) { return options.again || !is_done(job); });
-  render_missing(missing, options.jobs);
-  std::mutex print;
-  in_parallel(missing.size(), options.jobs, [&](std::size_t i) {
-    const SuiteJob& job = missing[i];
-    if (!is_rendered(job)) return;
-    std::error_code error;
-    fs::create_directories(job.folder, error);
-    const auto code = run_program(job.arguments, (fs::path(job.folder) / "console.txt").string());
-    const std::scoped_lock lock(print);
-    fmt::print(stderr, "[{}/{}] {} {}\n", i + 1, missing.size(), job.folder, outcome_text(code));
-  });
+Result<SuiteOutcome> run_suite(const SuiteOptions& options) {
+  std::regex filter;
+  try {
+    filter = options.filter;
+  } catch (const std::regex_error& error) {
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("--filter '{}': {}", options.filter, error.what()),
+                "use an ECMAScript regular expression");
+  }
+  SGS_RETURN_IF_ERROR(io::make_folder(options.output));
+  SuiteOutcome outcome;
+  outcome.jobs = make_jobs(options, filter);
+  outcome.failed = !run_jobs(outcome.jobs, options);
+  return outcome;
 }
 
 Result<eval::Metrics> job_metrics(const SuiteJob& job) {
+  if (!is_done(job)) return fail(ErrorCode::kNotFound, job.folder + " did not end well");
   return eval::load_metrics(fs::path(job.folder) / "metrics.json");
 }
 

@@ -69,11 +69,20 @@ struct SuiteJob {
   std::vector<std::string> render_arguments;  ///< that make it, into `rendered` + ".part"
 };
 
-/// The runs whose name SEQUENCE-LEVEL-VARIANT-SEED matches the filter; throws std::regex_error.
-std::vector<SuiteJob> make_jobs(const SuiteOptions& options);
-/// Runs what is missing, several at a time. Every run leaves its own folder, so that an interrupted
-/// suite goes on where it was. Failed runs are reported on stderr and left out of tables.
-void run_jobs(const std::vector<SuiteJob>& jobs, const SuiteOptions& options);
+/// What came of a suite.
+struct SuiteOutcome {
+  std::vector<SuiteJob> jobs;  ///< all runs, done or not
+  bool failed = false;         ///< whether a run, or the rendering of its sequence, failed
+
+  int exit_code() const;
+};
+
+/// Makes the output folder and runs what is missing of the runs whose name
+/// SEQUENCE-LEVEL-VARIANT-SEED matches the filter, several at a time. Every run leaves its own
+/// folder, so that an interrupted suite goes on where it was. Failed runs are reported on stderr
+/// with their last words and left out of tables. Fails where the filter is no regular expression or
+/// the folder cannot be made.
+Result<SuiteOutcome> run_suite(const SuiteOptions& options);
 /// Scores of a run that is done.
 Result<eval::Metrics> job_metrics(const SuiteJob& job);
 

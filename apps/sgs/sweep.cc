@@ -10,7 +10,6 @@
 #include <regex>
 
 #include "commands.h"
-#include "interrupt.h"
 #include "sgs/eval/svg_canvas.h"
 #include "sgs/eval/svg_plot.h"
 #include "sgs/io/atomic_file.h"
@@ -143,25 +142,17 @@ int run_sweep(const SweepCommand& command) {
                              {"--set", fmt::format("{}={:.6g}", range->key, value)});
     options.variants.push_back(std::move(variant));
   }
-  std::vector<SuiteJob> jobs;
-  try {
-    jobs = make_jobs(options);
-  } catch (const std::regex_error& error) {
-    return report({ErrorCode::kInvalidArgument,
-                   fmt::format("--filter '{}': {}", options.filter, error.what()),
-                   "use an ECMAScript regular expression"});
-  }
-  if (const auto made = io::make_folder(options.output); !made) return report(made.error());
-  run_jobs(jobs, options);
+  const auto outcome = run_suite(options);
+  if (!outcome) return report(outcome.error());
 
-  const SweepTable table = tabulate(*range, jobs);
+  const SweepTable table = tabulate(*range, outcome->jobs);
   print_table(table, command.variant);
   const auto plot = std::filesystem::path(options.output) / "sweep.svg";
   if (auto written = io::write_file(plot, sweep_plot(table)); !written) {
     return report(written.error());
   }
   fmt::print("{}\n", plot.string());
-  return interrupted() ? kExitInterrupted : kExitDone;
+  return outcome->exit_code();
 }
 
 }  // namespace

@@ -14,6 +14,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 import zlib
 
@@ -176,6 +177,56 @@ class Contract(Case):
         plain = self.sgs(*command[1:], "plain").stderr
         self.assertIn("16/16 frames", plain)
         self.assertNotRegex(plain, r"[\r\x1b]")
+
+    def test_suite_makes_a_table_and_resumes(self):
+        command = ["bench", "tum-synth", "--filter", "^(fold|nostruct_far)-", "--levels", "clean",
+                   "--variants", "gicp", "spectral", "--seeds", 1, "--frames", 6, "-o", "suite"]
+        first = self.sgs(*command, "--jobs", 2)
+        self.assertRegex(first.stdout, r"(?m)^clean gicp( +\d+\.\d\d \(\d+\.\d\d\)){2}$")
+        self.assertRegex(first.stdout, r"(?m)^clean spectral( +\d+\.\d\d \(\d+\.\d\d\)){2}$")
+        self.assertRegex(first.stdout, r"(?m)^GS-ICP SLAM +116\.16")
+        metrics = self.folder / "suite" / "fold-clean-gicp-1" / "metrics.json"
+        self.assertEqual(json.loads(metrics.read_text())["frames"], 6)
+        metrics.unlink()
+        again = self.sgs(*command)
+        self.assertIn("3 of 4 runs were done before", again.stderr)
+        self.assertTrue(metrics.exists())
+        self.assertEqual(again.stdout, first.stdout)
+
+    def test_interrupted_suite_goes_on(self):
+        command = [str(SGS), "bench", "tum-synth", "--filter", "^fold-", "--levels", "clean",
+                   "--seeds", "1", "--frames", "40", "-o", "suite"]
+        process = subprocess.Popen(command, cwd=self.folder, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True, start_new_session=True)
+        folder = self.folder / "suite" / "fold-clean-spectral-1"
+        while not (folder / "log.txt").exists() and process.poll() is None:
+            time.sleep(0.02)
+        os.killpg(process.pid, signal.SIGINT)
+        shown, _ = process.communicate(timeout=240)
+        self.assertEqual(process.returncode, 130)
+        self.assertRegex(shown, r"(?m)^clean spectral +-$")
+        self.assertRegex(self.sgs(*command[1:]).stdout, r"(?m)^clean spectral +\d+\.\d\d")
+        self.assertEqual(json.loads((folder / "metrics.json").read_text())["frames"], 40)
+
+    def test_sweep_draws_a_plot(self):
+        done = self.sgs("sweep", "geometry_weight=0.2:0.4", "--filter", "^fold-", "--levels", "clean",
+                        "--seeds", 1, "--frames", 4, "--variant", "spectral", "-o", "sweep")
+        self.assertRegex(done.stdout, r"(?m)^ +0\.2 +\d+\.\d\d")
+        self.assertRegex(done.stdout, r"(?m)^ +0\.4 +\d+\.\d\d")
+        self.assertIn("<svg", (self.folder / "sweep" / "sweep.svg").read_text())
+
+    def test_suite_reports_failed_runs_and_bad_options(self):
+        command = ["bench", "tum-synth", "--filter", "^fold-", "--levels", "clean", "--seeds", 1,
+                   "--frames", 2, "-o", "suite"]
+        done = self.sgs(*command, "--set", "tracker.nonsense=1", code=1)
+        self.assertRegex(done.stderr, r"fold-clean-spectral-1 exit 2: .*nonsense")
+        self.assertRegex(done.stdout, r"(?m)^clean spectral +-$")
+        self.assertNotIn("published", done.stdout)
+        self.assertIn("--filter '('", self.sgs("bench", "--filter", "(", "-o", "x", code=2).stderr)
+        for option, value in (("--levels", "rough"), ("--seeds", "-1"), ("--frames", "-1"),
+                              ("--variants", "magic"), ("--jobs", "0")):
+            self.assertIn(value, self.sgs(*command, option, value, code=2).stderr)
+        self.sgs("sweep", "geometry_weight=a:b", code=2)
 
     def test_every_subcommand_has_help(self):
         self.sgs("--help")
