@@ -21,21 +21,10 @@ eval::Column status_column(const std::vector<std::string>& status) {
   return column;
 }
 
-/// A world that starts at the camera has y down; in every other one z is up (motion capture, the
-/// synthetic scenes, NICE-SLAM's layout).
-Eigen::Vector3d up_of(const FinishedRun& run) {
-  const Trajectory& path = run.truth.empty() ? run.trajectory : run.truth;
-  constexpr double kIdentity_rad = 0.02;
-  if (path.empty() || path.poses().front().T_world_camera.angle() < kIdentity_rad) {
-    return -Eigen::Vector3d::UnitY();
-  }
-  return Eigen::Vector3d::UnitZ();
-}
-
 /// Positions, aligned to the truth where that is possible, with their errors.
 void set_paths(const FinishedRun& run, const eval::TrajectoryMetrics& scores, double start_s,
                eval::ReportData& report) {
-  constexpr std::size_t kMapPoints = 12000;
+  constexpr std::size_t kMapPoints = 30000;
   constexpr double kSameTime_s = 1e-6, kTruthMargin_s = 0.1;
   const SE3 T_truth_world = scores.T_truth_world.value_or(SE3{});
   auto error = scores.errors.begin();
@@ -61,7 +50,7 @@ void set_paths(const FinishedRun& run, const eval::TrajectoryMetrics& scores, do
     report.keyframes.push_back(T_truth_world * pose.T_world_camera);
   }
   report.map_points = eval::sample_points(run.gaussians, kMapPoints, T_truth_world);
-  report.up = up_of(run);
+  report.up = eval::likely_up(run.truth.empty() ? run.trajectory : run.truth);
 }
 
 void set_error_column(const FrameTable& table, const eval::TrajectoryMetrics& scores,

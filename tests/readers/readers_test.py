@@ -204,24 +204,49 @@ class Readers(unittest.TestCase):
         distance = np.array([np.linalg.norm(solid - p, axis=1).min() for p in some])
         self.assertLess(np.median(distance), 0.03)
 
-    def test_html(self):
+    def screenshot(self, page, size, budget_ms, anchor=""):
+        """What a browser shows of a page, and what it printed."""
         chromium = shutil.which("chromium") or shutil.which("chromium-browser")
         if not chromium:
             self.skipTest("chromium is not installed")
         from skimage.io import imread
-        page, shot = self.export("html", "map.html"), self.folder / "page.png"
+        shot = self.folder / "page.png"
+        done = subprocess.run([chromium, *CHROMIUM_FLAGS, f"--virtual-time-budget={budget_ms}",
+                               "--enable-logging=stderr", f"--user-data-dir={self.folder / 'profile'}",
+                               f"--window-size={size}", f"--screenshot={shot}",
+                               page.as_uri() + anchor],
+                              capture_output=True, text=True, timeout=240, check=True)
+        return imread(shot)[:, :, :3].astype(float), done.stderr
+
+    def test_report(self):
+        report = (self.run_folder / "report.html").read_text()
+        self.assertIn("name='map' checked", report)
+        pages = report.replace("name='map' checked", "name='map'"), report
+        pictures = []
+        for html in pages:
+            page = self.folder / "report.html"
+            page.write_text(html)
+            picture, printed = self.screenshot(page, "1200,900", 8000)
+            self.assertNotIn("Uncaught", printed)
+            pictures.append(picture)
+        # The map fills a good part of the 3-D view, and nothing else changes.
+        changed = (pictures[0] != pictures[1]).any(axis=2)
+        self.assertGreater(changed.mean(), 0.04)
+        self.assertLess(changed.mean(), 0.5)
+        colours = pictures[1][changed]
+        self.assertGreater(colours.std(axis=0).min(), 10)
+
+    def test_html(self):
+        page = self.export("html", "map.html")
         self.assertNotRegex(page.read_text(), r"(?i)(src|href)\s*=\s*['\"]?\s*(https?:)?//")
         self.sgs("render", self.run_folder, "--trajectory", self.run_folder / "keyframes.txt",
                  "--every", "1000", "-o", self.folder / "rendered", "--quiet")
+        from skimage.io import imread
         ours = imread(self.folder / "rendered/render_000000.png").astype(float)
         # On a busy machine the picture has been seen without the map (cause unknown): give it more
         # time then.
         for budget_ms in (8000, 30000, 90000):
-            subprocess.run([chromium, *CHROMIUM_FLAGS, f"--virtual-time-budget={budget_ms}",
-                            f"--user-data-dir={self.folder / 'profile'}", "--window-size=640,480",
-                            f"--screenshot={shot}", f"{page.as_uri()}#view=0,bare"],
-                           capture_output=True, timeout=240, check=True)
-            browser = imread(shot)[:, :, :3].astype(float)
+            browser, _ = self.screenshot(page, "640,480", budget_ms, "#view=0,bare")
             self.assertEqual(browser.shape, ours.shape)
             psnr = 10 * np.log10(255**2 / np.mean((ours - browser) ** 2))
             if psnr > 30:

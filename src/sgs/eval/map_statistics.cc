@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/eval/map_statistics.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -26,6 +27,23 @@ MapStatistics map_statistics(std::span<const map::Gaussian> gaussians) {
   return s;
 }
 
+namespace {
+
+std::array<Eigen::Vector3f, 2> widest_axes(const map::Gaussian& g, float factor,
+                                           const SE3& T_target_world) {
+  std::array<int, 3> order = {0, 1, 2};
+  std::sort(order.begin(), order.end(),
+            [&](int a, int b) { return g.log_scale[a] > g.log_scale[b]; });
+  const Eigen::Quaterniond rotation(g.rotation[0], g.rotation[1], g.rotation[2], g.rotation[3]);
+  const Eigen::Matrix3d axes = T_target_world.R * rotation.normalized().toRotationMatrix();
+  const auto axis = [&](int k) -> Eigen::Vector3f {
+    return factor * std::exp(g.log_scale[k]) * axes.col(k).cast<float>();
+  };
+  return {axis(order[0]), axis(order[1])};
+}
+
+}  // namespace
+
 std::vector<MapPoint> sample_points(std::span<const map::Gaussian> gaussians, std::size_t count,
                                     const SE3& T_target_world) {
   std::vector<const map::Gaussian*> solid;
@@ -41,12 +59,10 @@ std::vector<MapPoint> sample_points(std::span<const map::Gaussian> gaussians, st
       kept > 0 ? std::sqrt(static_cast<float>(solid.size()) / static_cast<float>(kept)) : 1.0f;
   for (std::size_t i = 0; i < kept; ++i) {
     const map::Gaussian& g = *solid[i * solid.size() / kept];
-    std::array<float, 3> scale = {g.log_scale[0], g.log_scale[1], g.log_scale[2]};
-    std::sort(scale.begin(), scale.end());
     const Eigen::Vector3d mean(g.mean[0], g.mean[1], g.mean[2]);
     points.push_back({(T_target_world * mean).cast<float>(),
                       {byte(g.rgb[0]), byte(g.rgb[1]), byte(g.rgb[2])},
-                      cover * 1.3f * std::exp(0.5f * (scale[1] + scale[2]))});
+                      widest_axes(g, cover, T_target_world)});
   }
   return points;
 }

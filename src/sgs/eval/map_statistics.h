@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -22,14 +23,15 @@ struct MapStatistics {
 };
 MapStatistics map_statistics(std::span<const map::Gaussian> gaussians);
 
-/// A coloured point of the map for an overview.
+/// A Gaussian of the map for an overview, flattened to a disc.
 struct MapPoint {
   Eigen::Vector3f position_m;
   Rgb8 color;
-  float radius_m = 0;  ///< of a disc that looks as large as the Gaussian
+  /// The two widest principal axes, the widest first, as long as their standard deviations.
+  std::array<Eigen::Vector3f, 2> axes_m = {Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()};
 };
-/// At most `count` centres of Gaussians more solid than not, evenly out of the map's order and
-/// carried by `T_target_world`; radii grow to cover for what is left out.
+/// At most `count` of the Gaussians more solid than not, evenly out of the map's order and carried
+/// by `T_target_world`; axes grow to cover for what is left out.
 std::vector<MapPoint> sample_points(std::span<const map::Gaussian> gaussians, std::size_t count,
                                     const SE3& T_target_world);
 

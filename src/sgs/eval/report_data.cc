@@ -29,6 +29,23 @@ bool has_data(const Column& column) {
   return std::any_of(column.begin(), column.end(), [](double v) { return std::isfinite(v); });
 }
 
+Eigen::Vector3d likely_up(const Trajectory& path) {
+  constexpr double kIdentity_rad = 0.02, kUpright = 0.3, kLooksDown = -0.7;
+  if (path.empty() || path.poses().front().T_world_camera.angle() < kIdentity_rad) {
+    return -Eigen::Vector3d::UnitY();
+  }
+  Eigen::Vector3d up = Eigen::Vector3d::Zero(), ahead = Eigen::Vector3d::Zero();
+  for (const StampedPose& pose : path.poses()) {
+    up -= pose.T_world_camera.R.col(1);
+    ahead += pose.T_world_camera.R.col(2);
+  }
+  const auto count = static_cast<double>(path.size());
+  if (up.z() > kUpright * count || ahead.z() < kLooksDown * count) return Eigen::Vector3d::UnitZ();
+  int axis = 0;
+  up.cwiseAbs().maxCoeff(&axis);
+  return (up[axis] < 0 ? -1 : 1) * Eigen::Vector3d::Unit(axis);
+}
+
 const std::string& run_name(const ReportData& data) {
   return data.label.empty() ? data.title : data.label;
 }

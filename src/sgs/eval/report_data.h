@@ -14,6 +14,7 @@
 #include "sgs/eval/metrics.h"
 #include "sgs/eval/run_evaluator.h"
 #include "sgs/geometry/se3.h"
+#include "sgs/geometry/trajectory.h"
 
 namespace sgs::eval {
 
@@ -73,6 +74,11 @@ void check_columns(const ReportData& data);
 
 /// Whether a column holds any value.
 bool has_data(const Column& column);
+
+/// Upwards in the world of a camera's path: against y where the world starts at the camera, else z
+/// (motion capture, the synthetic scenes, NICE-SLAM's layout) unless the cameras, which are held
+/// upright on the whole, contradict that; then the axis that fits them best.
+Eigen::Vector3d likely_up(const Trajectory& path);
 
 /// Distinguishes runs in pictures: label, or title where there is none.
 const std::string& run_name(const ReportData& data);

@@ -6,6 +6,7 @@
 
 #include "sgs/eval/html.h"
 #include "sgs/eval/report_script.h"
+#include "sgs/eval/report_surface_script.h"
 
 namespace sgs::eval {
 namespace {
@@ -127,6 +128,7 @@ std::string page_html(std::string_view title, std::string_view body) {
   if (body.find("<svg") != std::string_view::npos ||
       body.find("class='slide'") != std::string_view::npos) {
     html += "<script>";
+    html += report_surface_script();
     html += report_script();
     html += "</script>";
   }

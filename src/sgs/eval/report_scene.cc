@@ -18,7 +18,9 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kMaxPositions = 3000, kMaxKeyframes = 60;
-constexpr double kRadiusStep_m = 0.002;
+/// Lengths of a Gaussian's axes in the file, a byte each: `kShortestAxis_m` times e^(byte /
+/// kAxisSteps).
+constexpr double kShortestAxis_m = 0.0005, kAxisSteps = 30;
 
 /// Short in the file: a tenth of a millimetre is plenty for a picture.
 Json rounded(double value, double steps_per_unit = 1e4) {
@@ -77,8 +79,8 @@ Json run_json(const ReportData& run, std::size_t color) {
           {"unseen", column_json(unseen_along(run), 1e2, 1)}};
 }
 
-/// Points as 16-bit steps from the low corner, colours, and radii in steps of 2 mm; little endian,
-/// base64.
+/// Points as 16-bit steps from the low corner, colours, lengths of the widest axes, and the two
+/// widest axes in 127ths of that; little endian, base64.
 Json points_json(const std::vector<MapPoint>& points) {
   Eigen::Vector3f low = Eigen::Vector3f::Zero(), high = Eigen::Vector3f::Zero();
   if (!points.empty()) low = high = points[0].position_m;
@@ -98,11 +100,24 @@ Json points_json(const std::vector<MapPoint>& points) {
   for (const MapPoint& p : points) {
     for (const std::uint8_t c : {p.color.r, p.color.g, p.color.b}) bytes += static_cast<char>(c);
   }
+  std::string directions;
   for (const MapPoint& p : points) {
-    bytes += static_cast<char>(std::clamp(std::lround(p.radius_m / kRadiusStep_m), 1L, 255L));
+    const double length = std::max(kShortestAxis_m, double{p.axes_m[0].norm()});
+    // Rounded up, so that no component exceeds a byte.
+    const double steps = std::ceil(kAxisSteps * std::log(length / kShortestAxis_m));
+    const long byte = std::clamp(std::lround(steps), 0L, 255L);
+    bytes += static_cast<char>(byte);
+    const double unit = kShortestAxis_m * std::exp(static_cast<double>(byte) / kAxisSteps) / 127;
+    for (const Eigen::Vector3f& axis : p.axes_m) {
+      for (int k = 0; k < 3; ++k) {
+        directions += static_cast<char>(std::clamp(std::lround(axis[k] / unit), -127L, 127L));
+      }
+    }
   }
+  bytes += directions;
   return {{"count", points.size()},
-          {"radius_step", kRadiusStep_m},
+          {"shortest_axis", kShortestAxis_m},
+          {"axis_steps", kAxisSteps},
           {"low", {low.x(), low.y(), low.z()}},
           {"step", step},
           {"data", base64(bytes)}};

@@ -29,31 +29,25 @@ for (const svg of document.querySelectorAll('svg.time')) {
   });
 }
 
-// 3-D view: points of the map, paths, key frames, on a 2-D canvas.
-const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-const cross = (a, b) =>
-  [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-const unit = a => a.map(v => v / Math.hypot(...a));
-const mix = (...terms) => [0, 1, 2].map(k => terms.reduce((s, [w, a]) => s + w * a[k], 0));
-
-function decodePoints(p) {
-  const bytes = Uint8Array.from(atob(p.data), c => c.charCodeAt(0));
-  const words = new Uint16Array(bytes.buffer, 0, 3 * p.count);
-  const xyz = Float32Array.from(words, (v, i) => p.low[i % 3] + v * p.step);
-  const radius = Float32Array.from(bytes.subarray(9 * p.count), v => v * p.radius_step);
-  return {count: p.count, xyz, radius, rgb: bytes.subarray(6 * p.count)};
-}
-
+// 3-D view: the map, paths, key frames, on a 2-D canvas.
 function makeScene(box) {
   const data = JSON.parse(box.querySelector('script').textContent);
   const canvas = box.querySelector('canvas'), ctx = canvas.getContext('2d');
-  const points = decodePoints(data.points), away = cross(data.up, data.across);
+  const away = cross(data.up, data.across), layer = document.createElement('canvas');
   const on = name => (box.querySelector(`[name=${name}]`) || {checked: true}).checked;
-  const start = {yaw: 0.6, pitch: 0.65, zoom: 1, pan: [0, 0, 0]};
-  let view = {...start}, moment = null, pending = false;
+  const start = {yaw: lookingAlong() + 0.6, pitch: 0.65, zoom: 1, pan: [0, 0, 0]};
+  let view = {...start}, moment = null, pending = false, held = false;
 
   const centre = [0, 1, 2].map(k => (data.low[k] + data.high[k]) / 2);
   const radius = Math.hypot(...[0, 1, 2].map(k => data.high[k] - data.low[k])) / 2 || 1;
+  const surface = makeSurface(data.points, data.runs[0].path, radius);
+
+  // The yaw that looks the way the cameras looked on the whole; 0 where they looked all around.
+  function lookingAlong() {
+    const ahead = mix(...data.keyframes.map(pose => [1, [pose[5], pose[8], pose[11]]]));
+    const [x, y] = [dot(ahead, away), -dot(ahead, data.across)];
+    return Math.hypot(x, y) < 0.3 * data.keyframes.length ? 0 : Math.atan2(y, x);
+  }
 
   function camera(w, h) {
     const {yaw, pitch} = view, target = mix([1, centre], [1, view.pan]);
@@ -61,31 +55,24 @@ function makeScene(box) {
                      [Math.cos(pitch) * Math.sin(yaw), data.across], [Math.sin(pitch), data.up]);
     const right = unit(cross(data.up, back)), up = cross(back, right), focal = 1.15 * h;
     const eye = mix([1, target], [1.95 * radius / view.zoom, back]);
-    return {right, up, focal, scale: 1.95 * radius / view.zoom / focal, project(p) {
+    return {w, h, eye, right, up, back, focal, scale: 1.95 * radius / view.zoom / focal, project(p) {
       const d = [p[0] - eye[0], p[1] - eye[1], p[2] - eye[2]], z = -dot(d, back);
       return z < 0.02 * radius ? null
         : [w / 2 + focal * dot(d, right) / z, h / 2 - focal * dot(d, up) / z, z];
     }};
   }
 
-  function drawPoints(cam, w, h) {
-    const image = ctx.createImageData(w, h), depth = new Float32Array(w * h).fill(Infinity);
-    for (let i = 0; i < points.count; ++i) {
-      const p = cam.project(points.xyz.subarray(3 * i, 3 * i + 3));
-      if (!p) continue;
-      const s = Math.max(2, Math.min(40, Math.round(2 * points.radius[i] * cam.focal / p[2])));
-      const u = Math.round(p[0] - s / 2), v = Math.round(p[1] - s / 2);
-      for (let y = Math.max(0, v); y < Math.min(h, v + s); ++y)
-        for (let x = Math.max(0, u); x < Math.min(w, u + s); ++x) {
-          const k = y * w + x;
-          const dx = 2 * (x - u) + 1 - s, dy = 2 * (y - v) + 1 - s;
-          if (p[2] >= depth[k] || dx * dx + dy * dy > s * s) continue;
-          depth[k] = p[2];
-          for (let c = 0; c < 3; ++c) image.data[4 * k + c] = points.rgb[3 * i + c];
-          image.data[4 * k + 3] = 200;
-        }
+  // At the page's own resolution, also where the screen's is finer, and at half of it while the
+  // pointer turns it: it is the slow part.
+  function drawSurface(w, h) {
+    const [lw, lh] = [canvas.clientWidth, canvas.clientHeight].map(v =>
+      Math.max(1, Math.round(held ? v / 2 : v)));
+    const shown = JSON.stringify([lw, lh, view]);
+    if (layer.shown !== shown) {
+      [layer.width, layer.height, layer.shown] = [lw, lh, shown];
+      layer.getContext('2d').putImageData(surface.image(camera(lw, lh)), 0, 0);
     }
-    ctx.putImageData(image, 0, 0);
+    ctx.drawImage(layer, 0, 0, w, h);
   }
 
   function polyline(cam, path, colours, width) {
@@ -133,7 +120,7 @@ function makeScene(box) {
     const style = getComputedStyle(document.documentElement);
     const paint = name => style.getPropertyValue('--' + name).trim();
     const cam = camera(w, h);
-    if (on('map')) drawPoints(cam, w, h);
+    if (on('map') && surface.count) drawSurface(w, h);
     const size = 0.035 * radius;
     if (on('cameras'))
       for (const pose of data.keyframes) frustum(cam, pose, size, paint('soft'), ratio);
@@ -181,7 +168,13 @@ function makeScene(box) {
   canvas.addEventListener('pointerdown', e => {
     canvas.setPointerCapture(e.pointerId);
     canvas.focus({preventScroll: true});
+    held = true;
   });
+  for (const end of ['pointerup', 'pointercancel'])
+    canvas.addEventListener(end, () => {
+      held = false;
+      redraw();
+    });
   canvas.addEventListener('pointermove', e => {
     if (!e.buttons) return;
     if (e.buttons > 1 || e.shiftKey) {

@@ -7,7 +7,8 @@
 namespace sgs::eval {
 
 /// JavaScript of the report page: picture sliders, a time cursor through all plots over time, and
-/// the 3-D view (report_scene.h). The page is readable without it.
+/// the 3-D view (report_scene.h); goes after report_surface_script(). The page is readable without
+/// it.
 std::string_view report_script();
 
 }  // namespace sgs::eval

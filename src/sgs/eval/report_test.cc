@@ -167,6 +167,43 @@ TEST(Report, DrawingsAreFilesOfTheirOwn) {
                                      "map_growth", "map_opacity", "map_scale"));
 }
 
+TEST(Report, MapPointsAreTheTwoWidestAxes) {
+  map::Gaussian g{};
+  g.opacity_logit = 2;
+  g.mean[0] = 1;
+  // Axes of 1, 30 and 10 cm; a quarter turn about z takes x to y and y to -x.
+  for (int k = 0; k < 3; ++k) g.log_scale[k] = std::log(std::array{0.01f, 0.3f, 0.1f}[k]);
+  g.rotation[0] = g.rotation[3] = std::sqrt(0.5f);
+  map::Gaussian faint = g;
+  faint.opacity_logit = -1;
+  const SE3 lift(Eigen::Matrix3d::Identity(), {0, 0, 2});
+  const std::vector<map::Gaussian> gaussians = {g, faint, g, g, g};
+  const std::vector<MapPoint> all = sample_points(gaussians, 10, lift);
+  ASSERT_EQ(all.size(), 4u);
+  EXPECT_TRUE(all[0].position_m.isApprox(Eigen::Vector3f(1, 0, 2)));
+  EXPECT_TRUE(all[0].axes_m[0].isApprox(Eigen::Vector3f(-0.3f, 0, 0), 1e-4f));
+  EXPECT_TRUE(all[0].axes_m[1].isApprox(Eigen::Vector3f(0, 0, 0.1f), 1e-4f));
+  const std::vector<MapPoint> one = sample_points(gaussians, 1, SE3{});
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_NEAR(one[0].axes_m[0].norm(), 0.6, 1e-4);  // stands for four
+}
+
+TEST(Report, UpIsWhereTheCamerasSayUnlessTheWorldHasAConvention) {
+  const auto path = [](const Eigen::Vector3d& right, const Eigen::Vector3d& down) {
+    Eigen::Matrix3d R;
+    R << right, down, right.cross(down);
+    return Trajectory({{0, SE3(R, Eigen::Vector3d::Zero())}, {1, SE3(R, {0.1, 0, 0})}});
+  };
+  const Eigen::Vector3d x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+  EXPECT_EQ(likely_up({}), -y);
+  EXPECT_EQ(likely_up(path(x, y)), -y);                              // starts at the camera
+  EXPECT_EQ(likely_up(path(x, -z)), z);                              // level, z up
+  EXPECT_EQ(likely_up(path(x, Eigen::Vector3d(0, -0.8, -0.6))), z);  // looks steeply down
+  EXPECT_EQ(likely_up(path(x, -y)), z);                              // straight down
+  EXPECT_EQ(likely_up(path(Eigen::Vector3d(0.8, 0, 0.6), y)), -y);   // y down, turned
+  EXPECT_EQ(likely_up(path(z, x)), -x);                              // a phone on its side
+}
+
 TEST(Report, TopViewLooksDownAlongUp) {
   for (const Eigen::Vector3d& up : {Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0, -1, 0)}) {
     for (const Eigen::Vector3d& longest :
