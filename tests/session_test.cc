@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <thread>
 
 #include "sgs/eval/trajectory_metrics.h"
 #include "sgs/slam/live_feed.h"
@@ -91,6 +92,26 @@ TEST(Session, LiveModeMapsWithoutWaiting) {
   const Outcome outcome = run(frames, config_for_test(), 2, true);
   EXPECT_GT(outcome.gaussians.size(), 100u);
   EXPECT_EQ(outcome.poses.size(), frames.size());
+}
+
+TEST(Session, HasACoreToItselfWhileItTracks) {
+  const auto frames = small_sequence(6);
+  slam::SessionOptions options;
+  for (const int threads : {1, static_cast<int>(std::thread::hardware_concurrency()) + 1}) {
+    options.threads = threads;
+    auto session = slam::Session::create(config_for_test(), frames.front()->camera, options);
+    ASSERT_TRUE(session) << session.error().text();
+    for (const auto& frame : frames) (*session)->feed(frame);
+    (*session)->finish();
+    const StageTimes times = (*session)->times();
+    const auto& stages = times.stages();
+    const auto waits = stages.find("wait for core");
+    // A single thread takes turns between tracking and mapping.
+    EXPECT_EQ(waits != stages.end(), threads > 1);
+    if (waits != stages.end()) {
+      EXPECT_EQ(waits->second.size(), frames.size());
+    }
+  }
 }
 
 TEST(Session, NeverMapsHeldOutFrames) {

@@ -60,7 +60,12 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& frame) 
   record.gaussians = view.snapshot ? static_cast<std::int64_t>(view.snapshot->gaussians.size()) : 0;
   record.iterations = view.iterations;
 
+  const double leaving_since_s = wall_time_s();
   auto recess = worker_->leave_core();
+  if (recess != nullptr) {
+    track_times_.add_interval("wait for core", leaving_since_s,
+                              1e3 * (wall_time_s() - leaving_since_s));
+  }
   const double wall_start_s = wall_time_s(), start_s = thread_cpu_time_s();
   const tracker::TrackResult result = tracker_->track(*frame, view.snapshot);
   record.track_ms = 1e3 * (thread_cpu_time_s() - start_s);
