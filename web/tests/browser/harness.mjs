@@ -26,6 +26,17 @@ export async function until(what, condition, patience_ms = kPatience_ms) {
   }
 }
 
+/// What `promise` gives, or null where it takes longer.
+export async function within(patience_ms, promise) {
+  let timer;
+  const late = new Promise((resolve) => (timer = setTimeout(resolve, patience_ms, null)));
+  try {
+    return await Promise.race([promise, late]);
+  } finally {
+    clearTimeout(timer);
+  }
+}
+
 /// A folder that is gone after the test.
 export function temporaryFolder(t) {
   const folder = mkdtempSync(join(tmpdir(), "sgs-browser-"));
@@ -106,6 +117,15 @@ export function contrast(page, id) {
     const n = data.length / 4;
     return Math.sqrt(Math.max(0, squares / n - (sum / n) ** 2));
   }, id);
+}
+
+/// The PNG that the page's screenshot button downloads.
+export async function screenshot(page) {
+  const waiting = page.waitForEvent("download");
+  await page.locator("#screenshot").click();
+  const chunks = [];
+  for await (const chunk of await (await waiting).createReadStream()) chunks.push(chunk);
+  return Buffer.concat(chunks);
 }
 
 /// Grey-value deviation of a PNG, decoded by the browser.
