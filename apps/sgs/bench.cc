@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "sgs/synthetic/scene_table.h"
 #include "suite.h"
 
 namespace sgs::app {
@@ -93,7 +94,10 @@ void add_suite_options(CLI::App& sub, SuiteOptions& options) {
   sub.add_option("--filter", options.filter, "Only runs SEQUENCE-LEVEL-VARIANT-SEED that match");
   sub.add_option("--levels", options.levels, "clean, kinect, hard")
       ->delimiter(',')
-      ->check(CLI::IsMember({"clean", "kinect", "hard"}));
+      ->check([](const std::string& level) {
+        const auto known = synthetic::check_level(level);
+        return known ? std::string() : known.error().text();
+      });
   sub.add_option("--seeds", options.seeds, "Seeds of scene, noise and mapper")
       ->delimiter(',')
       ->check(CLI::NonNegativeNumber);

@@ -229,7 +229,7 @@ class Readers(unittest.TestCase):
             picture, printed = self.screenshot(page, "1200,900", 8000)
             self.assertNotIn("Uncaught", printed)
             pictures.append(picture)
-        # The map fills a good part of the 3-D view, and nothing else changes.
+        # The map fills a good part of the 3-D view, but not the page.
         changed = (pictures[0] != pictures[1]).any(axis=2)
         self.assertGreater(changed.mean(), 0.04)
         self.assertLess(changed.mean(), 0.5)

@@ -67,9 +67,8 @@ function makeSurface(encoded, path, size) {
         -near * dot(axis, cam.up) - (p[1] - cam.h / 2) * z / p[2], z];
     });
     // A disc seen edge-on is still a line of a pixel's width.
-    const wide = Math.hypot(a[0], a[1], b[0], b[1]) || 1, thin = 0.4 / wide;
     let det = a[0] * b[1] - a[1] * b[0];
-    if (Math.abs(det) < thin * wide * wide) {
+    if (Math.abs(det) <= 0.4 * Math.hypot(a[0], a[1], b[0], b[1])) {
       const [u, v] = Math.hypot(a[0], a[1]) > Math.hypot(b[0], b[1]) ? [a, b] : [b, a];
       const length = Math.hypot(u[0], u[1]);
       if (length < 0.4) [u[0], u[1], v[0], v[1]] = [0.4, 0, 0, 0.4];
