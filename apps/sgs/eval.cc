@@ -8,7 +8,7 @@
 #include "log_setup.h"
 #include "run_request.h"
 #include "score.h"
-#include "sgs/eval/comparison.h"
+#include "sgs/report/comparison.h"
 
 namespace sgs::app {
 namespace {
@@ -39,7 +39,7 @@ std::string folder_name(const std::string& folder) {
 
 /// --compare and --plots: nothing is rendered, nothing in the run folders changes.
 Status draw_runs(const EvalCommand& command, eval::Association association) {
-  std::vector<eval::ReportData> runs;
+  std::vector<report::ReportData> runs;
   for (const std::string& folder : command.runs) {
     SGS_ASSIGN_OR_RETURN(auto report, saved_report(folder, association));
     report.label = folder_name(folder);
@@ -47,12 +47,12 @@ Status draw_runs(const EvalCommand& command, eval::Association association) {
   }
   if (!command.plots.empty()) {
     SGS_ASSIGN_OR_RETURN(const auto files,
-                         eval::save_drawings(command.plots, eval::all_drawings(runs)));
+                         report::save_drawings(command.plots, report::all_drawings(runs)));
     for (const fs::path& file : files) fmt::print("{}\n", file.string());
   }
   if (command.compare) {
     const fs::path output = command.output.empty() ? "report.html" : command.output;
-    SGS_RETURN_IF_ERROR(eval::save_comparison(output, runs));
+    SGS_RETURN_IF_ERROR(report::save_comparison(output, runs));
     fmt::print("{}\n", output.string());
   }
   return {};

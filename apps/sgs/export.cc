@@ -10,12 +10,12 @@
 #include "log_setup.h"
 #include "run_request.h"
 #include "sgs/core/log.h"
-#include "sgs/eval/map_page.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/ply.h"
 #include "sgs/io/splat_file.h"
 #include "sgs/io/spz.h"
 #include "sgs/io/trajectory_io.h"
+#include "sgs/report/map_page.h"
 
 namespace sgs::app {
 namespace {
@@ -65,8 +65,8 @@ Result<std::vector<map::Gaussian>> load_map(const std::string& run) {
 }
 
 /// Views of a run for its page; a map alone, or a run whose input is gone, has fewer of them.
-eval::MapPage map_page_of(const std::string& run) {
-  eval::MapPage page;
+report::MapPage map_page_of(const std::string& run) {
+  report::MapPage page;
   std::error_code error;
   page.title = fs::weakly_canonical(run, error).stem().string();
   if (!fs::is_directory(run, error)) return page;
@@ -118,7 +118,7 @@ const std::array<Format, 9> kFormats = {{
     {"html", "one page that shows the map",
      [](const ExportCommand& c, const fs::path& out) {
        return with_map(
-           c, [&](const auto& map) { return eval::save_map_page(out, map, map_page_of(c.run)); });
+           c, [&](const auto& map) { return report::save_map_page(out, map, map_page_of(c.run)); });
      }},
     {"mesh", "coloured mesh PLY by depth fusion",
      [](const ExportCommand& c, const fs::path& out) {

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-eval::Column status_column(const std::vector<std::string>& status) {
-  eval::Column column;
+report::Column status_column(const std::vector<std::string>& status) {
+  report::Column column;
   for (const std::string& s : status) {
     column.push_back(s == "ok" ? 0 : s == "degenerate" ? 1 : s == "lost" ? 2 : 3);
   }
@@ -23,7 +23,7 @@ eval::Column status_column(const std::vector<std::string>& status) {
 
 /// Positions, aligned to the truth where that is possible, with their errors.
 void set_paths(const FinishedRun& run, const eval::TrajectoryMetrics& scores, double start_s,
-               eval::ReportData& report) {
+               report::ReportData& report) {
   constexpr std::size_t kMapPoints = 30000;
   constexpr double kSameTime_s = 1e-6, kTruthMargin_s = 0.1;
   const SE3 T_truth_world = scores.T_truth_world.value_or(SE3{});
@@ -50,11 +50,11 @@ void set_paths(const FinishedRun& run, const eval::TrajectoryMetrics& scores, do
     report.keyframes.push_back(T_truth_world * pose.T_world_camera);
   }
   report.map_points = eval::sample_points(run.gaussians, kMapPoints, T_truth_world);
-  report.up = eval::likely_up(run.truth.empty() ? run.trajectory : run.truth);
+  report.up = report::likely_up(run.truth.empty() ? run.trajectory : run.truth);
 }
 
 void set_error_column(const FrameTable& table, const eval::TrajectoryMetrics& scores,
-                      eval::ReportData& report) {
+                      report::ReportData& report) {
   report.error_m.assign(table.rows(), kNone);
   const auto indices = table.numbers("index");
   for (const eval::FrameError& error : scores.errors) {
@@ -66,7 +66,7 @@ void set_error_column(const FrameTable& table, const eval::TrajectoryMetrics& sc
   }
 }
 
-void set_columns(const FrameTable& table, eval::ReportData& report) {
+void set_columns(const FrameTable& table, report::ReportData& report) {
   report.status = status_column(table.texts("status"));
   report.mapping_keyframe = table.numbers("mapping_keyframe");
   report.track_ms = table.numbers("track_ms");
@@ -85,7 +85,7 @@ void set_columns(const FrameTable& table, eval::ReportData& report) {
 }
 
 void add_stages(const nlohmann::json& tree, const std::string& prefix,
-                std::vector<eval::StageSummary>& stages) {
+                std::vector<report::StageSummary>& stages) {
   if (!tree.is_object()) return;
   for (const auto& [name, stage] : tree.items()) {
     if (!stage.is_object()) continue;
@@ -104,17 +104,18 @@ void add_stages(const nlohmann::json& tree, const std::string& prefix,
 }
 
 /// Stages of timings.json; what is not as expected there is left out.
-std::vector<eval::StageSummary> stages_of(const std::string& timings_json) {
-  std::vector<eval::StageSummary> stages;
+std::vector<report::StageSummary> stages_of(const std::string& timings_json) {
+  std::vector<report::StageSummary> stages;
   add_stages(nlohmann::json::parse(timings_json, nullptr, false), "", stages);
   return stages;
 }
 
 }  // namespace
 
-eval::ReportData make_report(const FinishedRun& run, const FrameTable& table,
-                             const eval::TrajectoryMetrics& scores, const eval::Metrics& metrics) {
-  eval::ReportData report;
+report::ReportData make_report(const FinishedRun& run, const FrameTable& table,
+                               const eval::TrajectoryMetrics& scores,
+                               const eval::Metrics& metrics) {
+  report::ReportData report;
   report.title = run.name;
   report.subtitle = fmt::format("tracker {}, preset {}", metrics.tracker.value_or("?"),
                                 metrics.preset.value_or("?"));

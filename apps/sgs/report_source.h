@@ -4,14 +4,14 @@
 
 #include "finished_run.h"
 #include "frame_table.h"
-#include "sgs/eval/report_data.h"
 #include "sgs/eval/trajectory_metrics.h"
+#include "sgs/report/report_data.h"
 
 namespace sgs::app {
 
 /// Everything the report shows about a run but its pictures.
-eval::ReportData make_report(const FinishedRun& run, const FrameTable& table,
-                             const eval::TrajectoryMetrics& scores, const eval::Metrics& metrics);
+report::ReportData make_report(const FinishedRun& run, const FrameTable& table,
+                               const eval::TrajectoryMetrics& scores, const eval::Metrics& metrics);
 
 /// Says in words when directions were unobservable and nothing filled them; else "".
 std::string degeneracy_note(const eval::Metrics& metrics);

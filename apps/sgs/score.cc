@@ -11,8 +11,8 @@
 #include "report_source.h"
 #include "sgs/core/log.h"
 #include "sgs/core/stopwatch.h"
-#include "sgs/eval/report.h"
 #include "sgs/eval/run_evaluator.h"
+#include "sgs/report/report.h"
 
 namespace sgs::app {
 namespace {
@@ -130,11 +130,11 @@ Result<eval::Metrics> score_run(const FinishedRun& run, const ScoreOptions& opti
   folder.save("metrics.json",
               [&](const std::filesystem::path& path) { return eval::save_metrics(path, metrics); });
   folder.save("report.html",
-              [&](const std::filesystem::path& path) { return eval::save_report(path, report); });
+              [&](const std::filesystem::path& path) { return report::save_report(path, report); });
   return metrics;
 }
 
-Result<eval::ReportData> saved_report(const std::string& folder, eval::Association association) {
+Result<report::ReportData> saved_report(const std::string& folder, eval::Association association) {
   SGS_ASSIGN_OR_RETURN(auto loaded, load_finished_run(folder));
   SGS_ASSIGN_OR_RETURN(const auto table, FrameTable::parse(loaded.run.frames_csv, "frames.csv"));
   set_frame_metrics(table, loaded.run.frames, loaded.metrics);

@@ -7,8 +7,8 @@
 #include "finished_run.h"
 #include "run_folder.h"
 #include "sgs/eval/metrics.h"
-#include "sgs/eval/report_data.h"
 #include "sgs/eval/trajectory_metrics.h"
+#include "sgs/report/report_data.h"
 
 namespace sgs::app {
 
@@ -29,6 +29,6 @@ Result<eval::Metrics> score_run(const FinishedRun& run, const ScoreOptions& opti
 
 /// The report of a run read back from its folder, for drawing only: the trajectory is compared with
 /// the truth anew, rendering scores and pictures are those saved in the folder. Writes nothing.
-Result<eval::ReportData> saved_report(const std::string& folder, eval::Association association);
+Result<report::ReportData> saved_report(const std::string& folder, eval::Association association);
 
 }  // namespace sgs::app

@@ -10,9 +10,9 @@
 #include <regex>
 
 #include "commands.h"
-#include "sgs/eval/svg_canvas.h"
-#include "sgs/eval/svg_plot.h"
 #include "sgs/io/atomic_file.h"
+#include "sgs/report/plot/canvas.h"
+#include "sgs/report/plot/plot.h"
 #include "suite.h"
 
 namespace sgs::app {
@@ -103,12 +103,12 @@ void print_table(const SweepTable& table, const std::string& variant) {
 /// Mean error over the logarithm of the parameter, one line per sequence.
 std::string sweep_plot(const SweepTable& table) {
   constexpr int kColors = 6;
-  eval::PlotPanel panel;
+  report::PlotPanel panel;
   panel.y_label = "ATE RMSE, cm";
   panel.log_y = true;
   panel.height = 300;
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    eval::PlotSeries series;
+    report::PlotSeries series;
     series.label = table.columns[c];
     series.color = static_cast<int>(c) % kColors;
     series.dashed = c >= kColors;
@@ -120,13 +120,13 @@ std::string sweep_plot(const SweepTable& table) {
     }
     panel.series.push_back(std::move(series));
   }
-  eval::PlotFigure figure;
+  report::PlotFigure figure;
   figure.title = "Trajectory error over " + table.range.key;
   figure.x_label = "log2 of " + table.range.key;
   figure.panels = {std::move(panel)};
   figure.over_time = false;
-  const std::string svg = eval::figure_svg(figure);
-  return svg.empty() ? svg : eval::standalone_svg({"sweep", "", svg});
+  const std::string svg = report::figure_svg(figure);
+  return svg.empty() ? svg : report::standalone_svg({"sweep", "", svg});
 }
 
 int run_sweep(const SweepCommand& command) {

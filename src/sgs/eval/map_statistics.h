@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "sgs/core/image.h"
-#include "sgs/eval/svg_bars.h"
+#include "sgs/eval/histogram.h"
 #include "sgs/geometry/se3.h"
 #include "sgs/map/gaussian.h"
 

@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/report/map_page.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "sgs/io/atomic_file.h"
+#include "sgs/io/splat_check.h"
+#include "sgs/io/splat_file.h"
+#include "sgs/report/html.h"
+#include "sgs/report/map_page_script.h"
+#include "sgs/report/plot/canvas.h"
+
+namespace sgs::report {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::string_view kCss = R"css(
+*{box-sizing:border-box}html,body{margin:0;height:100%;overflow:hidden;background:#000}
+body{color:var(--ink);font:14px/1.4 system-ui,sans-serif}
+canvas{position:fixed;inset:0;width:100%;height:100%;touch-action:none;cursor:grab;outline:none}
+header,footer{position:fixed;left:12px;background:var(--card);border:1px solid var(--line);
+border-radius:10px;padding:6px 12px;max-width:calc(100% - 24px)}
+header{top:12px}footer{bottom:12px;display:flex;flex-wrap:wrap;gap:6px 12px;align-items:center}
+h1{font-size:1rem;margin:0}small{color:var(--soft)}
+button{font:inherit;color:var(--ink);background:var(--bg);border:1px solid var(--line);
+border-radius:6px;padding:2px 10px;cursor:pointer}
+button:focus-visible,canvas:focus-visible{outline:3px solid var(--accent);outline-offset:-3px}
+body.bare header,body.bare footer{display:none}
+)css";
+
+constexpr std::string_view kPolicy =
+    "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
+
+Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+/// Twelve numbers per camera: position, then the rotation row by row.
+Json cameras_json(const std::vector<SE3>& cameras) {
+  Json json = Json::array();
+  for (const SE3& T : cameras) {
+    Json one = Json::array();
+    for (int k = 0; k < 3; ++k) one.push_back(T.t[k]);
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column) one.push_back(T.R(row, column));
+    }
+    json.push_back(one);
+  }
+  return json;
+}
+
+Json page_json(const MapPage& page) {
+  const PinholeCamera& c = page.camera;
+  Json json = {{"cameras", cameras_json(page.cameras)}, {"up", vector_json(page.up)}};
+  if (c.valid()) {
+    json["camera"] = {c.width, c.height, c.fx, c.fy, c.cx, c.cy};
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string map_page_html(std::span<const map::Gaussian> gaussians, const MapPage& page) {
+  std::string html =
+      "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
+      "content='width=device-width,initial-scale=1'><meta http-equiv='Content-Security-Policy' "
+      "content=\"";
+  html += kPolicy;
+  html += "\"><link rel='icon' href='data:,'><title>" + html_escaped(page.title) +
+          " · Spectral GS-SLAM</title><style>";
+  html += palette_css();
+  html += kCss;
+  html += "</style></head><body><canvas tabindex='0' role='img' aria-label='Map of " +
+          html_escaped(page.title) +
+          " in three dimensions; arrow keys turn it, plus and minus zoom, n and p change the "
+          "view'></canvas><header><h1>" +
+          html_escaped(page.title) + "</h1><small id='status'>" +
+          fmt::format("{} Gaussians", gaussians.size()) +
+          "</small></header><footer><button id='previous'>‹ view</button><button id='next'>view ›"
+          "</button><small>drag turns, shift-drag moves, wheel zooms</small></footer>"
+          "<script type='application/json' id='page'>" +
+          page_json(page).dump() + "</script><script type='text/plain' id='splats'>";
+  html += base64(io::splat_records(gaussians));
+  html += "</script><script>";
+  html += map_page_script();
+  return html + "</script></body></html>\n";
+}
+
+Status save_map_page(const std::filesystem::path& path, std::span<const map::Gaussian> gaussians,
+                     const MapPage& page) {
+  SGS_RETURN_IF_ERROR(io::check_splats(path, gaussians));
+  return io::write_file(path, map_page_html(gaussians, page));
+}
+
+}  // namespace sgs::report

@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sgs/report/plot/canvas.h"
+#include "sgs/report/report_data.h"
+
+namespace sgs::report {
+
+/// A titled box of the page; "" without content. `title` and `lead` are HTML.
+std::string section_html(std::string_view title, std::string_view lead, std::string_view content);
+
+/// One drawing as a numbered figure; "" when it is empty.
+std::string figure_html(const Drawing& drawing);
+/// Drawings below each other, or two side by side where the page is wide enough.
+std::string figures_html(const std::vector<Drawing>& drawings, bool side_by_side = false);
+
+/// Truth against rendering with a slider between them, the error on request.
+std::string slider_html(const eval::FramePictures& pictures);
+
+/// The whole document around `body`: head, style, script. Nothing in it comes from outside, and a
+/// content security policy holds the browser to that.
+std::string page_html(std::string_view title, std::string_view body);
+
+}  // namespace sgs::report
