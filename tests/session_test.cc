@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/slam/session.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -13,6 +14,8 @@
 
 namespace sgs {
 namespace {
+
+using testing::HasSubstr;
 
 /// A short, small sequence: enough for several keyframes, quick under sanitizers.
 std::vector<std::shared_ptr<const RgbdFrame>> small_sequence(int count) {
@@ -193,6 +196,12 @@ TEST(Session, RefusesFramesOfAnotherSize) {
 TEST(Session, SaysWhatIsWrongWithItsSettings) {
   EXPECT_FALSE(slam::make_session_config("no such preset"));
   EXPECT_FALSE(slam::Session::create(config_for_test(), PinholeCamera{}, {}));
+  auto config = config_for_test();
+  config.mapper.insertion.leaf_max_px = 1000;
+  const auto session = slam::Session::create(config, {320, 240, 260, 260, 160, 120}, {});
+  ASSERT_FALSE(session);
+  EXPECT_THAT(session.error().message, HasSubstr("'mapper.insertion.leaf_max_px': '1000'"));
+  EXPECT_THAT(session.error().remedy, HasSubstr("2 .. 128 px"));
   slam::SessionOptions options;
   options.threads = 0;
   EXPECT_FALSE(slam::Session::create(config_for_test(), {320, 240, 260, 260, 160, 120}, options));

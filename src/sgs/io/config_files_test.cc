@@ -54,6 +54,37 @@ TEST(TomlConfig, EffectiveConfigReadsBack) {
   EXPECT_EQ(a.list.to_toml(), b.list.to_toml());
 }
 
+TEST(TomlConfig, EveryTextAndSeedReadsBack) {
+  struct Values {
+    std::string text;
+    std::uint64_t seed = 0;
+    ParameterList list;
+    Values() {
+      list.add("text", text, "Any text.", {});
+      list.add("seed", seed, "The seed.");
+    }
+  };
+  Values a, b;
+  a.seed = 18446744073709551615u;
+  for (int c = 0; c < 128; ++c) a.text += static_cast<char>(c);
+  a.text += "\xC3\xA4\xF0\x9F\x98\x80 \"\"\" ";
+  const auto status = apply_toml_text(a.list.to_toml(), "x", b.list);
+  ASSERT_TRUE(status) << status.error().text() << a.list.to_toml();
+  EXPECT_EQ(b.text, a.text);
+  EXPECT_EQ(b.seed, a.seed);
+  EXPECT_FALSE(apply_toml_text("seed = \"-1\"", "x", b.list));
+}
+
+TEST(TomlConfig, FormerKeysAreRefusedByTheirNewName) {
+  Settings s;
+  s.list.renamed("mapper.speed", "mapper.fast");
+  const auto status = apply_toml_text("[mapper]\nspeed = true\n", "run.toml", s.list);
+  ASSERT_FALSE(status);
+  EXPECT_THAT(status.error().message, HasSubstr("run.toml:2"));
+  EXPECT_THAT(status.error().message, HasSubstr("is now called 'mapper.fast'"));
+  EXPECT_FALSE(s.fast);
+}
+
 TEST(TomlConfig, ErrorsNameFileLineAndKey) {
   const auto message = [](const char* text) {
     Settings s;
@@ -141,6 +172,13 @@ TEST(Calibration, SequenceTomlRoundTripAndErrors) {
   EXPECT_EQ(back->match, content.match);
   EXPECT_EQ(back->fps, 15);
   EXPECT_EQ(back->trajectory, "poses.txt");
+
+  content.name = "two\nlines \\ \x01 \xC3\xA4";
+  ASSERT_TRUE(save_sequence_toml(path, content));
+  EXPECT_EQ(load_sequence_toml(path).value().name, content.name);
+  content.name = "\xE4";
+  ASSERT_FALSE(save_sequence_toml(path, content));
+  EXPECT_THAT(save_sequence_toml(path, content).error().message, HasSubstr("UTF-8"));
 
   const auto message = [&](const char* text) {
     EXPECT_TRUE(write_file(path, text));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sgs/core/text.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/calibration_io.h"
 #include "sgs/io/toml_library.h"
@@ -51,15 +52,6 @@ Result<Distortion> read_distortion(const toml::node& node, std::string_view sour
   return Distortion{values[0], values[1], values[2], values[3], values[4]};
 }
 
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + "\"";
-}
-
 }  // namespace
 
 Result<SequenceToml> load_sequence_toml(const fs::path& path) {
@@ -94,6 +86,15 @@ Result<SequenceToml> load_sequence_toml(const fs::path& path) {
 }
 
 Status save_sequence_toml(const fs::path& path, const SequenceToml& content) {
+  for (const std::string* text :
+       {&content.name, &content.color, &content.depth, &content.trajectory}) {
+    if (!is_utf8(*text)) {
+      return fail(ErrorCode::kInvalidArgument,
+                  fmt::format("{}: '{}' is not UTF-8, which is all that a TOML file can hold",
+                              path.string(), *text),
+                  "rename it");
+    }
+  }
   std::string text;
   if (content.calibration) {
     const PinholeCamera& k = content.calibration->camera;
@@ -112,7 +113,7 @@ Status save_sequence_toml(const fs::path& path, const SequenceToml& content) {
   }
   text += "[sequence]\n";
   const auto add = [&](const char* key, const std::string& value) {
-    if (!value.empty()) text += fmt::format("{} = {}\n", key, quoted(value));
+    if (!value.empty()) text += fmt::format("{} = {}\n", key, toml_quoted(value));
   };
   add("name", content.name);
   if (!content.color.empty()) {

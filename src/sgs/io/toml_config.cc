@@ -27,10 +27,13 @@ Result<std::string> value_text(const toml::node& node, std::string_view source,
     if (value == nullptr) return wrong_type(node, source, parameter, "true or false");
     return std::string(value->get() ? "true" : "false");
   }
-  if (std::holds_alternative<std::string*>(parameter.target)) {
+  if (parameter.is_text()) {
     const auto* value = node.as_string();
     if (value == nullptr) return wrong_type(node, source, parameter, "a string");
     return "\"" + value->get() + "\"";
+  }
+  if (std::holds_alternative<std::uint64_t*>(parameter.target) && node.is_string()) {
+    return node.as_string()->get();  // beyond TOML's whole numbers
   }
   if (const auto* value = node.as_integer()) return std::to_string(value->get());
   if (const auto* value = node.as_floating_point()) {

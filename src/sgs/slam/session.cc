@@ -20,6 +20,7 @@ Result<std::unique_ptr<Session>> Session::create(const SessionConfig& config,
   if (options.threads < 1) {
     return fail(ErrorCode::kInvalidArgument, "at least one thread is needed", "use --threads 1");
   }
+  SGS_RETURN_IF_ERROR(check(config));
   SGS_ASSIGN_OR_RETURN(auto tracker,
                        tracker::make_tracker(config.tracker, camera, options.T_world_first));
   return std::unique_ptr<Session>(new Session(config, camera, options, std::move(tracker)));
