@@ -26,7 +26,7 @@ std::vector<std::shared_ptr<const RgbdFrame>> small_sequence(int count) {
   auto source = synthetic::make_synthetic_source(options);
   EXPECT_TRUE(source) << source.error().text();
   std::vector<std::shared_ptr<const RgbdFrame>> frames;
-  while (auto item = slam::read_item(**source)) frames.push_back(item->frame);
+  while (auto item = dataset::read_item(**source)) frames.push_back(item->frame);
   return frames;
 }
 

@@ -5,10 +5,13 @@
 #include <memory>
 
 #include "commands.h"
+#include "interrupt.h"
 #include "log_setup.h"
-#include "run_request.h"
-#include "score.h"
+#include "scoring.h"
 #include "sgs/report/comparison.h"
+#include "sgs/report/make_report.h"
+#include "sgs/report/report.h"
+#include "sgs/run/run_files.h"
 
 namespace sgs::app {
 namespace {
@@ -18,16 +21,23 @@ namespace fs = std::filesystem;
 struct EvalCommand {
   std::vector<std::string> runs;
   std::string association = "interpolate", output, plots;
-  ScoreOptions score;
-  bool json = false, compare = false;
+  run::ScoreOptions score;
+  bool json = false, compare = false, report = false, quiet = false;
 };
 
-Result<eval::Metrics> evaluate_folder(const std::string& folder_name, const ScoreOptions& options) {
-  SGS_ASSIGN_OR_RETURN(const auto loaded, load_finished_run(folder_name));
-  SGS_ASSIGN_OR_RETURN(auto folder, RunFolder::open(folder_name));
-  SGS_ASSIGN_OR_RETURN(const auto metrics, score_run(loaded.run, options, loaded.metrics, folder));
+constexpr unsigned kScored =
+    run::kTrajectory | run::kTruth | run::kKeyframes | run::kFrames | run::kMap;
+
+Result<eval::Metrics> evaluate_folder(const std::string& name, const EvalCommand& command) {
+  SGS_ASSIGN_OR_RETURN(const auto run, run::load_run(name, kScored));
+  SGS_ASSIGN_OR_RETURN(auto folder, run::RunFolder::open(name));
+  SGS_ASSIGN_OR_RETURN(const auto scores, score_with_progress(run, command.score, command.quiet));
+  if (interrupted()) {
+    return fail(ErrorCode::kInterrupted, "scoring was cancelled: nothing was written");
+  }
+  save_scores(run, scores, folder);
   if (!folder.failures().empty()) return tl::unexpected(folder.failures().front());
-  return metrics;
+  return scores.metrics;
 }
 
 /// Name of a run folder, also of "." and "runs/latest/".
@@ -37,13 +47,24 @@ std::string folder_name(const std::string& folder) {
   return error || path.filename().empty() ? folder : path.filename().string();
 }
 
+/// --report: each run's page anew, from what its folder holds.
+Status draw_reports(const EvalCommand& command) {
+  for (const std::string& folder : command.runs) {
+    SGS_ASSIGN_OR_RETURN(const auto data, report::load_report(folder, command.score.association));
+    const fs::path page = fs::path(folder) / run::files::kReport;
+    SGS_RETURN_IF_ERROR(report::save_report(page, data));
+    fmt::print("{}\n", page.string());
+  }
+  return {};
+}
+
 /// --compare and --plots: nothing is rendered, nothing in the run folders changes.
-Status draw_runs(const EvalCommand& command, eval::Association association) {
+Status draw_runs(const EvalCommand& command) {
   std::vector<report::ReportData> runs;
   for (const std::string& folder : command.runs) {
-    SGS_ASSIGN_OR_RETURN(auto report, saved_report(folder, association));
-    report.label = folder_name(folder);
-    runs.push_back(std::move(report));
+    SGS_ASSIGN_OR_RETURN(auto data, report::load_report(folder, command.score.association));
+    data.label = folder_name(folder);
+    runs.push_back(std::move(data));
   }
   if (!command.plots.empty()) {
     SGS_ASSIGN_OR_RETURN(const auto files,
@@ -62,14 +83,15 @@ int run_eval(EvalCommand& command) {
   const auto association = eval::parse_association(command.association);
   if (!association) return report(association.error());
   command.score.association = *association;
-  setup_logging({}, command.score.quiet);
-  if (command.compare || !command.plots.empty()) {
-    const Status drawn = draw_runs(command, *association);
+  setup_logging({}, command.quiet);
+  if (command.report || command.compare || !command.plots.empty()) {
+    Status drawn = command.report ? draw_reports(command) : Status{};
+    if (drawn && (command.compare || !command.plots.empty())) drawn = draw_runs(command);
     return drawn ? kExitDone : report(drawn.error());
   }
   std::vector<std::pair<std::string, eval::Metrics>> results;
   for (const std::string& folder : command.runs) {
-    const auto metrics = evaluate_folder(folder, command.score);
+    const auto metrics = evaluate_folder(folder, command);
     if (!metrics) return report(metrics.error());
     results.emplace_back(folder_name(folder), *metrics);
   }
@@ -98,18 +120,18 @@ void add_eval(CLI::App& app, Action& action) {
   auto* sub = app.add_subcommand("eval", "Compute the scores of finished runs again");
   sub->add_option("RUN", command->runs, "Run folders; several are compared")->required();
   sub->add_option("--association", command->association, "interpolate, nearest or nice-slam");
-  sub->add_option("--lpips-weights", command->score.lpips_weights, "LPIPS-Alex v0.1 weights");
-  sub->add_option("--lpips-stride", command->score.lpips_stride, "LPIPS on every n-th frame")
-      ->check(CLI::PositiveNumber);
+  add_score_options(*sub, command->score);
   sub->add_option("--threads", command->score.threads, "Threads")->check(CLI::Range(1, 256));
   auto* compare = sub->add_flag("--compare", command->compare,
                                 "Write one page that compares the runs, from the scores they hold");
   sub->add_option("-o,--output", command->output, "With --compare: the page (default report.html)")
       ->needs(compare);
+  sub->add_flag("--report", command->report,
+                "Only draw RUN/report.html anew, from what the folder holds (needs no recording)");
   sub->add_option("--plots", command->plots,
                   "Write the report's plots as .svg files into this folder; several runs: the "
                   "plots that compare them");
-  sub->add_flag("--quiet", command->score.quiet, "No progress");
+  sub->add_flag("--quiet", command->quiet, "No progress");
   sub->add_flag("--json", command->json, "Print the metrics as JSON");
   sub->callback([command, &action] { action = [command] { return run_eval(*command); }; });
 }

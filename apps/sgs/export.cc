@@ -6,16 +6,17 @@
 #include <memory>
 
 #include "commands.h"
-#include "export_scene.h"
+#include "export_mesh.h"
 #include "log_setup.h"
-#include "run_request.h"
-#include "sgs/core/log.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/ply.h"
 #include "sgs/io/splat_file.h"
 #include "sgs/io/spz.h"
 #include "sgs/io/trajectory_io.h"
 #include "sgs/report/map_page.h"
+#include "sgs/run/run.h"
+#include "sgs/run/run_files.h"
+#include "sgs/run/scene_export.h"
 
 namespace sgs::app {
 namespace {
@@ -29,29 +30,15 @@ struct ExportCommand {
   std::vector<std::string> outputs;
 };
 
-/// KITTI odometry text: the upper 3x4 of each pose, row by row, no times.
-std::string kitti_text(const Trajectory& trajectory) {
-  std::string text;
-  for (const StampedPose& pose : trajectory.poses()) {
-    const SE3& T = pose.T_world_camera;
-    for (int row = 0; row < 3; ++row) {
-      text += fmt::format("{}{:.9f} {:.9f} {:.9f} {:.9f}", row ? " " : "", T.R(row, 0), T.R(row, 1),
-                          T.R(row, 2), T.t(row));
-    }
-    text += "\n";
-  }
-  return text;
-}
-
 Result<Trajectory> load_poses(const std::string& run) {
-  SGS_ASSIGN_OR_RETURN(auto loaded, io::load_trajectory(fs::path(run) / "trajectory.txt"));
+  SGS_ASSIGN_OR_RETURN(auto loaded, io::load_trajectory(fs::path(run) / run::files::kTrajectory));
   return std::move(loaded.trajectory);
 }
 
 /// A run's trajectory is TUM text already. Its rows stay as they are: poses made from rounded
 /// quaternions and written again may differ in the last digit.
 Status export_tum(const std::string& run, const fs::path& out) {
-  const fs::path path = fs::path(run) / "trajectory.txt";
+  const fs::path path = fs::path(run) / run::files::kTrajectory;
   SGS_ASSIGN_OR_RETURN(const auto loaded, io::load_trajectory(path));
   if (!loaded.warning.empty()) return io::save_trajectory(out, loaded.trajectory);
   SGS_ASSIGN_OR_RETURN(const auto text, io::read_file(path));
@@ -61,28 +48,22 @@ Status export_tum(const std::string& run, const fs::path& out) {
 /// RUN is a run folder or a splat PLY.
 Result<std::vector<map::Gaussian>> load_map(const std::string& run) {
   std::error_code error;
-  return io::load_splats(fs::is_directory(run, error) ? fs::path(run) / "map.ply" : fs::path(run));
+  return io::load_splats(fs::is_directory(run, error) ? fs::path(run) / run::files::kMap
+                                                      : fs::path(run));
 }
 
-/// Views of a run for its page; a map alone, or a run whose input is gone, has fewer of them.
-report::MapPage map_page_of(const std::string& run) {
+/// Views of a run for its page; a map alone has none.
+Result<report::MapPage> map_page_of(const std::string& folder) {
   report::MapPage page;
   std::error_code error;
-  page.title = fs::weakly_canonical(run, error).stem().string();
-  if (!fs::is_directory(run, error)) return page;
-  if (const auto keyframes = io::load_trajectory(fs::path(run) / "keyframes.txt")) {
-    for (const StampedPose& pose : keyframes->trajectory.poses()) {
-      page.cameras.push_back(pose.T_world_camera);
-    }
+  page.title = fs::weakly_canonical(folder, error).stem().string();
+  if (!fs::is_directory(folder, error)) return page;
+  SGS_ASSIGN_OR_RETURN(const auto run, run::load_run(folder, run::kCamera | run::kKeyframes));
+  for (const StampedPose& pose : run.keyframes.poses()) {
+    page.cameras.push_back(pose.T_world_camera);
   }
-  const auto saved = load_saved_run(run);
-  if (!saved) return page;
-  page.title = saved->input.input;
-  if (const auto input = open_input(saved->input, 1)) {
-    page.camera = input->source->camera();
-  } else {
-    log().warn("the page gets a default field of view: {}", input.error().message);
-  }
+  page.title = run.input.input;
+  page.camera = run.camera;
   return page;
 }
 
@@ -113,12 +94,15 @@ const std::array<Format, 9> kFormats = {{
      }},
     {"points", "coloured point PLY",
      [](const ExportCommand& c, const fs::path& out) {
-       return with_map(c, [&](const auto& map) { return io::save_points(out, to_points(map)); });
+       return with_map(c,
+                       [&](const auto& map) { return io::save_points(out, run::to_points(map)); });
      }},
     {"html", "one page that shows the map",
      [](const ExportCommand& c, const fs::path& out) {
-       return with_map(
-           c, [&](const auto& map) { return report::save_map_page(out, map, map_page_of(c.run)); });
+       return with_map(c, [&](const auto& map) -> Status {
+         SGS_ASSIGN_OR_RETURN(const auto page, map_page_of(c.run));
+         return report::save_map_page(out, map, page);
+       });
      }},
     {"mesh", "coloured mesh PLY by depth fusion",
      [](const ExportCommand& c, const fs::path& out) {
@@ -126,14 +110,14 @@ const std::array<Format, 9> kFormats = {{
      }},
     {"colmap", "folder with COLMAP text model and keyframe pictures",
      [](const ExportCommand& c, const fs::path& out) {
-       return with_map(c, [&](const auto& map) { return export_colmap(c.run, map, out); });
+       return with_map(c, [&](const auto& map) { return run::export_colmap(c.run, map, out); });
      }},
     {"tum", "trajectory, TUM text",
      [](const ExportCommand& c, const fs::path& out) { return export_tum(c.run, out); }},
     {"kitti", "trajectory, KITTI text",
      [](const ExportCommand& c, const fs::path& out) -> Status {
        SGS_ASSIGN_OR_RETURN(const auto poses, load_poses(c.run));
-       return io::write_file(out, kitti_text(poses));
+       return io::save_kitti(out, poses);
      }},
 }};
 

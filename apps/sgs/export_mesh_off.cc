@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "export_scene.h"
+#include "export_mesh.h"
 
 namespace sgs::app {
 

@@ -6,7 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
-#include "input.h"
+#include "sgs/eval/metrics.h"
+#include "sgs/run/input.h"
+#include "sgs/slam/frame_record.h"
 #include "sgs/slam/session_config.h"
 #include "sgs/synthetic/source.h"
 
@@ -14,8 +16,9 @@ namespace sgs::app {
 namespace {
 
 struct InfoOptions {
-  InputSpec input;
+  run::InputSpec input;
   bool config = false, markdown = false, scenes = false, json = false;
+  bool columns = false, metrics = false;
   std::string preset = "default";
 };
 
@@ -37,7 +40,7 @@ int print_scenes() {
 }
 
 int print_sequence(const InfoOptions& options) {
-  const auto input = open_input(options.input, 1);
+  const auto input = run::open_input(options.input, 1);
   if (!input) return report(input.error());
   const auto& info = input->info;
   const auto& c = info.calibration;
@@ -95,15 +98,22 @@ void add_info(CLI::App& app, Action& action) {
   sub->add_option("--preset", options->preset, "default or paper (with --config)");
   sub->add_flag("--config", options->config, "Print all parameters as TOML");
   sub->add_flag("--markdown", options->markdown, "With --config: the table of docs/parameters.md");
+  sub->add_flag("--columns", options->columns, "Print what frames.csv holds, as Markdown");
+  sub->add_flag("--metrics", options->metrics, "Print what metrics.json holds, as Markdown");
   sub->add_flag("--scenes", options->scenes, "List the synthetic scenes");
   sub->add_flag("--json", options->json, "Print JSON");
   sub->callback([options, &action] {
     action = [options]() -> int {
       if (options->config) return print_config(*options);
+      if (options->columns || options->metrics) {
+        fmt::print("{}",
+                   options->columns ? slam::frame_columns_markdown() : eval::metrics_markdown());
+        return kExitDone;
+      }
       if (options->scenes) return print_scenes();
       if (options->input.input.empty()) {
         return report({ErrorCode::kInvalidArgument, "nothing to describe",
-                       "give a sequence folder, --config or --scenes"});
+                       "give a sequence folder, --config, --columns, --metrics or --scenes"});
       }
       return print_sequence(*options);
     };

@@ -2,28 +2,54 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "interrupt.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
 #include <csignal>
+#include <thread>
 
 namespace sgs::app {
 namespace {
 
 volatile std::sig_atomic_t interrupt_requested = 0;
+std::array<int, 2> wake_pipe = {-1, -1};
 
+std::stop_source& stop_source() {
+  static std::stop_source source;
+  return source;
+}
+
+// A handler may not lock, and a stop request may: it only wakes the thread that makes the request.
 extern "C" void on_signal(int signal) {
   if (interrupt_requested) {
     std::signal(signal, SIG_DFL);
     std::raise(signal);
   }
   interrupt_requested = 1;
+  const char byte = 0;
+  [[maybe_unused]] const auto written = write(wake_pipe[1], &byte, 1);
+}
+
+void wait_for_signal() {
+  char byte = 0;
+  while (read(wake_pipe[0], &byte, 1) < 0) {
+  }
+  stop_source().request_stop();
 }
 
 }  // namespace
 
 void install_interrupt_handler() {
-  std::signal(SIGINT, on_signal);
-  std::signal(SIGTERM, on_signal);
   std::signal(SIGPIPE, SIG_IGN);  // a closed pipe becomes a write error with a message
+  std::signal(SIGXFSZ, SIG_IGN);  // so does a file that may not grow
+  if (pipe2(wake_pipe.data(), O_CLOEXEC) != 0) return;
+  stop_source();  // made before, and so destroyed after, the thread could ask for it
+  std::thread(wait_for_signal).detach();
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, on_signal);
 }
+
+std::stop_token stop_token() { return stop_source().get_token(); }
 
 bool interrupted() { return interrupt_requested != 0; }
 

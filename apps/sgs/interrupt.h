@@ -2,13 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <atomic>
+#include <stop_token>
 
 namespace sgs::app {
 
-/// Turns the first Ctrl-C (SIGINT) or SIGTERM into a request to stop; a second one ends the program
-/// at once.
+/// Turns the first Ctrl-C (SIGINT), SIGTERM or hang-up into a request to stop; a second one ends
+/// the program at once. Call it before any thread starts.
 void install_interrupt_handler();
+/// What the library is given to ask whether the user wants to stop.
+std::stop_token stop_token();
 /// True once the user asked to stop.
 bool interrupted();
 

@@ -8,7 +8,7 @@
 
 #include "commands.h"
 #include "interrupt.h"
-#include "version.h"
+#include "sgs/run/version.h"
 
 namespace sgs::app {
 
@@ -36,7 +36,7 @@ int main(int argc, char** argv) {
       "Spectral GS-SLAM: RGB-D SLAM that builds a photorealistic 3D Gaussian map on an ordinary "
       "CPU"};
   app.name("sgs");
-  app.set_version_flag("--version", std::string(sgs::app::kVersion));
+  app.set_version_flag("--version", sgs::run::version());
   app.require_subcommand(1);
   app.fallthrough(false);
   Action action;

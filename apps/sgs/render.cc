@@ -9,12 +9,13 @@
 #include "commands.h"
 #include "interrupt.h"
 #include "progress.h"
-#include "run_request.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/image_io.h"
 #include "sgs/io/ply.h"
 #include "sgs/io/trajectory_io.h"
-#include "sgs/render/rasterizer.h"
+#include "sgs/render/rendered_images.h"
+#include "sgs/run/run.h"
+#include "sgs/run/run_files.h"
 
 namespace sgs::app {
 namespace {
@@ -40,49 +41,22 @@ Result<PinholeCamera> camera_from_options(const RenderCommand& command) {
   return camera;
 }
 
-/// The camera of the run's own input.
-Result<PinholeCamera> camera_of_run(const std::string& folder) {
-  SGS_ASSIGN_OR_RETURN(const auto run, load_saved_run(folder));
-  SGS_ASSIGN_OR_RETURN(const auto input, open_input(run.input, 1));
-  return input.source->camera();
-}
-
-ColorImage to_8_bit(const Image<render::Rgbf>& color) {
-  ColorImage out(color.width(), color.height());
-  const auto byte = [](float v) {
-    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0f, 1.0f)));
-  };
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const render::Rgbf& c = color.data()[i];
-    out.data()[i] = {byte(c.r), byte(c.g), byte(c.b)};
-  }
-  return out;
-}
-
-DepthImage mean_depth(const render::Rendering& rendering) {
-  constexpr float kSolid = 0.5f;
-  DepthImage out(rendering.alpha.width(), rendering.alpha.height());
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const float alpha = rendering.alpha.data()[i];
-    if (alpha > kSolid) out.data()[i] = rendering.depth_sum.data()[i] / alpha;
-  }
-  return out;
-}
-
 Status render_all(const RenderCommand& command) {
-  const fs::path run = command.run;
+  const fs::path folder = command.run;
   PinholeCamera camera;
   if (command.camera.empty()) {
-    SGS_ASSIGN_OR_RETURN(camera, camera_of_run(command.run));
+    SGS_ASSIGN_OR_RETURN(const auto loaded, run::load_run(folder, run::kCamera));
+    camera = loaded.camera;
   } else {
     SGS_ASSIGN_OR_RETURN(camera, camera_from_options(command));
   }
-  const fs::path map_file = command.map.empty() ? run / "map.ply" : fs::path(command.map);
+  const fs::path map_file = command.map.empty() ? folder / run::files::kMap : fs::path(command.map);
   const fs::path pose_file =
-      command.trajectory.empty() ? run / "trajectory.txt" : fs::path(command.trajectory);
+      command.trajectory.empty() ? folder / run::files::kTrajectory : fs::path(command.trajectory);
   SGS_ASSIGN_OR_RETURN(const auto gaussians, io::load_splats(map_file));
   SGS_ASSIGN_OR_RETURN(const auto loaded, io::load_trajectory(pose_file));
-  const fs::path output = command.output.empty() ? run / "renders" : fs::path(command.output);
+  const fs::path output =
+      command.output.empty() ? folder / run::files::kRenders : fs::path(command.output);
   SGS_RETURN_IF_ERROR(io::make_folder(output));
 
   ThreadPool pool(command.threads);
@@ -94,12 +68,13 @@ Status render_all(const RenderCommand& command) {
                     command.quiet);
   for (std::size_t i = 0; i < poses.size() && !interrupted(); i += every) {
     rasterizer->render(gaussians, camera, poses[i].T_world_camera, rendering);
-    SGS_RETURN_IF_ERROR(
-        io::save_color(output / fmt::format("render_{:06}.png", i), to_8_bit(rendering.color)));
+    SGS_RETURN_IF_ERROR(io::save_color(output / fmt::format("render_{:06}.png", i),
+                                       render::to_color_image(rendering.color)));
     if (command.depth) {
       constexpr double kDepthScale = 5000;
+      constexpr float kSolid = 0.5f;
       SGS_RETURN_IF_ERROR(io::save_depth(output / fmt::format("depth_{:06}.png", i),
-                                         mean_depth(rendering), kDepthScale));
+                                         render::mean_depth(rendering, kSolid), kDepthScale));
     }
     progress.step("");
   }

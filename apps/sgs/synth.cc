@@ -5,24 +5,24 @@
 #include <memory>
 
 #include "commands.h"
-#include "input.h"
 #include "interrupt.h"
 #include "progress.h"
 #include "sgs/dataset/tum_writer.h"
+#include "sgs/run/input.h"
 #include "sgs/synthetic/source.h"
 
 namespace sgs::app {
 namespace {
 
 struct SynthCommand {
-  InputSpec input;
+  run::InputSpec input;
   std::string scene, folder;
   int frames = 0, threads = 2;
   bool clean = false, jpeg = false, quiet = false;
 };
 
 int run_synth(const SynthCommand& command) {
-  InputSpec spec = command.input;
+  run::InputSpec spec = command.input;
   spec.input = synthetic::is_synth_spec(command.scene) ? command.scene : "synth:" + command.scene;
   if (command.clean) {
     if (std::count(spec.input.begin(), spec.input.end(), ':') > 1) {
@@ -33,7 +33,7 @@ int run_synth(const SynthCommand& command) {
     spec.input += ":clean";
   }
   if (command.frames > 0) spec.frames = fmt::format("0:{}", command.frames);
-  auto input = open_input(spec, command.threads);
+  auto input = run::open_input(spec, command.threads);
   if (!input) return report(input.error());
   dataset::TumSequenceWriter::Options options;
   options.name = input->info.name;

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "input.h"
-#include "play.h"
 #include "sgs/core/error.h"
+#include "sgs/eval/metrics.h"
+#include "sgs/run/input.h"
 #include "sgs/slam/session.h"
 
 namespace sgs::app {
@@ -32,17 +32,24 @@ struct ViewerRequest {
 
 /// A run's live viewer as the command line sees it. Nothing here waits for a client but the
 /// documented pauses.
-class ViewerLink : public Spectator {
+class ViewerLink {
  public:
+  virtual ~ViewerLink() = default;
   /// Starts the server and prints its address to stderr. Null when no viewer is wanted; fails when
   /// it cannot listen or when this build has no viewer.
-  static Result<std::unique_ptr<ViewerLink>> open(const ViewerRequest& request, const Input& input,
+  static Result<std::unique_ptr<ViewerLink>> open(const ViewerRequest& request,
+                                                  const run::Input& input,
                                                   const slam::SessionConfig& config);
+  /// Before a frame is read: waits while a client has paused the run. Returns the seconds waited.
+  virtual double before_frame() = 0;
+  /// Shows what came of a readable frame.
+  virtual void after_frame(slam::Session& session, const dataset::FeedItem& item,
+                           const slam::FrameRecord& record) = 0;
   /// The run is over: shows the final map.
   virtual void finish(slam::Session& session) = 0;
-  /// metrics.json is there; the clients get what they lack (two seconds at most). With
+  /// The scores are there; the clients get what they lack (two seconds at most). With
   /// --viewer-stay serves until Ctrl-C.
-  virtual void close(const std::string& metrics_json, const std::filesystem::path& folder) = 0;
+  virtual void close(const eval::Metrics& metrics, const std::filesystem::path& folder) = 0;
 };
 
 }  // namespace sgs::app

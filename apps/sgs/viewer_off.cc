@@ -8,7 +8,8 @@
 
 namespace sgs::app {
 
-Result<std::unique_ptr<ViewerLink>> ViewerLink::open(const ViewerRequest& request, const Input&,
+Result<std::unique_ptr<ViewerLink>> ViewerLink::open(const ViewerRequest& request,
+                                                     const run::Input&,
                                                      const slam::SessionConfig&) {
   if (!request.wanted) return nullptr;
   return fail(ErrorCode::kUnsupported, "this build has no viewer",

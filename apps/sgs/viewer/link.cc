@@ -7,10 +7,9 @@
 #include <thread>
 
 #include "interrupt.h"
-#include "run_request.h"
+#include "sgs/run/version.h"
 #include "sgs/viewer/server.h"
 #include "sgs/viewer/session_feed.h"
-#include "version.h"
 #include "viewer/start.h"
 #include "viewer_link.h"
 
@@ -42,16 +41,16 @@ class Link : public ViewerLink {
 
   double before_frame() override { return server_->control().wait_turn(interrupted); }
 
-  void after_frame(slam::Session& session, const slam::FeedItem& item,
+  void after_frame(slam::Session& session, const dataset::FeedItem& item,
                    const slam::FrameRecord& record) override {
     server_->post(feed_.update(session, item, record));
   }
 
   void finish(slam::Session& session) override { server_->finish(session.snapshot()); }
 
-  void close(const std::string& metrics_json, const std::filesystem::path& folder) override {
+  void close(const eval::Metrics& metrics, const std::filesystem::path& folder) override {
     constexpr double kDrain_s = 2;
-    server_->set_metrics(metrics_json);
+    server_->set_metrics(metrics);
     server_->drain(kDrain_s);
     if (stay_ && !interrupted()) fmt::print(stderr, "viewer stays until Ctrl-C\n");
     while (stay_ && !interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -68,14 +67,14 @@ class Link : public ViewerLink {
 }  // namespace
 
 Result<std::unique_ptr<ViewerLink>> ViewerLink::open(const ViewerRequest& request,
-                                                     const Input& input,
+                                                     const run::Input& input,
                                                      const slam::SessionConfig& config) {
   if (!request.wanted) return nullptr;
   viewer::RunInfo info;
-  info.version = kVersion;
+  info.version = run::version();
   info.input = input.info.name;
-  info.tracker = config.tracker.type;
-  info.preset = config.preset;
+  info.tracker = to_string(config.tracker.type);
+  info.preset = to_string(config.preset);
   info.live = true;
   info.camera = input.source->camera();
   info.frames_total = input.source->size();

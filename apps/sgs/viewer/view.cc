@@ -26,21 +26,17 @@ struct ViewCommand {
 /// The recorded images beside the replay; gives nothing where the input is gone or out of step.
 class ReplayImages {
  public:
-  explicit ReplayImages(const InputSpec& spec) : spec_(spec) { rewind(); }
+  explicit ReplayImages(const run::InputSpec& spec) : spec_(spec) { rewind(); }
 
   void rewind() {
-    auto input = open_input(spec_, 1);
+    auto input = run::open_input(spec_, 1);
     source_ = input ? std::move(input->source) : nullptr;
     waiting_.reset();
   }
   bool available() const { return source_ != nullptr; }
-  PinholeCamera camera() const {
-    // Only for drawing: 640 x 480 with a usual field of view.
-    return source_ ? source_->camera() : PinholeCamera{640, 480, 525, 525, 319.5, 239.5};
-  }
   std::shared_ptr<const RgbdFrame> frame(std::int64_t index) {
     while (source_ && !interrupted() && (!waiting_ || waiting_->index < index)) {
-      auto item = slam::read_item(*source_);
+      auto item = dataset::read_item(*source_);
       if (!item) {
         source_.reset();
         return nullptr;
@@ -51,9 +47,9 @@ class ReplayImages {
   }
 
  private:
-  InputSpec spec_;
+  run::InputSpec spec_;
   std::unique_ptr<dataset::FrameSource> source_;
-  std::optional<slam::FeedItem> waiting_;
+  std::optional<dataset::FeedItem> waiting_;
 };
 
 void nap_until(double time_s) {
@@ -89,9 +85,8 @@ Status view(const ViewCommand& command) {
     fmt::print(stderr, "sgs: the input '{}' is not there any more: no camera pictures\n",
                replay.input.input);
   }
-  replay.info.camera = images.camera();
   SGS_ASSIGN_OR_RETURN(const auto server, start_viewer(command.viewer, replay.info));
-  if (!replay.metrics_json.empty()) server->set_metrics(replay.metrics_json);
+  server->set_metrics(replay.metrics);
   fmt::print(stderr, "Ctrl-C ends\n");
   while (!interrupted() && server->clients() == 0) nap_until(wall_time_s() + 0.05);
   while (!interrupted()) {

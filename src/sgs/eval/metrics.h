@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -14,38 +15,170 @@
 
 namespace sgs::eval {
 
-struct RunEvaluation;
-struct TrajectoryMetrics;
-
-/// What a run is judged by: exactly the keys of metrics.json, in its order, SI units unless named.
-/// Empty = not measured (null in the file), never 0.
+/// What a run is judged by: the keys of metrics.json, SI units unless named. Empty = not measured
+/// (null in the file), never 0. What each one means is said below, in visit_metrics().
 struct Metrics {
   using Count = std::optional<std::int64_t>;
   using Real = std::optional<double>;
   using Text = std::optional<std::string>;
 
-  Count frames, frames_tracked, frames_lost;
-  Real tracked_percent;
   Real ate_rmse_m, ate_mean_m, ate_median_m, ate_max_m;
   Real rpe_trans_1s_m, rpe_rot_1s_deg;
-  Real psnr_db, ssim, lpips;  ///< rule `gsicp`
-  Real psnr_db_full, ssim_full, lpips_full;
-  Real psnr_db_heldout, ssim_heldout, lpips_heldout;
+  Real tracked_percent;
+  Count frames, frames_tracked, frames_lost;
+  Real degenerate_percent, prior_percent;
+  Real psnr_db, psnr_db_full, psnr_db_heldout;
+  Real ssim, ssim_full, ssim_heldout;
+  Real lpips, lpips_full, lpips_heldout;
   Real depth_l1_m;
   Count gaussians, map_bytes, keyframes, mapping_iterations;
   Real fps_system, fps_wall;
   Real track_ms_p50, track_ms_p95, map_iteration_ms_p50;
-  Count peak_rss_bytes;  ///< of input, tracking and mapping: taken before anything is scored
-  Real degenerate_percent, prior_percent;
-  Count frames_dropped, seed, threads;
-  Text preset, tracker, version;
-
-  /// Takes over what an evaluation measured; the rest stays.
-  void set(const TrajectoryMetrics& trajectory);
-  void set(const RunEvaluation& rendering);
+  Count frames_dropped, peak_rss_bytes;
+  Text preset, tracker;
+  Count threads, seed;
+  Text version;
 
   friend bool operator==(const Metrics&, const Metrics&) = default;
 };
+
+/// Where a metric is shown.
+enum class Rank {
+  kTile,    ///< large, at the top of a report; also kMain
+  kMain,    ///< in the short table of a comparison
+  kDetail,  ///< in the full tables only
+};
+
+/// Whether a smaller or a larger value is the better one.
+enum class Better { kNeither, kLess, kMore };
+
+/// A metric: its key in metrics.json, the group and label that people read, unit, factor and digits
+/// of the number they read, and what it means.
+struct MetricInfo {
+  std::string_view key, group, label, unit;
+  double factor = 1;  ///< from the stored value to the unit
+  int digits = 0;
+  Better better = Better::kNeither;
+  Rank rank = Rank::kDetail;
+  std::string_view meaning;
+};
+
+/// Groups that one evaluation fills as a whole.
+inline constexpr std::string_view kTrajectoryGroup = "Trajectory", kRenderingGroup = "Rendering";
+
+/// The metrics, declared once: calls `visit(MetricInfo, field)` for each in reading order, groups
+/// together. JSON, terminal, report, the browser's text and docs/metrics.md follow from this list.
+template <class M, class Visitor>
+void visit_metrics(M& m, Visitor&& visit) {
+  using I = MetricInfo;
+  using enum Better;
+  using enum Rank;
+  constexpr double kCm = 100, kMiB = 1.0 / (1024 * 1024);
+  constexpr std::string_view t = kTrajectoryGroup, r = kRenderingGroup, p = "Map", s = "Speed",
+                             u = "Run";
+  visit(I{"ate_rmse_m", t, "ATE RMSE", "cm", kCm, 2, kLess, kTile,
+          "Absolute trajectory error after rigid alignment, root mean square over all frames with "
+          "ground truth."},
+        m.ate_rmse_m);
+  visit(I{"ate_mean_m", t, "ATE mean", "cm", kCm, 2, kLess, kDetail, "Its mean."}, m.ate_mean_m);
+  visit(I{"ate_median_m", t, "ATE median", "cm", kCm, 2, kLess, kDetail, "Its median."},
+        m.ate_median_m);
+  visit(I{"ate_max_m", t, "ATE max", "cm", kCm, 2, kLess, kMain, "Its largest value."},
+        m.ate_max_m);
+  visit(I{"rpe_trans_1s_m", t, "RPE 1 s, translation", "cm", kCm, 2, kLess, kDetail,
+          "Relative pose error over one second, translation, root mean square."},
+        m.rpe_trans_1s_m);
+  visit(I{"rpe_rot_1s_deg", t, "RPE 1 s, rotation", "deg", 1, 3, kLess, kDetail,
+          "Relative pose error over one second, rotation, root mean square."},
+        m.rpe_rot_1s_deg);
+  visit(I{"tracked_percent", t, "Tracked", "%", 1, 1, kMore, kTile,
+          "Share of the sequence's frames with a pose within 1 m of the truth after alignment."},
+        m.tracked_percent);
+  visit(I{"frames", t, "Frames", "", 1, 0, kNeither, kDetail,
+          "Frames of the sequence, bad and dropped ones included."},
+        m.frames);
+  visit(I{"frames_tracked", t, "Frames tracked", "", 1, 0, kNeither, kDetail,
+          "Frames whose pose the tracker trusted."},
+        m.frames_tracked);
+  visit(I{"frames_lost", t, "Frames lost", "", 1, 0, kLess, kDetail,
+          "Frames whose pose it did not trust."},
+        m.frames_lost);
+  visit(I{"degenerate_percent", t, "Degenerate", "%", 1, 1, kNeither, kMain,
+          "Share of tracked frames whose geometry left a direction unobserved."},
+        m.degenerate_percent);
+  visit(I{"prior_percent", t, "Prior active", "%", 1, 1, kNeither, kMain,
+          "Share of tracked frames in which vision or a prior filled such a direction."},
+        m.prior_percent);
+  visit(I{"psnr_db", r, "PSNR (gsicp)", "dB", 1, 2, kMore, kTile,
+          "Mean PSNR over all frames; pixels without measured depth are zeroed in both pictures "
+          "and counted (rule of GS-ICP SLAM)."},
+        m.psnr_db);
+  visit(I{"psnr_db_full", r, "PSNR (full)", "dB", 1, 2, kMore, kDetail,
+          "Mean PSNR over all frames and all pixels."},
+        m.psnr_db_full);
+  visit(I{"psnr_db_heldout", r, "PSNR (held out)", "dB", 1, 2, kMore, kTile,
+          "Mean PSNR over the frames that the mapper never saw, all pixels."},
+        m.psnr_db_heldout);
+  visit(I{"ssim", r, "SSIM (gsicp)", "", 1, 4, kMore, kDetail, "Mean SSIM, pixels as for psnr_db."},
+        m.ssim);
+  visit(I{"ssim_full", r, "SSIM (full)", "", 1, 4, kMore, kDetail, "Mean SSIM, all pixels."},
+        m.ssim_full);
+  visit(I{"ssim_heldout", r, "SSIM (held out)", "", 1, 4, kMore, kDetail,
+          "Mean SSIM over the frames that the mapper never saw."},
+        m.ssim_heldout);
+  visit(I{"lpips", r, "LPIPS (gsicp)", "", 1, 4, kLess, kMain,
+          "Mean LPIPS (AlexNet, v0.1), pixels as for psnr_db; needs --lpips-weights."},
+        m.lpips);
+  visit(I{"lpips_full", r, "LPIPS (full)", "", 1, 4, kLess, kDetail, "Mean LPIPS, all pixels."},
+        m.lpips_full);
+  visit(I{"lpips_heldout", r, "LPIPS (held out)", "", 1, 4, kLess, kDetail,
+          "Mean LPIPS over the frames that the mapper never saw."},
+        m.lpips_heldout);
+  visit(I{"depth_l1_m", r, "Depth L1", "cm", kCm, 2, kLess, kMain,
+          "Mean absolute difference of rendered and measured depth where both exist."},
+        m.depth_l1_m);
+  visit(I{"gaussians", p, "Gaussians", "", 1, 0, kNeither, kTile, "Gaussians of the final map."},
+        m.gaussians);
+  visit(I{"map_bytes", p, "Map size", "MiB", kMiB, 2, kNeither, kDetail,
+          "Memory of these Gaussians."},
+        m.map_bytes);
+  visit(I{"keyframes", p, "Keyframes", "", 1, 0, kNeither, kDetail, "Keyframes of the mapper."},
+        m.keyframes);
+  visit(I{"mapping_iterations", p, "Mapping iterations", "", 1, 0, kNeither, kDetail,
+          "Mapping steps of the whole run."},
+        m.mapping_iterations);
+  visit(I{"fps_system", s, "FPS (system)", "", 1, 2, kMore, kTile,
+          "Frames per second without the time spent waiting for decoded images."},
+        m.fps_system);
+  visit(I{"fps_wall", s, "FPS (with decoding)", "", 1, 2, kMore, kDetail,
+          "Frames per second from the first frame to the finished map."},
+        m.fps_wall);
+  visit(I{"track_ms_p50", s, "Tracking, median", "ms", 1, 1, kLess, kMain,
+          "CPU time of tracking a frame, median."},
+        m.track_ms_p50);
+  visit(I{"track_ms_p95", s, "Tracking, 95th percentile", "ms", 1, 1, kLess, kDetail,
+          "CPU time of tracking a frame, 95th percentile."},
+        m.track_ms_p95);
+  visit(I{"map_iteration_ms_p50", s, "Mapping iteration, median", "ms", 1, 1, kLess, kDetail,
+          "Time of a mapping step, median."},
+        m.map_iteration_ms_p50);
+  visit(I{"frames_dropped", s, "Frames dropped", "", 1, 0, kNeither, kDetail,
+          "Frames that came too fast in a live run."},
+        m.frames_dropped);
+  visit(I{"peak_rss_bytes", s, "Peak memory of SLAM", "MiB", kMiB, 0, kLess, kDetail,
+          "Largest resident memory of input, tracking and mapping, before anything is scored."},
+        m.peak_rss_bytes);
+  visit(I{"preset", u, "Preset", "", 1, 0, kNeither, kDetail, "Where the parameters started from."},
+        m.preset);
+  visit(I{"tracker", u, "Tracker", "", 1, 0, kNeither, kDetail, "Type of the tracker."}, m.tracker);
+  visit(I{"threads", u, "Threads", "", 1, 0, kNeither, kDetail, "Threads that the run was given."},
+        m.threads);
+  visit(I{"seed", u, "Seed", "", 1, 0, kNeither, kDetail, "Seed of every random choice."}, m.seed);
+  visit(I{"version", u, "Version", "", 1, 0, kNeither, kDetail, "Version of sgs."}, m.version);
+}
+
+/// Replaces the values of one group by those of `measured`, empty ones too.
+void replace_group(Metrics& metrics, std::string_view group, const Metrics& measured);
 
 /// JSON object with every key; numbers that are not finite are written as null.
 std::string to_json(const Metrics& metrics);
@@ -57,16 +190,20 @@ Result<Metrics> load_metrics(const std::filesystem::path& path);
 
 /// One line of a printed table: what, value as text with unit ("n/a" when empty).
 struct MetricLine {
-  std::string group;  ///< "Trajectory", "Rendering", "Speed", "Map", "Run"
-  std::string label;
+  MetricInfo info;
   std::string value;
 };
-/// The values in reading order and reading units (cm, ms, MB), grouped.
+/// The values in reading order and reading units (cm, ms, MiB), grouped.
 std::vector<MetricLine> metric_lines(const Metrics& metrics);
+/// The runs with the best value of a metric, as it is printed; none where it knows no better, where
+/// fewer than two runs measured it, or where all are equal.
+std::vector<std::size_t> best_runs(std::string_view key, std::span<const Metrics> runs);
 
 /// Aligned text for a terminal: one run.
 std::string metrics_table(const Metrics& metrics);
 /// Aligned text for a terminal: one column per run, named.
 std::string comparison_table(std::span<const std::pair<std::string, Metrics>> runs);
+/// The table of docs/metrics.md.
+std::string metrics_markdown();
 
 }  // namespace sgs::eval

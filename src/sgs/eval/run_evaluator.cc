@@ -120,6 +120,21 @@ JobResult compare(const Job& job, const Lpips* lpips, const RunEvaluatorConfig& 
   return result;
 }
 
+Metrics scores_of(const RunEvaluation& r) {
+  Metrics scores;
+  scores.psnr_db = r.gsicp.psnr_db;
+  scores.ssim = r.gsicp.ssim;
+  scores.lpips = r.gsicp.lpips;
+  scores.psnr_db_full = r.full.psnr_db;
+  scores.ssim_full = r.full.ssim;
+  scores.lpips_full = r.full.lpips;
+  scores.psnr_db_heldout = r.heldout.psnr_db;
+  scores.ssim_heldout = r.heldout.ssim;
+  scores.lpips_heldout = r.heldout.lpips;
+  scores.depth_l1_m = r.depth_l1_m;
+  return scores;
+}
+
 /// Sums over all frames, in frame order.
 class Totals {
  public:
@@ -151,6 +166,7 @@ class Totals {
     out.heldout = heldout_.scores();
     out.depth_l1_m = depth_.value();
     out.depth_coverage = coverage_.value();
+    out.scores = scores_of(out);
   }
 
  private:

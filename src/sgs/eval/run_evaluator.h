@@ -15,6 +15,7 @@
 #include "sgs/core/error.h"
 #include "sgs/core/thread_pool.h"
 #include "sgs/eval/lpips.h"
+#include "sgs/eval/metrics.h"
 #include "sgs/map/gaussian.h"
 #include "sgs/render/rasterizer.h"
 
@@ -67,6 +68,7 @@ struct RunEvaluation {
   std::vector<FrameScores> frames;
   std::vector<FramePictures> pictures;
   std::string protocol;  ///< one line that says how the numbers were made (strides, LPIPS or not)
+  Metrics scores;        ///< what of it metrics.json holds
 };
 
 /// What evaluate_run() reads. All pointers must outlive the call; `lpips`, `pool` and the optional

@@ -254,6 +254,27 @@ std::optional<RelativeError> relative_error_over_time(const std::vector<PosePair
   return relative_error(pairs, deltas);
 }
 
+namespace {
+
+Metrics scores_of(const TrajectoryMetrics& m) {
+  Metrics scores;
+  scores.frames = m.frames_total;
+  scores.tracked_percent = m.tracked_percent;
+  if (m.ate) {
+    scores.ate_rmse_m = m.ate->rmse;
+    scores.ate_mean_m = m.ate->mean;
+    scores.ate_median_m = m.ate->median;
+    scores.ate_max_m = m.ate->max;
+  }
+  if (m.rpe_1s) {
+    scores.rpe_trans_1s_m = m.rpe_1s->translation_rmse_m;
+    scores.rpe_rot_1s_deg = m.rpe_1s->rotation_rmse_deg;
+  }
+  return scores;
+}
+
+}  // namespace
+
 TrajectoryMetrics evaluate_trajectory(const std::vector<PoseEstimate>& estimates,
                                       const Trajectory& truth, const TrajectoryOptions& options) {
   const Pairing pairing = associate(estimates, truth, options);
@@ -282,6 +303,7 @@ TrajectoryMetrics evaluate_trajectory(const std::vector<PoseEstimate>& estimates
     align(pairing, options, m);
   }
   m.protocol = protocol_line(m, options);
+  m.scores = scores_of(m);
   return m;
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "sgs/eval/metrics.h"
 #include "sgs/geometry/trajectory.h"
 
 namespace sgs::eval {
@@ -122,6 +123,7 @@ struct TrajectoryMetrics {
   std::vector<FrameError> errors;  ///< one per pair; empty where `ate` is
   std::string note;                ///< why values are missing; empty when all are there
   std::string protocol;            ///< one line that says how the numbers were made
+  Metrics scores;                  ///< what of it metrics.json holds
 };
 TrajectoryMetrics evaluate_trajectory(const std::vector<PoseEstimate>& estimates,
                                       const Trajectory& truth,

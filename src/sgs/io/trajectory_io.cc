@@ -99,4 +99,17 @@ Status save_trajectory(const fs::path& path, const Trajectory& trajectory) {
   return write_file(path, trajectory_text(trajectory));
 }
 
+Status save_kitti(const std::filesystem::path& path, const Trajectory& trajectory) {
+  std::string text;
+  for (const StampedPose& pose : trajectory.poses()) {
+    const SE3& T = pose.T_world_camera;
+    for (int row = 0; row < 3; ++row) {
+      text += fmt::format("{}{:.9f} {:.9f} {:.9f} {:.9f}", row ? " " : "", T.R(row, 0), T.R(row, 1),
+                          T.R(row, 2), T.t(row));
+    }
+    text += "\n";
+  }
+  return write_file(path, text);
+}
+
 }  // namespace sgs::io

@@ -34,4 +34,7 @@ std::string trajectory_text(const Trajectory& trajectory);
 /// Writes trajectory_text() atomically.
 Status save_trajectory(const std::filesystem::path& path, const Trajectory& trajectory);
 
+/// KITTI odometry text: the upper 3x4 of each pose, row by row, no times.
+Status save_kitti(const std::filesystem::path& path, const Trajectory& trajectory);
+
 }  // namespace sgs::io

@@ -5,10 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <map>
-#include <span>
 #include <string_view>
 
 #include "sgs/io/atomic_file.h"
@@ -20,23 +17,12 @@
 namespace sgs::report {
 namespace {
 
-/// Whether less (-1) or more (+1) of a metric is better; 0: neither.
-int better_direction(std::string_view label) {
-  constexpr std::array<std::string_view, 8> kLess = {
-      "ATE",  "RPE",        "LPIPS", "Depth L1", "Tracking", "Mapping iteration, median",
-      "Peak", "Frames lost"};
-  constexpr std::array<std::string_view, 4> kMore = {"Tracked", "PSNR", "SSIM", "FPS"};
-  const auto starts = [&](std::string_view word) { return label.starts_with(word); };
-  if (std::any_of(kLess.begin(), kLess.end(), starts)) return -1;
-  return std::any_of(kMore.begin(), kMore.end(), starts) ? 1 : 0;
-}
-
 std::string key_html(std::size_t run) {
   return fmt::format("<span class='key c{}'></span>", run % 6);
 }
 
-/// Rows of all metrics (labels empty) or of some.
-std::string table_html(Runs runs, std::span<const std::string_view> labels) {
+/// Rows of all metrics, or of those that matter most.
+std::string table_html(Runs runs, bool all) {
   std::vector<eval::Metrics> metrics;
   std::vector<std::vector<eval::MetricLine>> columns;
   std::string html = "<div class='scroll'><table><tr><th></th>";
@@ -46,19 +32,18 @@ std::string table_html(Runs runs, std::span<const std::string_view> labels) {
     html += "<th class='v'>" + key_html(i) + html_escaped(run_name(runs[i])) + "</th>";
   }
   html += "</tr>";
-  std::string group;
+  std::string_view group;
   for (std::size_t line = 0; line < columns[0].size(); ++line) {
-    const eval::MetricLine& first = columns[0][line];
-    if (!labels.empty() && std::find(labels.begin(), labels.end(), first.label) == labels.end()) {
-      continue;
-    }
-    if (labels.empty() && first.group != group) {
-      group = first.group;
+    const eval::MetricInfo& info = columns[0][line].info;
+    if (!all && info.rank == eval::Rank::kDetail) continue;
+    if (all && info.group != group) {
+      group = info.group;
       html += fmt::format("<tr class='group'><td colspan='{}'><h3>{}</h3></td></tr>",
                           runs.size() + 1, html_escaped(group));
     }
-    const auto best = best_runs(first.label, metrics);
-    html += "<tr><td>" + html_escaped(first.label) + "</td>";
+    const auto best = eval::best_runs(info.key, metrics);
+    html += fmt::format("<tr><td title='{}'>{}</td>", html_escaped(info.meaning),
+                        html_escaped(info.label));
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const bool marked = std::find(best.begin(), best.end(), i) != best.end();
       html += fmt::format("<td class='v{}'>{}</td>", marked ? " best" : "",
@@ -70,13 +55,9 @@ std::string table_html(Runs runs, std::span<const std::string_view> labels) {
 }
 
 std::string table_section(Runs runs) {
-  constexpr std::array<std::string_view, 12> kMain = {
-      "ATE RMSE",     "ATE max",      "Tracked",          "Degenerate",
-      "Prior active", "PSNR (gsicp)", "PSNR (held out)",  "LPIPS (gsicp)",
-      "Depth L1",     "FPS (system)", "Tracking, median", "Gaussians"};
   return section_html("Scores side by side", "★ marks the best value.",
-                      table_html(runs, kMain) + "<details><summary>All scores</summary>" +
-                          table_html(runs, {}) + "</details>");
+                      table_html(runs, false) + "<details><summary>All scores</summary>" +
+                          table_html(runs, true) + "</details>");
 }
 
 std::string unseen_figure(Runs runs) {
@@ -85,8 +66,9 @@ std::string unseen_figure(Runs runs) {
   figure.x_label = "time [s]";
   PlotPanel panel;
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    if (has_data(runs[i].weights[0])) {
-      panel.rows.push_back({fmt::format("run {}", i + 1), runs[i].time_s, runs[i].weights[0], {}});
+    const Column weights = axis_column(runs[i], &tracker::Diagnostics::weights, 0);
+    if (has_data(weights)) {
+      panel.rows.push_back({fmt::format("run {}", i + 1), time_s(runs[i]), weights, {}});
     }
   }
   figure.panels = {panel};
@@ -176,36 +158,6 @@ std::map<std::string, std::string> flat_config(const std::string& toml) {
 
 }  // namespace
 
-std::vector<std::size_t> best_runs(const std::string& label,
-                                   const std::vector<eval::Metrics>& runs) {
-  const int direction = better_direction(label);
-  std::vector<std::size_t> best;
-  if (direction == 0) return best;
-  double best_value = 0;
-  std::size_t measured = 0;
-  bool all_equal = true;
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    const auto lines = eval::metric_lines(runs[i]);
-    const auto line = std::find_if(lines.begin(), lines.end(),
-                                   [&](const eval::MetricLine& l) { return l.label == label; });
-    // As printed: what reads the same is the same.
-    const auto fields =
-        line == lines.end() ? std::vector<std::string_view>{} : io::split_fields(line->value);
-    const auto value = fields.empty() ? std::nullopt : io::parse_double(fields[0]);
-    if (!value) continue;
-    const double score = direction * *value;
-    if (measured > 0 && score != best_value) all_equal = false;
-    if (measured == 0 || score > best_value) {
-      best_value = score;
-      best = {i};
-    } else if (score == best_value) {
-      best.push_back(i);
-    }
-    ++measured;
-  }
-  return measured < 2 || all_equal ? std::vector<std::size_t>{} : best;
-}
-
 std::vector<ConfigDifference> config_differences(const std::vector<std::string>& config_tomls) {
   std::vector<std::map<std::string, std::string>> configs;
   std::map<std::string, bool> keys;
@@ -233,7 +185,6 @@ std::string comparison_html(Runs runs) {
   std::string title;
   bool same_input = true;
   for (const ReportData& run : runs) {
-    check_columns(run);
     same_input = same_input && run.title == runs[0].title;
   }
   title = same_input ? runs[0].title : "Comparison";

@@ -7,15 +7,9 @@
 #include <vector>
 
 #include "sgs/core/error.h"
-#include "sgs/eval/metrics.h"
 #include "sgs/report/drawings.h"
 
 namespace sgs::report {
-
-/// Positions of the best values of one metric (all that tie); empty where "better" has no meaning,
-/// where fewer than two runs measured it, or where all are equal. `label` as in eval::MetricLine.
-std::vector<std::size_t> best_runs(const std::string& label,
-                                   const std::vector<eval::Metrics>& runs);
 
 /// Lines of config.toml in which the runs differ: key, and one value per run ("" where missing).
 struct ConfigDifference {

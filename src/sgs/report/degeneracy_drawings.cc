@@ -7,6 +7,8 @@
 namespace sgs::report {
 namespace {
 
+constexpr std::size_t kAxes = 6;
+
 std::string axis_name(std::size_t k) { return fmt::format("axis {}", k + 1); }
 
 /// Prior active, condition number with its threshold, planarity: the figure of the paper.
@@ -15,8 +17,12 @@ Drawing three_rows(const ReportData& data) {
   figure.title = "Prior active, condition number and planarity over time";
   figure.x_label = "time [s]";
   PlotPanel prior, condition, planarity;
-  prior.rows = {{"prior", data.time_s, data.prior_active, {"st-off", "st-on"}}};
-  condition.series = {{"", 0, data.time_s, data.condition_number, false, false}};
+  const Column time = time_s(data);
+  const Column active = column(data, [](const auto& r) { return r.diagnostics.prior_active; });
+  const Column ratio = column(data, [](const auto& r) { return r.diagnostics.condition_number; });
+  const Column eta = column(data, [](const auto& r) { return r.diagnostics.planarity; });
+  prior.rows = {{"prior", time, active, {"st-off", "st-on"}}};
+  condition.series = {{"", 0, time, ratio, false, false}};
   condition.y_label = "condition number";
   condition.log_y = true;
   condition.height = 150;
@@ -24,7 +30,7 @@ Drawing three_rows(const ReportData& data) {
     condition.thresholds = {
         {data.condition_threshold, fmt::format("threshold {:g}", data.condition_threshold)}};
   }
-  planarity.series = {{"", 2, data.time_s, data.planarity, false, false}};
+  planarity.series = {{"", 2, time, eta, false, false}};
   planarity.y_label = "planarity";
   planarity.fixed_unit_y = true;
   planarity.height = 110;
@@ -32,9 +38,9 @@ Drawing three_rows(const ReportData& data) {
     planarity.thresholds = {
         {data.planarity_threshold, fmt::format("threshold {:g}", data.planarity_threshold)}};
   }
-  if (has_data(data.prior_active)) figure.panels.push_back(prior);
-  if (has_data(data.condition_number)) figure.panels.push_back(condition);
-  if (has_data(data.planarity)) figure.panels.push_back(planarity);
+  if (has_data(active)) figure.panels.push_back(prior);
+  if (has_data(ratio)) figure.panels.push_back(condition);
+  if (has_data(eta)) figure.panels.push_back(planarity);
   figure.legend = {{"visual prior active", "st-on"}, {"geometry only", "st-off"}};
   const std::string decided =
       data.decides_by_snr
@@ -54,10 +60,9 @@ Drawing axis_weights(const ReportData& data) {
   figure.title = "Weights of the six axes over time";
   figure.x_label = "time [s]";
   PlotPanel panel;
-  for (std::size_t k = 0; k < data.weights.size(); ++k) {
-    if (has_data(data.weights[k])) {
-      panel.rows.push_back({axis_name(k), data.time_s, data.weights[k], {}});
-    }
+  for (std::size_t k = 0; k < kAxes; ++k) {
+    const Column weights = axis_column(data, &tracker::Diagnostics::weights, k);
+    if (has_data(weights)) panel.rows.push_back({axis_name(k), time_s(data), weights, {}});
   }
   figure.panels = {panel};
   figure.legend = {{"unseen by geometry, filled by vision", "c0"}};
@@ -75,10 +80,10 @@ Drawing signal_to_noise(const ReportData& data) {
   panel.y_label = "signal / noise";
   panel.log_y = true;
   panel.height = 170;
-  for (std::size_t k = 0; k < data.snr.size(); ++k) {
-    if (has_data(data.snr[k])) {
-      panel.series.push_back(
-          {axis_name(k), static_cast<int>(k), data.time_s, data.snr[k], false, false});
+  for (std::size_t k = 0; k < kAxes; ++k) {
+    const Column snr = axis_column(data, &tracker::Diagnostics::snr, k);
+    if (has_data(snr)) {
+      panel.series.push_back({axis_name(k), static_cast<int>(k), time_s(data), snr, false, false});
     }
   }
   if (data.snr_threshold > 0) {

@@ -30,6 +30,9 @@ std::vector<Drawing> timing_drawings(const ReportData& data);
 /// Growth of the map, opacities and sizes of its Gaussians.
 std::vector<Drawing> map_drawings(const ReportData& data);
 
+/// Every column of frames.csv that is a number and varies, over time.
+std::vector<Drawing> value_drawings(const ReportData& data);
+
 /// All drawings of one run (or, for several, those that compare them).
 std::vector<Drawing> all_drawings(Runs runs);
 /// Writes each as NAME.svg with its style inside; returns the files.

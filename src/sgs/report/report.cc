@@ -26,27 +26,26 @@ std::string header(const ReportData& data) {
 
 std::string tiles(const std::vector<eval::MetricLine>& lines) {
   std::string html = "<div class='tiles'>";
-  for (const std::string_view label :
-       {"ATE RMSE", "Tracked", "PSNR (gsicp)", "PSNR (held out)", "FPS (system)", "Gaussians"}) {
-    for (const eval::MetricLine& line : lines) {
-      if (line.label != label) continue;
-      html += "<div class='tile'><b>" + html_escaped(line.value) + "</b><span>" +
-              html_escaped(line.label) + "</span></div>";
-    }
+  for (const eval::MetricLine& line : lines) {
+    if (line.info.rank != eval::Rank::kTile) continue;
+    html += "<div class='tile'><b>" + html_escaped(line.value) + "</b><span>" +
+            html_escaped(line.info.label) + "</span></div>";
   }
   return html + "</div>\n";
 }
 
 std::string score_section(const ReportData& data, const std::vector<eval::MetricLine>& lines) {
-  std::string html = "<div class='groups'>", group;
+  std::string html = "<div class='groups'>";
+  std::string_view group;
   for (const eval::MetricLine& line : lines) {
-    if (line.group != group) {
-      html += (group.empty() ? "" : "</table></div>") + ("<div><h3>" + html_escaped(line.group)) +
-              "</h3><table>";
-      group = line.group;
+    if (line.info.group != group) {
+      html += (group.empty() ? "" : "</table></div>") +
+              ("<div><h3>" + html_escaped(line.info.group)) + "</h3><table>";
+      group = line.info.group;
     }
-    html += "<tr><td>" + html_escaped(line.label) + "</td><td class='v'>" +
-            html_escaped(line.value) + "</td></tr>";
+    html += fmt::format("<tr><td title='{}'>{}</td><td class='v'>{}</td></tr>",
+                        html_escaped(line.info.meaning), html_escaped(line.info.label),
+                        html_escaped(line.value));
   }
   html += "</table></div></div>";
   if (!data.notes.empty()) {
@@ -76,6 +75,43 @@ std::string map_section(const ReportData& data) {
   return section_html("Map", "", figures_html(wide) + figures_html(narrow, true));
 }
 
+/// Where tracking was lost, and why: a row for each stretch of lost frames.
+std::string losses_html(const ReportData& data) {
+  constexpr std::size_t kMaxRows = 50;
+  const Column time = time_s(data);
+  std::string rows;
+  std::size_t stretches = 0;
+  for (std::size_t i = 0; i < data.frames.size(); ++i) {
+    const auto lost = [&](std::size_t k) {
+      return k < data.frames.size() && !data.frames[k].bad &&
+             data.frames[k].status == tracker::TrackingStatus::kLost;
+    };
+    if (!lost(i)) continue;
+    const std::size_t first = i;
+    while (lost(i + 1)) ++i;
+    if (++stretches > kMaxRows) continue;
+    const tracker::LostReason reason = data.frames[first].lost_reason;
+    rows += fmt::format(
+        "<tr><td class='v'>{}</td><td class='v'>{}</td><td class='v'>{:.2f} s</td>"
+        "<td><code>{}</code></td><td>{}</td></tr>",
+        data.frames[first].index, data.frames[i].index, time[first], to_string(reason),
+        html_escaped(tracker::explain(reason)));
+  }
+  if (rows.empty()) return {};
+  const std::string more =
+      stretches > kMaxRows ? fmt::format("<p>... and {} more</p>", stretches - kMaxRows) : "";
+  return "<h3>Where tracking was lost</h3><div class='scroll'><table><tr><th>from frame</th>"
+         "<th>to frame</th><th>at</th><th>reason of the first</th><th></th></tr>" +
+         rows + "</table></div>" + more;
+}
+
+std::string value_section(const ReportData& data) {
+  const std::string figures = figures_html(value_drawings(data), true);
+  if (figures.empty()) return {};
+  return "<section><details><summary>Every per-frame value</summary>" + figures +
+         "</details></section>\n";
+}
+
 std::string config_section(const ReportData& data) {
   if (data.config_toml.empty()) return {};
   return "<section><details><summary>Configuration as used</summary><pre>" +
@@ -91,13 +127,13 @@ std::string report_html(const ReportData& data) {
   std::string body = header(data) + tiles(lines);
   body += section_html("Trajectory", "",
                        scene_html(runs) + figures_html(trajectory_drawings(runs), true));
-  body += section_html("Tracking", "", figures_html(error_drawings(runs)));
+  body += section_html("Tracking", "", figures_html(error_drawings(runs)) + losses_html(data));
   body += section_html("Degeneracy",
                        "What geometry alone could not observe, and where vision filled it in.",
                        figures_html(degeneracy_drawings(data)));
   body += picture_section(data) + map_section(data);
   body += section_html("Timing", "", figures_html(timing_drawings(data)));
-  body += score_section(data, lines) + config_section(data);
+  body += score_section(data, lines) + value_section(data) + config_section(data);
   return page_html(data.title, body);
 }
 

@@ -10,19 +10,33 @@ namespace sgs::report {
 void check_columns(const ReportData& data) {
   const auto check = [](const Column& column, std::size_t size) {
     SGS_CHECK(column.empty() || column.size() == size,
-              "a column of the report is not as long as its time");
+              "a column of the report is not as long as what it belongs to");
   };
-  const std::size_t frames = data.time_s.size();
-  for (const Column* column :
-       {&data.error_m, &data.status, &data.mapping_keyframe, &data.track_ms, &data.iterations,
-        &data.gaussians, &data.prior_active, &data.condition_number, &data.planarity}) {
-    check(*column, frames);
-  }
-  for (const Column& column : data.weights) check(column, frames);
-  for (const Column& column : data.snr) check(column, frames);
-  for (const auto& [name, column] : data.stage_ms) check(column, frames);
+  check(data.error_m, data.frames.size());
   check(data.estimate_time_s, data.estimate_m.size());
   check(data.estimate_error_m, data.estimate_m.size());
+}
+
+Column time_s(const ReportData& data) {
+  Column times;
+  for (const slam::FrameRecord& frame : data.frames) {
+    times.push_back(frame.timestamp_s - data.frames.front().timestamp_s);
+  }
+  return times;
+}
+
+Column status_column(const ReportData& data) {
+  Column column;
+  constexpr double kBad = 3;
+  for (const slam::FrameRecord& frame : data.frames) {
+    column.push_back(frame.bad ? kBad : static_cast<double>(frame.status));
+  }
+  return column;
+}
+
+Column axis_column(const ReportData& data, std::array<double, 6> tracker::Diagnostics::*values,
+                   std::size_t axis) {
+  return column(data, [&](const slam::FrameRecord& r) { return (r.diagnostics.*values)[axis]; });
 }
 
 bool has_data(const Column& column) {

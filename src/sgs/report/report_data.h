@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,10 +16,11 @@
 #include "sgs/eval/run_evaluator.h"
 #include "sgs/geometry/se3.h"
 #include "sgs/geometry/trajectory.h"
+#include "sgs/slam/frame_record.h"
 
 namespace sgs::report {
 
-/// Values per frame; NaN = missing. A column is either empty (not shown) or as long as its time.
+/// Values per frame or position; NaN = missing.
 using Column = std::vector<double>;
 
 /// Time spent in one stage over the whole run; '/' in names separates levels.
@@ -40,34 +42,44 @@ struct ReportData {
   /// Positions in one world; the estimate aligned to the truth where there is one. `truth_m` may
   /// have its own length and may be empty.
   std::vector<Eigen::Vector3d> estimate_m, truth_m;
-  Column estimate_time_s;      ///< empty, or per position of the estimate, on the clock of `time_s`
+  Column estimate_time_s;      ///< empty, or per position of the estimate, on the clock of time_s()
   Column estimate_error_m;     ///< empty, or per position of the estimate
   std::vector<SE3> keyframes;  ///< poses in the same world
   std::vector<eval::MapPoint> map_points;  ///< an overview of the map in the same world
   /// Upwards in that world, for top, side and 3-D view; zero: the direction of least motion.
   Eigen::Vector3d up = Eigen::Vector3d::Zero();
 
-  Column time_s;            ///< from the start of the sequence
-  Column error_m;           ///< aligned translation error
-  Column status;            ///< 0 tracked, 1 degenerate, 2 lost, 3 bad frame
-  Column mapping_keyframe;  ///< 0 or 1
-  Column track_ms, iterations, gaussians;
-  std::vector<std::pair<std::string, Column>> stage_ms;  ///< parts of tracking per frame
+  std::vector<slam::FrameRecord> frames;  ///< as in frames.csv
+  Column error_m;  ///< aligned translation error, per frame; empty where there is no truth
   std::vector<StageSummary> stages;
-  Column prior_active;  ///< 0 or 1
-  Column condition_number;
-  Column planarity;
   double condition_threshold = 0;  ///< drawn as a line when > 0
   double planarity_threshold = 0;
-  bool decides_by_snr = false;    ///< false: by the condition number
-  std::array<Column, 6> snr;      ///< by principal axis, the least seen first
-  double snr_threshold = 0;       ///< an axis below it is unseen, above twice it seen
-  std::array<Column, 6> weights;  ///< 0 seen .. 1 unseen, by principal axis
+  bool decides_by_snr = false;  ///< false: by the condition number
+  double snr_threshold = 0;     ///< an axis below it is unseen, above twice it seen
 
   eval::MapStatistics map;
   std::vector<eval::FramePictures> pictures;
   std::string config_toml;
 };
+
+/// Seconds from the start of the sequence, per frame.
+Column time_s(const ReportData& data);
+/// One value of each frame, as `of` takes it from the record; bad frames have none.
+template <class Of>
+Column column(const ReportData& data, const Of& of) {
+  Column values;
+  values.reserve(data.frames.size());
+  for (const slam::FrameRecord& frame : data.frames) {
+    values.push_back(frame.bad ? std::numeric_limits<double>::quiet_NaN()
+                               : static_cast<double>(of(frame)));
+  }
+  return values;
+}
+/// 0 tracked, 1 degenerate, 2 lost, 3 bad frame.
+Column status_column(const ReportData& data);
+/// A column of one of the six axes, the least seen first.
+Column axis_column(const ReportData& data, std::array<double, 6> tracker::Diagnostics::*values,
+                   std::size_t axis);
 
 /// Throws where columns do not have the lengths that their comments ask for.
 void check_columns(const ReportData& data);

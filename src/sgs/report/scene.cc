@@ -45,19 +45,16 @@ Json path_json(const std::vector<Eigen::Vector3d>& points) {
 /// The largest weight of vision at the time of each position.
 Column unseen_along(const ReportData& run) {
   Column unseen;
-  if (!has_data(run.weights[0])) return unseen;
+  const Column time = time_s(run);
   for (const double t : run.estimate_time_s) {
-    const auto at = std::lower_bound(run.time_s.begin(), run.time_s.end(), t - 1e-6);
-    if (at == run.time_s.end()) {
+    const auto at = std::lower_bound(time.begin(), time.end(), t - 1e-6);
+    if (at == time.end()) {
       unseen.push_back(std::numeric_limits<double>::quiet_NaN());
       continue;
     }
-    double largest = 0;
-    for (const Column& column : run.weights) {
-      if (!column.empty())
-        largest = std::max(largest, column[static_cast<std::size_t>(at - run.time_s.begin())]);
-    }
-    unseen.push_back(largest);
+    const auto& weights =
+        run.frames[static_cast<std::size_t>(at - time.begin())].diagnostics.weights;
+    unseen.push_back(*std::max_element(weights.begin(), weights.end()));
   }
   return unseen;
 }

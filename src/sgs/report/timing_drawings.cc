@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
+#include <map>
+#include <type_traits>
 
 #include "sgs/report/drawings.h"
 #include "sgs/report/plot/bars.h"
@@ -53,7 +56,7 @@ std::vector<Bar> stage_bars(const std::vector<StageSummary>& stages, double fram
 }
 
 Drawing stage_drawing(const ReportData& data) {
-  const double frames = std::max<double>(1, static_cast<double>(data.time_s.size()));
+  const double frames = std::max<double>(1, static_cast<double>(data.frames.size()));
   return {
       "timing",
       "Milliseconds per frame of the sequence, by stage (in brackets: median and 95th "
@@ -69,15 +72,30 @@ Drawing tracking_parts(const ReportData& data) {
   PlotPanel panel;
   panel.y_label = "tracking [ms]";
   panel.height = 150;
-  for (const auto& [name, column] : data.stage_ms) {
-    if (has_data(column)) {
+  // Every column of time per part, whatever parts there are.
+  const Column time = time_s(data);
+  std::map<std::string, Column> parts;
+  std::vector<std::string> names;
+  for (const slam::FrameRecord& frame : data.frames) {
+    slam::visit_columns(frame, [&](const slam::FrameColumn& c, const auto& value) {
+      if constexpr (std::is_same_v<std::decay_t<decltype(value)>, double>) {
+        if (!c.key.starts_with("ms_")) return;
+        const std::string name(c.key.substr(3));
+        if (!parts.contains(name)) names.push_back(name);
+        parts[name].push_back(frame.bad ? std::numeric_limits<double>::quiet_NaN() : value);
+      }
+    });
+  }
+  for (const std::string& name : names) {
+    if (has_data(parts[name])) {
       panel.series.push_back(
-          {name, static_cast<int>(panel.series.size()), data.time_s, column, false, false});
+          {name, static_cast<int>(panel.series.size()), time, parts[name], false, false});
     }
   }
   panel.stacked = !panel.series.empty();
   if (panel.series.empty()) {
-    panel.series = {{"", 0, data.time_s, data.track_ms, false, false}};
+    const Column track_ms = column(data, [](const auto& r) { return r.track_ms; });
+    panel.series = {{"", 0, time, track_ms, false, false}};
     panel.from_zero = true;
   }
   figure.panels = {panel};
@@ -89,17 +107,21 @@ Drawing growth(const ReportData& data) {
   figure.title = "Gaussians and mapping iterations over time";
   figure.x_label = "time [s]";
   PlotPanel keyframes, gaussians, iterations;
-  keyframes.rows = {{"keyframes", data.time_s, data.mapping_keyframe, {"", "st-on"}}};
-  gaussians.series = {{"", 0, data.time_s, data.gaussians, false, false}};
+  const Column time = time_s(data);
+  const Column is_keyframe = column(data, [](const auto& r) { return r.mapping_keyframe; });
+  const Column count = column(data, [](const auto& r) { return r.gaussians; });
+  const Column steps = column(data, [](const auto& r) { return r.iterations; });
+  keyframes.rows = {{"keyframes", time, is_keyframe, {"", "st-on"}}};
+  gaussians.series = {{"", 0, time, count, false, false}};
   gaussians.y_label = "Gaussians";
-  iterations.series = {{"", 1, data.time_s, data.iterations, false, false}};
+  iterations.series = {{"", 1, time, steps, false, false}};
   iterations.y_label = "iterations";
   gaussians.from_zero = iterations.from_zero = true;
   gaussians.height = 130;
   iterations.height = 90;
-  if (has_data(data.mapping_keyframe)) figure.panels.push_back(keyframes);
-  if (has_data(data.gaussians)) figure.panels.push_back(gaussians);
-  if (has_data(data.iterations)) figure.panels.push_back(iterations);
+  if (has_data(is_keyframe)) figure.panels.push_back(keyframes);
+  if (has_data(count)) figure.panels.push_back(gaussians);
+  if (has_data(steps)) figure.panels.push_back(iterations);
   return {
       "map_growth",
       "Mapping keyframes, Gaussians in the map that each frame was tracked against, and mapping "

@@ -139,14 +139,15 @@ std::vector<Drawing> error_drawings(Runs runs) {
   double low = std::numeric_limits<double>::infinity(), high = 0;
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const ReportData& run = runs[i];
-    if (has_data(run.status)) {
+    const Column status = status_column(run), time = time_s(run);
+    if (has_data(status)) {
       rows.rows.push_back({runs.size() > 1 ? fmt::format("run {}", i + 1) : "status",
-                           run.time_s,
-                           run.status,
+                           time,
+                           status,
                            {"st-ok", "st-degenerate", "st-lost", "st-bad"}});
     }
     if (!has_data(run.error_m)) continue;
-    PlotSeries series{run_name(run), static_cast<int>(i), run.time_s, run.error_m, false, false};
+    PlotSeries series{run_name(run), static_cast<int>(i), time, run.error_m, false, false};
     for (double& v : series.y) v *= kCm;
     const double rmse = kCm * run.metrics.ate_rmse_m.value_or(0);
     low = std::min(low, rmse);
@@ -172,8 +173,8 @@ std::vector<Drawing> error_drawings(Runs runs) {
       {"bad frame", "st-bad"}};
   for (std::size_t k = 0; k < std::size(states); ++k) {
     const bool occurs = std::any_of(runs.begin(), runs.end(), [&](const ReportData& run) {
-      return std::find(run.status.begin(), run.status.end(), static_cast<double>(k)) !=
-             run.status.end();
+      const Column status = status_column(run);
+      return std::find(status.begin(), status.end(), static_cast<double>(k)) != status.end();
     });
     if (occurs) figure.legend.emplace_back(states[k].first, states[k].second);
   }

@@ -6,20 +6,6 @@
 
 namespace sgs::slam {
 
-std::optional<FeedItem> read_item(dataset::FrameSource& source) {
-  auto frame = std::make_shared<RgbdFrame>();
-  Error error;
-  const dataset::FrameRead status = source.next(*frame, error);
-  if (status == dataset::FrameRead::kEnd) return std::nullopt;
-  FeedItem item{nullptr, frame->index, frame->timestamp_s, ""};
-  if (status == dataset::FrameRead::kOk) {
-    item.frame = std::move(frame);
-  } else {
-    item.bad_reason = error.text();
-  }
-  return item;
-}
-
 LiveFeed::LiveFeed(dataset::FrameSource& source, std::size_t capacity)
     : queue_(capacity, FullPolicy::kDropOldest), thread_([this, &source] { play(source); }) {}
 
@@ -38,7 +24,8 @@ void LiveFeed::play(dataset::FrameSource& source) {
   Clock::time_point start;
   std::optional<double> first_time_s;
   while (!stop_) {
-    auto item = read_item(source);  // decoded before its time, so that decoding delays nothing
+    auto item =
+        dataset::read_item(source);  // decoded before its time, so that decoding delays nothing
     if (!item) break;
     if (!first_time_s) {
       first_time_s = item->timestamp_s;

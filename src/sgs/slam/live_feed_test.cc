@@ -69,10 +69,10 @@ TEST(LiveFeed, StopsInTheMiddleOfALongGap) {
 
 TEST(ReadItem, PassesBadFramesOn) {
   FakeSource source(3, 1);
-  EXPECT_TRUE(read_item(source)->frame);
-  EXPECT_TRUE(read_item(source)->frame);
-  EXPECT_EQ(read_item(source)->bad_reason, "frame 2 is broken");
-  EXPECT_FALSE(read_item(source));
+  EXPECT_TRUE(dataset::read_item(source)->frame);
+  EXPECT_TRUE(dataset::read_item(source)->frame);
+  EXPECT_EQ(dataset::read_item(source)->bad_reason, "frame 2 is broken");
+  EXPECT_FALSE(dataset::read_item(source));
 }
 
 }  // namespace

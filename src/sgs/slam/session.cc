@@ -4,10 +4,6 @@
 
 #include <algorithm>
 
-#include "sgs/io/atomic_file.h"
-#include "sgs/io/ply.h"
-#include "sgs/io/trajectory_io.h"
-
 namespace sgs::slam {
 
 Result<std::unique_ptr<Session>> Session::create(const SessionConfig& config,
@@ -144,30 +140,6 @@ Trajectory Session::keyframe_trajectory() const {
     poses.push_back({k.timestamp_s, k.T_world_refined});
   }
   return Trajectory(std::move(poses));
-}
-
-void Session::save(
-    const std::function<void(const std::string& name, const FileWriter&)>& sink) const {
-  namespace fs = std::filesystem;
-  sink("trajectory.txt",
-       [this](const fs::path& path) { return io::save_trajectory(path, trajectory()); });
-  sink("keyframes.txt",
-       [this](const fs::path& path) { return io::save_trajectory(path, keyframe_trajectory()); });
-  sink("frames.csv",
-       [this](const fs::path& path) { return io::write_file(path, frames_csv(records_)); });
-  sink("map.ply", [this](const fs::path& path) {
-    const auto snapshot = worker_->final_snapshot();
-    return io::save_splats(path, snapshot ? snapshot->gaussians : std::vector<map::Gaussian>{});
-  });
-}
-
-Status Session::save(const std::filesystem::path& folder) const {
-  SGS_RETURN_IF_ERROR(io::make_folder(folder));
-  Status first;
-  save([&](const std::string& name, const FileWriter& write) {
-    if (auto status = write(folder / name); !status && first) first = status;
-  });
-  return first;
 }
 
 StageTimes Session::times() const {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <deque>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -55,6 +54,8 @@ class Session {
 
   /// Newest published map; null before the first keyframe.
   map::SnapshotPtr snapshot();
+  /// The finished map (after finish()); null where no keyframe was mapped.
+  map::SnapshotPtr final_snapshot() const { return worker_->final_snapshot(); }
   const std::deque<FrameRecord>& records() const { return records_; }
   /// Poses of all tracked frames carried into the refined map (after finish()); frames that were
   /// lost carry the pose held for them.
@@ -65,14 +66,6 @@ class Session {
   std::int64_t iterations() const { return worker_->iterations(); }
   /// Seconds the mapper has been busy so far (any thread).
   double mapper_busy_s() const { return worker_->busy_s(); }
-  /// Writes one file to the path it is given.
-  using FileWriter = std::function<Status(const std::filesystem::path&)>;
-  /// Hands out the session's results (after finish()): trajectory.txt, keyframes.txt, frames.csv
-  /// and map.ply, each with its writer, so that the caller decides where files go when a disk is
-  /// full.
-  void save(const std::function<void(const std::string& name, const FileWriter&)>& sink) const;
-  /// Writes those files into a folder; the first failure is returned, the others are still tried.
-  Status save(const std::filesystem::path& folder) const;
   /// Durations of tracking and mapping stages (after finish()).
   StageTimes times() const;
 

@@ -62,9 +62,9 @@ void Board::touch() {
   ++state_.sequence;
 }
 
-void Board::set_metrics(std::string json) {
+void Board::set_metrics(const eval::Metrics& metrics) {
   const std::scoped_lock lock(mutex_);
-  metrics_ = std::move(json);
+  metrics_ = metrics;
 }
 
 Board::State Board::state() const {
@@ -79,7 +79,7 @@ std::vector<PathPoint> Board::path(std::size_t first, std::size_t limit) const {
   return {begin, begin + static_cast<std::ptrdiff_t>(std::min(limit, path_.size() - first))};
 }
 
-std::optional<std::string> Board::metrics() const {
+std::optional<eval::Metrics> Board::metrics() const {
   const std::scoped_lock lock(mutex_);
   return metrics_;
 }

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "sgs/eval/metrics.h"
 #include "sgs/viewer/frame_update.h"
 
 namespace sgs::viewer {
@@ -40,8 +41,8 @@ class Board {
   void restart();
   /// Marks the state as new although no frame came (paused, resumed, finished).
   void touch();
-  /// metrics.json of the finished run.
-  void set_metrics(std::string json);
+  /// Scores of the finished run.
+  void set_metrics(const eval::Metrics& metrics);
 
   struct State {
     std::uint64_t sequence = 0;    ///< counts what was posted or touched; 0 = nothing yet
@@ -52,13 +53,13 @@ class Board {
   /// At most `limit` points from index `first` on.
   std::vector<PathPoint> path(std::size_t first, std::size_t limit) const;
   /// Empty while the run is not finished.
-  std::optional<std::string> metrics() const;
+  std::optional<eval::Metrics> metrics() const;
 
  private:
   mutable std::mutex mutex_;
   State state_;
   std::deque<PathPoint> path_;
-  std::optional<std::string> metrics_;
+  std::optional<eval::Metrics> metrics_;
 };
 
 }  // namespace sgs::viewer

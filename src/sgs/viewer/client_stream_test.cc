@@ -161,7 +161,9 @@ TEST_F(StreamTest, StatesPicturesAndMapsTakeTurns) {
 
 TEST_F(StreamTest, MetricsComeOnce) {
   all();
-  board.set_metrics(R"({"frames":3})");
+  eval::Metrics metrics;
+  metrics.frames = 3;
+  board.set_metrics(metrics);
   EXPECT_FALSE(stream.up_to_date());
   EXPECT_THAT(all(), ElementsAre("metrics"));
   EXPECT_TRUE(stream.up_to_date());

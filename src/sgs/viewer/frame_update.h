@@ -28,10 +28,9 @@ struct FrameUpdate {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
   slam::FrameRecord record;
-  SE3 T_world_camera;            ///< in the world of the map (keyframe refinement included)
-  std::optional<SE3> truth;      ///< moved into the same world
-  std::optional<Matrix6d> axes;  ///< columns: unit camera twists of the weights; empty = unknown
-  map::SnapshotPtr map;          ///< newest at that time; null before the first keyframe
+  SE3 T_world_camera;        ///< in the world of the map (keyframe refinement included)
+  std::optional<SE3> truth;  ///< moved into the same world
+  map::SnapshotPtr map;      ///< newest at that time; null before the first keyframe
   std::shared_ptr<const RgbdFrame> frame;  ///< null where the images are not at hand
   double map_ms = kNone;                   ///< time the mapper was busy since the last frame
   double fps = kNone;                      ///< frames per second lately

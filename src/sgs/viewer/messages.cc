@@ -21,28 +21,59 @@ Json number(double value) {
   return std::strtod(fmt::format("{:.7g}", value).c_str(), nullptr);
 }
 
-template <class Array>
-Json numbers(const Array& values) {
-  Json out = Json::array();
-  for (const double value : values) out.push_back(number(value));
-  return out;
-}
+/// A column of frames.csv as JSON: number, word, bool, list of six, or list of six axes; null where
+/// nothing was measured.
+struct ValueVisitor {
+  Json& values;
 
-/// Null instead of a list when nothing of it was measured.
-Json measured(const std::array<double, 6>& values) {
-  const bool none =
-      std::all_of(values.begin(), values.end(), [](double v) { return std::isnan(v); });
-  return none ? Json() : numbers(values);
-}
-
-Json axes_json(const std::optional<Matrix6d>& axes) {
-  if (!axes) return nullptr;
-  Json out = Json::array();
-  for (int k = 0; k < 6; ++k) {
-    const Vector6d axis = axes->col(k);
-    out.push_back(numbers(axis));
+  void operator()(const slam::FrameColumn& c,
+                  const slam::StatusCell<const slam::FrameRecord>& cell) const {
+    set(c, to_string(cell.record.status));
   }
-  return out;
+  void operator()(const slam::FrameColumn& c, const std::array<double, 6>& six) const {
+    const bool none = std::all_of(six.begin(), six.end(), [](double v) { return std::isnan(v); });
+    set(c, none ? Json() : numbers(six));
+  }
+  void operator()(const slam::FrameColumn& c, const std::optional<Matrix6d>& axes) const {
+    Json list;
+    for (int k = 0; axes && k < 6; ++k) {
+      const Vector6d axis = axes->col(k);
+      list.push_back(numbers(axis));
+    }
+    set(c, std::move(list));
+  }
+  void operator()(const slam::FrameColumn& c, double value) const {
+    // Time stamps are Unix times as a rule: seven digits are minutes then.
+    set(c, c.key == "timestamp_s" ? Json(value) : number(value));
+  }
+  template <class T>
+  void operator()(const slam::FrameColumn& c, const T& value) const {
+    if constexpr (NamedEnum<T>) {
+      set(c, to_string(value));
+    } else {
+      set(c, value);
+    }
+  }
+
+  template <class Array>
+  static Json numbers(const Array& array) {
+    Json out = Json::array();
+    for (const double value : array) out.push_back(number(value));
+    return out;
+  }
+  void set(const slam::FrameColumn& c, Json value) const {
+    values[std::string(c.key)] = std::move(value);
+  }
+};
+
+/// What the values of a state message are: the list that the page shows in full.
+Json columns_json() {
+  Json columns = Json::array();
+  const slam::FrameRecord any;
+  slam::visit_columns(any, [&](const slam::FrameColumn& c, const auto&) {
+    columns.push_back({{"key", c.key}, {"unit", c.unit}, {"meaning", c.meaning}});
+  });
+  return columns;
 }
 
 std::string pose_text(const PathPoint::Pose& pose) {
@@ -59,7 +90,7 @@ std::string dump(const Json& json) {
 }  // namespace
 
 std::string hello_message(const RunInfo& info) {
-  constexpr int kProtocol = 1;
+  constexpr int kProtocol = 2;
   constexpr int kPictureAbove = 150000;  // what phones and software WebGL draw is far less
   const PinholeCamera& c = info.camera;
   Json json = {{"type", "hello"},         {"protocol", kProtocol},
@@ -67,6 +98,7 @@ std::string hello_message(const RunInfo& info) {
                {"tracker", info.tracker}, {"preset", info.preset},
                {"live", info.live},       {"up", nullptr},
                {"frames_total", nullptr}, {"picture_above", kPictureAbove}};
+  json["columns"] = columns_json();
   if (info.frames_total) json["frames_total"] = *info.frames_total;
   json["camera"] = {{"fx", number(c.fx)}, {"fy", number(c.fy)}, {"cx", number(c.cx)},
                     {"cy", number(c.cy)}, {"width", c.width},   {"height", c.height}};
@@ -86,44 +118,35 @@ std::string path_message(std::size_t first, std::span<const PathPoint> points) {
 }
 
 std::string state_message(const FrameUpdate& update, bool paused) {
-  const slam::FrameRecord& r = update.record;
-  const tracker::Diagnostics& d = r.diagnostics;
+  const slam::FrameRecord& record = update.record;
   const std::size_t gaussians =
-      update.map ? update.map->gaussians.size() : static_cast<std::size_t>(r.gaussians);
-  Json json = {{"type", "state"},
-               {"frame", r.index},
-               {"time", r.timestamp_s},
-               {"status", tracker::to_string(r.status)},
+      update.map ? update.map->gaussians.size() : static_cast<std::size_t>(record.gaussians);
+  Json values;
+  slam::visit_columns(record, ValueVisitor{values});
+  return dump({{"type", "state"},
+               {"values", std::move(values)},
                {"pose", Json::parse(pose_text(to_pose(update.T_world_camera)))},
                {"truth", update.truth ? Json::parse(pose_text(to_pose(*update.truth))) : Json()},
-               {"keyframe", r.mapping_keyframe},
                {"map_version", update.map ? update.map->version : 0},
                {"gaussians", gaussians},
-               {"snr", measured(d.snr)},
-               {"weights", numbers(d.weights)},
-               {"axes", axes_json(update.axes)},
-               {"mask", d.degenerate_mask},
-               {"eigenvalues", measured(d.eigenvalues)},
-               {"condition", number(d.condition_number)},
-               {"planarity", number(d.planarity)},
-               {"prior_active", d.prior_active},
-               {"prior_source", d.prior_source},
-               {"inliers", d.inliers},
-               {"visual_inliers", d.visual_inliers},
-               {"overlap", number(d.overlap)},
-               {"ms", {{"track", number(r.track_ms)}, {"map", number(update.map_ms)}}},
+               {"map_ms", number(update.map_ms)},
                {"fps", number(update.fps)},
-               {"iterations", r.iterations},
                {"paused", paused},
-               {"finished", update.finished}};
-  return dump(json);
+               {"finished", update.finished}});
 }
 
-std::string metrics_message(std::string_view metrics_json) {
-  Json json = Json::parse(metrics_json, nullptr, false);
-  if (!json.is_object()) return error_message("the run's metrics could not be read");
-  json["type"] = "metrics";
-  return dump(json);
+std::string metrics_message(const eval::Metrics& metrics) {
+  Json lines = Json::array();
+  for (const eval::MetricLine& line : eval::metric_lines(metrics)) {
+    if (line.value == "n/a") continue;
+    lines.push_back({{"key", line.info.key},
+                     {"group", line.info.group},
+                     {"label", line.info.label},
+                     {"value", line.value},
+                     {"meaning", line.info.meaning},
+                     {"main", line.info.rank != eval::Rank::kDetail}});
+  }
+  return dump({{"type", "metrics"}, {"lines", std::move(lines)}});
 }
 
 std::string error_message(std::string_view text) {

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "sgs/core/error.h"
+#include "sgs/eval/metrics.h"
 #include "sgs/viewer/board.h"
 
 namespace sgs::viewer {
@@ -19,8 +20,8 @@ std::string hello_message(const RunInfo& info);
 /// The part of the path that starts at index `first`.
 std::string path_message(std::size_t first, std::span<const PathPoint> points);
 std::string state_message(const FrameUpdate& update, bool paused);
-/// `metrics_json` is an object; anything else gives an error message.
-std::string metrics_message(std::string_view metrics_json);
+/// The scores of a finished run as lines of text; what was not measured is left out.
+std::string metrics_message(const eval::Metrics& metrics);
 std::string error_message(std::string_view text);
 
 /// The pictures a client can see.

@@ -19,7 +19,7 @@ TEST(Messages, HelloSaysWhatTheRunIs) {
       "1.2", "my \"desk\"\xff", "spectral", "default", true, {640, 480, 500, 501, 320, 240}, 40};
   const json hello = json::parse(hello_message(info));
   EXPECT_EQ(hello["type"], "hello");
-  EXPECT_EQ(hello["protocol"], 1);
+  EXPECT_EQ(hello["protocol"], 2);
   EXPECT_EQ(hello["frames_total"], 40);
   EXPECT_EQ(hello["camera"]["fy"], 501);
   EXPECT_TRUE(hello["up"].is_null());
@@ -34,27 +34,43 @@ TEST(Messages, StateCarriesWhatTheTrackerSaid) {
   u.record.diagnostics.weights = {0, 0, 1, 0.25, 0, 0};
   u.record.diagnostics.degenerate_mask = 4;
   u.record.diagnostics.snr = {1, 2, 3, 4, 5, INFINITY};
-  u.record.diagnostics.prior_source = "photometric";
+  u.record.diagnostics.prior_source = tracker::PriorSource::kPhotometric;
   u.truth = SE3();
   const json state = json::parse(state_message(u, true));
   EXPECT_EQ(state["type"], "state");
-  EXPECT_EQ(state["frame"], 7);
-  EXPECT_EQ(state["status"], "degenerate");
+  const json& values = state["values"];
+  EXPECT_EQ(values["index"], 7);
+  EXPECT_EQ(values["status"], "degenerate");
+  EXPECT_EQ(values["prior_source"], "photometric");
+  EXPECT_EQ(values["lost_reason"], "none");
+  EXPECT_EQ(values["weight"][3], 0.25);
+  EXPECT_EQ(values["degenerate_mask"], 4);
+  EXPECT_EQ(values["snr"][4], 5);
+  EXPECT_TRUE(values["snr"][5].is_null());
+  EXPECT_TRUE(values["eigenvalue"].is_null());
+  EXPECT_TRUE(values["axis"].is_null());
   EXPECT_EQ(state["pose"], json({7, 0, 0, 0, 0, 0, 1}));
   EXPECT_EQ(state["truth"], json({0, 0, 0, 0, 0, 0, 1}));
   EXPECT_EQ(state["map_version"], 3);
   EXPECT_EQ(state["gaussians"], 2);
-  EXPECT_EQ(state["weights"][3], 0.25);
-  EXPECT_EQ(state["mask"], 4);
-  EXPECT_EQ(state["snr"][4], 5);
-  EXPECT_TRUE(state["snr"][5].is_null());
-  EXPECT_TRUE(state["eigenvalues"].is_null());
-  EXPECT_TRUE(state["axes"].is_null());
   EXPECT_TRUE(state["fps"].is_null());
   EXPECT_EQ(state["paused"], true);
   EXPECT_EQ(state["finished"], false);
-  u.axes = Matrix6d::Identity();
-  EXPECT_EQ(json::parse(state_message(u, false))["axes"][1], json({0, 1, 0, 0, 0, 0}));
+  u.record.diagnostics.axes = Matrix6d::Identity();
+  EXPECT_EQ(json::parse(state_message(u, false))["values"]["axis"][1], json({0, 1, 0, 0, 0, 0}));
+}
+
+// Every column that hello announces is in every state, so that a page can show what it never heard
+// of.
+TEST(Messages, StateHasEveryAnnouncedColumn) {
+  const json hello = json::parse(hello_message({}));
+  const json state = json::parse(state_message(testing::update(1), false));
+  ASSERT_GT(hello["columns"].size(), 20u);
+  for (const json& column : hello["columns"]) {
+    EXPECT_TRUE(state["values"].contains(column["key"].get<std::string>())) << column;
+    EXPECT_FALSE(column["meaning"].get<std::string>().empty()) << column;
+  }
+  EXPECT_EQ(state["values"].size(), hello["columns"].size());
 }
 
 TEST(Messages, ABrokenPoseIsNullAndStillJson) {
@@ -77,10 +93,16 @@ TEST(Messages, PathKeepsOrderAndGaps) {
   EXPECT_EQ(json::parse(path_message(0, {}))["estimate"], json::array());
 }
 
-TEST(Messages, MetricsAreTheFileWithAType) {
-  EXPECT_EQ(json::parse(metrics_message(R"({"frames": 3, "lpips": null})")),
-            json({{"type", "metrics"}, {"frames", 3}, {"lpips", nullptr}}));
-  EXPECT_EQ(json::parse(metrics_message("[1"))["type"], "error");
+TEST(Messages, MetricsAreLinesAsPrinted) {
+  eval::Metrics metrics;
+  metrics.ate_rmse_m = 0.0123;
+  metrics.preset = "default";
+  const json message = json::parse(metrics_message(metrics));
+  EXPECT_EQ(message["type"], "metrics");
+  ASSERT_EQ(message["lines"].size(), 2u) << "what was not measured is left out";
+  EXPECT_EQ(message["lines"][0]["label"], "ATE RMSE");
+  EXPECT_EQ(message["lines"][0]["value"], "1.23 cm");
+  EXPECT_EQ(message["lines"][0]["main"], true);
 }
 
 TEST(Messages, PictureHeaderIsLittleEndian) {

@@ -257,8 +257,8 @@ void Server::touch() {
   impl_->wake();
 }
 
-void Server::set_metrics(std::string json) {
-  impl_->core.board.set_metrics(std::move(json));
+void Server::set_metrics(const eval::Metrics& metrics) {
+  impl_->core.board.set_metrics(metrics);
   impl_->wake();
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sgs/core/error.h"
+#include "sgs/eval/metrics.h"
 #include "sgs/viewer/frame_update.h"
 #include "sgs/viewer/run_control.h"
 
@@ -58,7 +59,7 @@ class Server {
   void restart();
   /// Sends the state again: the control was used from this side.
   void touch();
-  void set_metrics(std::string json);
+  void set_metrics(const eval::Metrics& metrics);
   RunControl& control();
   /// Waits until every client has everything, at most so long.
   void drain(double timeout_s);

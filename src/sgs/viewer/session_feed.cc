@@ -19,13 +19,12 @@ SE3 pose_in_map(const slam::FrameRecord& record, const std::deque<slam::FrameRec
   return snapshot->T_world_keyframe.back() * it->T_world_tracked.inverse() * record.T_world_tracked;
 }
 
-FrameUpdate SessionFeed::update(slam::Session& session, const slam::FeedItem& item,
+FrameUpdate SessionFeed::update(slam::Session& session, const dataset::FeedItem& item,
                                 const slam::FrameRecord& record) {
   FrameUpdate update;
   update.record = record;
   update.map = session.snapshot();
   update.frame = item.frame;
-  update.axes = record.diagnostics.axes;
   update.T_world_camera = pose_in_map(record, session.records(), update.map);
   if (const auto& truth = item.frame->truth_T_world_camera) {
     if (!T_world_truth_) T_world_truth_ = update.T_world_camera * truth->inverse();

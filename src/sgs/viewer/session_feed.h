@@ -16,7 +16,7 @@ namespace sgs::viewer {
 class SessionFeed {
  public:
   /// `item` has just been fed and gave `record`.
-  FrameUpdate update(slam::Session& session, const slam::FeedItem& item,
+  FrameUpdate update(slam::Session& session, const dataset::FeedItem& item,
                      const slam::FrameRecord& record);
 
  private:

@@ -7,7 +7,7 @@
 
 #include "sgs/core/stopwatch.h"
 
-namespace sgs::app {
+namespace sgs::run {
 
 /// timings.json: a tree of stages, each with calls, total, median and 95th percentile in
 /// milliseconds, and its parts under "children".
@@ -24,4 +24,4 @@ void return_freed_images();
 /// Largest resident set of this process so far, bytes; 0 when the system does not tell.
 std::int64_t peak_rss_bytes();
 
-}  // namespace sgs::app
+}  // namespace sgs::run

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "timings.h"
+#include "sgs/run/timings.h"
 
 #include <sys/resource.h>
 #if defined(__GLIBC__)
@@ -14,7 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-namespace sgs::app {
+namespace sgs::run {
 
 namespace {
 
@@ -80,4 +80,4 @@ std::int64_t peak_rss_bytes() {
   return getrusage(RUSAGE_SELF, &usage) == 0 ? usage.ru_maxrss * kKiB : 0;
 }
 
-}  // namespace sgs::app
+}  // namespace sgs::run

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "report_source.h"
+#include "sgs/report/make_report.h"
 
 #include <fmt/format.h>
 
@@ -8,22 +8,14 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-namespace sgs::app {
+namespace sgs::report {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-report::Column status_column(const std::vector<std::string>& status) {
-  report::Column column;
-  for (const std::string& s : status) {
-    column.push_back(s == "ok" ? 0 : s == "degenerate" ? 1 : s == "lost" ? 2 : 3);
-  }
-  return column;
-}
-
 /// Positions, aligned to the truth where that is possible, with their errors.
-void set_paths(const FinishedRun& run, const eval::TrajectoryMetrics& scores, double start_s,
-               report::ReportData& report) {
+void set_paths(const run::Run& run, const eval::TrajectoryMetrics& scores, double start_s,
+               ReportData& report) {
   constexpr std::size_t kMapPoints = 30000;
   constexpr double kSameTime_s = 1e-6, kTruthMargin_s = 0.1;
   const SE3 T_truth_world = scores.T_truth_world.value_or(SE3{});
@@ -50,42 +42,25 @@ void set_paths(const FinishedRun& run, const eval::TrajectoryMetrics& scores, do
     report.keyframes.push_back(T_truth_world * pose.T_world_camera);
   }
   report.map_points = eval::sample_points(run.gaussians, kMapPoints, T_truth_world);
-  report.up = report::likely_up(run.truth.empty() ? run.trajectory : run.truth);
+  report.up = likely_up(run.truth.empty() ? run.trajectory : run.truth);
 }
 
-void set_error_column(const FrameTable& table, const eval::TrajectoryMetrics& scores,
-                      report::ReportData& report) {
-  report.error_m.assign(table.rows(), kNone);
-  const auto indices = table.numbers("index");
+/// The aligned error of each frame, where there is one.
+Column error_column(const ReportData& report, const eval::TrajectoryMetrics& scores) {
+  Column errors(report.frames.size(), kNone);
   for (const eval::FrameError& error : scores.errors) {
-    const auto row =
-        std::lower_bound(indices.begin(), indices.end(), static_cast<double>(error.index));
-    if (row != indices.end()) {
-      report.error_m[static_cast<std::size_t>(row - indices.begin())] = error.error_m;
+    const auto frame = std::lower_bound(
+        report.frames.begin(), report.frames.end(), error.index,
+        [](const slam::FrameRecord& r, std::int64_t index) { return r.index < index; });
+    if (frame != report.frames.end()) {
+      errors[static_cast<std::size_t>(frame - report.frames.begin())] = error.error_m;
     }
   }
-}
-
-void set_columns(const FrameTable& table, report::ReportData& report) {
-  report.status = status_column(table.texts("status"));
-  report.mapping_keyframe = table.numbers("mapping_keyframe");
-  report.track_ms = table.numbers("track_ms");
-  report.iterations = table.numbers("mapping_iterations");
-  report.gaussians = table.numbers("gaussians");
-  report.prior_active = table.numbers("prior_active");
-  report.condition_number = table.numbers("condition_number");
-  report.planarity = table.numbers("planarity");
-  for (std::size_t k = 0; k < 6; ++k) {
-    report.weights[k] = table.numbers(fmt::format("weight_{}", k));
-    report.snr[k] = table.numbers(fmt::format("snr_{}", k));
-  }
-  for (const char* part : {"points", "index", "geometry", "visual", "update"}) {
-    report.stage_ms.emplace_back(part, table.numbers(fmt::format("ms_{}", part)));
-  }
+  return errors;
 }
 
 void add_stages(const nlohmann::json& tree, const std::string& prefix,
-                std::vector<report::StageSummary>& stages) {
+                std::vector<StageSummary>& stages) {
   if (!tree.is_object()) return;
   for (const auto& [name, stage] : tree.items()) {
     if (!stage.is_object()) continue;
@@ -104,59 +79,57 @@ void add_stages(const nlohmann::json& tree, const std::string& prefix,
 }
 
 /// Stages of timings.json; what is not as expected there is left out.
-std::vector<report::StageSummary> stages_of(const std::string& timings_json) {
-  std::vector<report::StageSummary> stages;
+std::vector<StageSummary> stages_of(const std::string& timings_json) {
+  std::vector<StageSummary> stages;
   add_stages(nlohmann::json::parse(timings_json, nullptr, false), "", stages);
   return stages;
 }
 
 }  // namespace
 
-report::ReportData make_report(const FinishedRun& run, const FrameTable& table,
-                               const eval::TrajectoryMetrics& scores,
-                               const eval::Metrics& metrics) {
-  report::ReportData report;
+ReportData make_report(const run::Run& run, const run::Scores& scores) {
+  const eval::Metrics& metrics = scores.metrics;
+  ReportData report;
   report.title = run.name;
   report.subtitle = fmt::format("tracker {}, preset {}", metrics.tracker.value_or("?"),
                                 metrics.preset.value_or("?"));
-  report.facts = {{"frames", fmt::format("{}", table.rows())},
+  report.facts = {{"frames", fmt::format("{}", run.frames.size())},
                   {"seed", fmt::format("{}", run.config.seed)},
                   {"threads", fmt::format("{}", metrics.threads.value_or(0))},
                   {"version", metrics.version.value_or("?")}};
   if (!run.input.frames.empty()) report.facts[0].second += " (" + run.input.frames + ")";
   report.metrics = metrics;
-  if (auto note = degeneracy_note(metrics); !note.empty()) report.notes.push_back(std::move(note));
-  report.notes.push_back(scores.protocol);
-  if (!scores.note.empty()) report.notes.push_back(scores.note);
+  for (const std::string& note :
+       {run::degeneracy_note(metrics), scores.trajectory.protocol, scores.trajectory.note,
+        scores.rendering ? scores.rendering->protocol : std::string()}) {
+    if (!note.empty()) report.notes.push_back(note);
+  }
 
-  report.time_s = table.numbers("timestamp_s");
-  const double start_s = report.time_s.empty() ? 0 : report.time_s.front();
-  for (double& time : report.time_s) time -= start_s;
-  set_paths(run, scores, start_s, report);
-  set_error_column(table, scores, report);
-  set_columns(table, report);
+  report.frames = run.frames;
+  const double start_s = run.frames.empty() ? 0 : run.frames.front().timestamp_s;
+  set_paths(run, scores.trajectory, start_s, report);
+  report.error_m = error_column(report, scores.trajectory);
   const auto& tracker = run.config.tracker;
   report.condition_threshold = tracker.degeneracy.condition_threshold;
   report.snr_threshold = tracker.degeneracy.snr_threshold;
-  report.decides_by_snr = tracker.type == "spectral" && tracker.fusion != "prior";
-  if (!report.decides_by_snr && tracker.type == "spectral") {
+  report.decides_by_snr = tracker.type == tracker::TrackerType::kSpectral;
+  if (tracker.type == tracker::TrackerType::kPaper) {
     report.planarity_threshold = tracker.degeneracy.planarity_full_prior;
   }
   report.stages = stages_of(run.timings_json);
   report.map = eval::map_statistics(run.gaussians);
+  if (scores.rendering) report.pictures = scores.rendering->pictures;
   report.config_toml = run.config_toml;
   return report;
 }
 
-std::string degeneracy_note(const eval::Metrics& metrics) {
-  const double degenerate = metrics.degenerate_percent.value_or(0);
-  const double filled = metrics.prior_percent.value_or(0);
-  if (degenerate < 1 || filled >= 0.5 * degenerate) return "";
-  return fmt::format(
-      "Geometry alone left at least one direction unobserved in {:.0f} % of the frames and nothing "
-      "filled it in: the pose can slide along that direction. The tracker 'spectral' fills it from "
-      "vision.",
-      degenerate);
+Result<ReportData> load_report(const std::filesystem::path& folder, eval::Association association) {
+  SGS_ASSIGN_OR_RETURN(const auto run,
+                       run::load_run(folder, run::kTrajectory | run::kTruth | run::kKeyframes |
+                                                 run::kFrames | run::kMap));
+  auto report = make_report(run, run::score_trajectory(run, association));
+  report.pictures = run::load_pictures(folder);
+  return report;
 }
 
-}  // namespace sgs::app
+}  // namespace sgs::report

@@ -1,22 +1,20 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "preloaded_source.h"
+#include "sgs/dataset/preloaded_source.h"
 
 #include <deque>
 #include <utility>
 
-#include "interrupt.h"
-
-namespace sgs::app {
+namespace sgs::dataset {
 namespace {
 
-class PreloadedSource final : public dataset::FrameSource {
+class PreloadedSource final : public FrameSource {
  public:
-  explicit PreloadedSource(std::unique_ptr<dataset::FrameSource> source)
+  PreloadedSource(std::unique_ptr<FrameSource> source, const std::stop_token& stop)
       : source_(std::move(source)) {
     Item item;
-    while (!interrupted() &&
-           (item.status = source_->next(item.frame, item.error)) != dataset::FrameRead::kEnd) {
+    while (!stop.stop_requested() &&
+           (item.status = source_->next(item.frame, item.error)) != FrameRead::kEnd) {
       items_.push_back(std::exchange(item, {}));
     }
   }
@@ -25,8 +23,8 @@ class PreloadedSource final : public dataset::FrameSource {
   PinholeCamera camera() const override { return source_->camera(); }
   std::optional<std::int64_t> size() const override { return source_->size(); }
   const Trajectory& ground_truth() const override { return source_->ground_truth(); }
-  dataset::FrameRead next(RgbdFrame& frame, Error& error) override {
-    if (items_.empty()) return dataset::FrameRead::kEnd;
+  FrameRead next(RgbdFrame& frame, Error& error) override {
+    if (items_.empty()) return FrameRead::kEnd;
     Item item = std::move(items_.front());
     items_.pop_front();
     frame = std::move(item.frame);
@@ -38,17 +36,18 @@ class PreloadedSource final : public dataset::FrameSource {
   struct Item {
     RgbdFrame frame;
     Error error;
-    dataset::FrameRead status = dataset::FrameRead::kEnd;
+    FrameRead status = FrameRead::kEnd;
   };
 
-  std::unique_ptr<dataset::FrameSource> source_;
+  std::unique_ptr<FrameSource> source_;
   std::deque<Item> items_;
 };
 
 }  // namespace
 
-std::unique_ptr<dataset::FrameSource> preload(std::unique_ptr<dataset::FrameSource> source) {
-  return std::make_unique<PreloadedSource>(std::move(source));
+std::unique_ptr<FrameSource> preload(std::unique_ptr<FrameSource> source,
+                                     const std::stop_token& stop) {
+  return std::make_unique<PreloadedSource>(std::move(source), stop);
 }
 
-}  // namespace sgs::app
+}  // namespace sgs::dataset

@@ -9,14 +9,17 @@
 
 #include "sgs/core/error.h"
 
-namespace sgs::app {
+namespace sgs::run {
 
 /// The folder that keeps everything about one run. What cannot be written there (full disk,
 /// permissions lost on the way) goes to a rescue folder instead, so that nothing computed is lost.
 class RunFolder {
  public:
-  /// Creates `requested`, or runs/<time>-<name> when it is empty, and points runs/latest to it.
-  static Result<RunFolder> create(const std::filesystem::path& requested, const std::string& name);
+  /// Creates the folder `path`.
+  static Result<RunFolder> create(const std::filesystem::path& path);
+  /// Creates `parent`/<time>-<name>.
+  static Result<RunFolder> create_below(const std::filesystem::path& parent,
+                                        const std::string& name);
 
   /// An existing run folder, to add to.
   static Result<RunFolder> open(const std::filesystem::path& path);
@@ -29,23 +32,34 @@ class RunFolder {
     const Status first = write(path_ / name);
     if (first) return;
     failures_.push_back(first.error());
-    if (const auto rescue = rescue_folder()) {
-      if (const Status second = write(*rescue / name); !second) failures_.push_back(second.error());
+    const auto rescue = rescue_folder();
+    if (!rescue) return failures_.push_back(rescue.error());
+    if (const Status second = write(*rescue / name)) {
+      rescued_to_ = *rescue;
+    } else {
+      failures_.push_back(second.error());
     }
   }
+  /// Notes a failure to write something outside of the folder.
+  void note_failure(const Error& error) { failures_.push_back(error); }
   void save_text(const std::string& name, std::string_view text);
 
   /// Everything that could not be written where it belongs.
   const std::vector<Error>& failures() const { return failures_; }
   /// Where files went that did not fit into path(); empty when all is well.
-  const std::filesystem::path& rescued_to() const { return rescue_; }
+  const std::filesystem::path& rescued_to() const { return rescued_to_; }
 
  private:
   explicit RunFolder(std::filesystem::path path) : path_(std::move(path)) {}
   Result<std::filesystem::path> rescue_folder();
 
-  std::filesystem::path path_, rescue_;
+  std::filesystem::path path_;
+  std::filesystem::path rescue_;      // empty until it is needed
+  std::filesystem::path rescued_to_;  // the same, once something went there
   std::vector<Error> failures_;
 };
 
-}  // namespace sgs::app
+/// Makes the link `parent`/latest point to a run folder; a failure is only logged.
+void point_latest_to(const std::filesystem::path& parent, const std::filesystem::path& folder);
+
+}  // namespace sgs::run

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "input.h"
+#include "sgs/run/input.h"
 
 #include <charconv>
 #include <filesystem>
@@ -9,7 +9,7 @@
 #include "sgs/io/trajectory_io.h"
 #include "sgs/synthetic/source.h"
 
-namespace sgs::app {
+namespace sgs::run {
 namespace {
 
 /// Delivers only the frames [first, last) of another source.
@@ -137,4 +137,4 @@ Result<Input> open_input(const InputSpec& spec, int threads) {
   return open_recorded(spec, range);
 }
 
-}  // namespace sgs::app
+}  // namespace sgs::run

@@ -14,7 +14,7 @@
 #include "sgs/dataset/frame_source.h"
 #include "sgs/dataset/open.h"
 
-namespace sgs::app {
+namespace sgs::run {
 
 /// Where frames come from, as the command line says it and as a run folder remembers it. All text,
 /// so that it can live in config.toml beside the parameters.
@@ -45,4 +45,4 @@ struct FrameRange {
 };
 Result<FrameRange> parse_frame_range(const std::string& text);
 
-}  // namespace sgs::app
+}  // namespace sgs::run

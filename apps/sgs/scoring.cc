@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "scoring.h"
+
+#include "interrupt.h"
+#include "progress.h"
+#include "sgs/core/log.h"
+#include "sgs/report/make_report.h"
+#include "sgs/report/report.h"
+#include "sgs/run/run_files.h"
+
+namespace sgs::app {
+
+void add_score_options(CLI::App& sub, run::ScoreOptions& options) {
+  sub.add_option("--lpips-weights", options.lpips_weights, "LPIPS-Alex v0.1 weights");
+  sub.add_option("--lpips-stride", options.rendering.lpips_stride, "LPIPS on every n-th frame")
+      ->check(CLI::PositiveNumber);
+}
+
+Result<run::Scores> score_with_progress(const run::Run& run, const run::ScoreOptions& options,
+                                        bool quiet) {
+  Progress progress("frames scored", run.frames_total, quiet);
+  std::int64_t shown = 0;
+  auto scores = run::score_run(
+      run, options,
+      [&](std::int64_t seen) {
+        for (; shown < seen; ++shown) progress.step("");
+      },
+      stop_token());
+  progress.finish();
+  return scores;
+}
+
+void save_scores(const run::Run& run, const run::Scores& scores, run::RunFolder& folder) {
+  namespace fs = std::filesystem;
+  if (const auto note = run::degeneracy_note(scores.metrics); !note.empty()) log().warn("{}", note);
+  folder.save(run::files::kMetrics,
+              [&](const fs::path& path) { return eval::save_metrics(path, scores.metrics); });
+  if (scores.rendering) run::save_pictures(scores.rendering->pictures, folder);
+  folder.save(run::files::kReport, [&](const fs::path& path) {
+    return report::save_report(path, report::make_report(run, scores));
+  });
+}
+
+}  // namespace sgs::app

@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/render/rendered_images.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace sgs::render {
+
+ColorImage to_color_image(const Image<Rgbf>& color) {
+  ColorImage out(color.width(), color.height());
+  const auto byte = [](float v) {
+    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0f, 1.0f)));
+  };
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const Rgbf& c = color.data()[i];
+    out.data()[i] = {byte(c.r), byte(c.g), byte(c.b)};
+  }
+  return out;
+}
+
+DepthImage mean_depth(const Rendering& rendering, float min_alpha) {
+  DepthImage out(rendering.alpha.width(), rendering.alpha.height());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const float alpha = rendering.alpha.data()[i];
+    if (alpha > min_alpha) out.data()[i] = rendering.depth_sum.data()[i] / alpha;
+  }
+  return out;
+}
+
+}  // namespace sgs::render

@@ -1,0 +1,126 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/run/execute.h"
+
+#include "sgs/core/stopwatch.h"
+#include "sgs/io/atomic_file.h"
+#include "sgs/io/ply.h"
+#include "sgs/io/trajectory_io.h"
+#include "sgs/run/run_config.h"
+#include "sgs/run/run_files.h"
+#include "sgs/run/timings.h"
+#include "sgs/run/version.h"
+
+namespace sgs::run {
+namespace {
+
+/// What the run itself can measure; scores are added later.
+eval::Metrics run_metrics(const RunOptions& options, const slam::SessionConfig& config,
+                          const slam::Session& session, const RunClock& clock,
+                          const StageTimes& times) {
+  constexpr std::int64_t kBytesPerGaussian = sizeof(map::Gaussian);
+  eval::Metrics m;
+  const auto snapshot = session.final_snapshot();
+  m.gaussians = snapshot ? static_cast<std::int64_t>(snapshot->gaussians.size()) : 0;
+  m.map_bytes = kBytesPerGaussian * *m.gaussians;
+  m.keyframes = static_cast<std::int64_t>(session.keyframes().size());
+  m.mapping_iterations = session.iterations();
+  const auto fed = static_cast<double>(session.records().size());
+  const double system_s = clock.wall_s - clock.starved_s;
+  if (fed > 1 && system_s > 0) m.fps_system = fed / system_s;
+  if (fed > 1 && clock.wall_s > 0) m.fps_wall = fed / clock.wall_s;
+  if (const auto it = times.stages().find("map/iteration"); it != times.stages().end()) {
+    m.map_iteration_ms_p50 = quantile(it->second, 0.5);
+  }
+  if (const auto rss = peak_rss_bytes(); rss > 0) m.peak_rss_bytes = rss;
+  if (options.realtime) m.frames_dropped = clock.frames_dropped;
+  m.seed = static_cast<std::int64_t>(config.seed);
+  m.threads = options.threads;
+  m.preset = to_string(config.preset);
+  m.tracker = to_string(config.tracker.type);
+  m.version = version();
+  return m;
+}
+
+bool tracking_was_lost(const std::vector<slam::FrameRecord>& frames) {
+  std::int64_t lost = 0, all = 0;
+  bool last_lost = false;
+  for (const slam::FrameRecord& frame : frames) {
+    if (frame.bad) continue;
+    last_lost = frame.status == tracker::TrackingStatus::kLost;
+    lost += last_lost ? 1 : 0;
+    ++all;
+  }
+  return all == 0 || last_lost || 2 * lost > all;
+}
+
+PlayOptions play_options(const RunOptions& options, const Spectator& spectator,
+                         slam::Session& session, dataset::TumSequenceWriter* recorder) {
+  PlayOptions play;
+  play.realtime = options.realtime;
+  play.recorder = recorder;
+  play.before_frame = spectator.before_frame;
+  if (spectator.after_frame) {
+    play.after_frame = [&](const dataset::FeedItem& item, const slam::FrameRecord& record) {
+      spectator.after_frame(session, item, record);
+    };
+  }
+  return play;
+}
+
+/// What is scored is what was written, to the last bit: evaluating the folder later finds the same
+/// numbers.
+void read_back(const RunFolder& folder, Run& run) {
+  if (auto written = io::load_splats(folder.path() / files::kMap)) {
+    run.gaussians = std::move(*written);
+  }
+  if (auto written = io::load_trajectory(folder.path() / files::kTrajectory)) {
+    run.trajectory = std::move(written->trajectory);
+  }
+  if (auto text = io::read_file(folder.path() / files::kFrames)) {
+    if (auto written = slam::frames_from_csv(*text, files::kFrames)) {
+      run.frames = std::move(*written);
+    }
+  }
+}
+
+}  // namespace
+
+Result<Outcome> execute(Input& input, const InputSpec& spec, const slam::SessionConfig& config,
+                        const RunOptions& options, RunFolder& folder, const Spectator& spectator,
+                        const std::stop_token& stop) {
+  folder.save_text(files::kConfig, config_text(spec, config));
+  slam::SessionOptions session_options;
+  session_options.threads = options.threads;
+  session_options.live = options.realtime;
+  const PinholeCamera camera = input.source->camera();
+  SGS_ASSIGN_OR_RETURN(auto session, slam::Session::create(config, camera, session_options));
+  std::optional<dataset::TumSequenceWriter> recorder;
+  if (!options.record.empty()) {
+    SGS_ASSIGN_OR_RETURN(recorder, dataset::TumSequenceWriter::create(options.record, camera));
+  }
+  const auto clock =
+      play(*input.source, *session,
+           play_options(options, spectator, *session, recorder ? &*recorder : nullptr), stop);
+  Outcome outcome;
+  if (!clock) outcome.input = tl::unexpected(clock.error());
+  outcome.stopped = stop.stop_requested();
+  if (spectator.finished) spectator.finished(*session);
+
+  const StageTimes times = session->times();
+  Run& run = outcome.run;
+  run = run_of(*session, input, spec, config);
+  run.metrics = run_metrics(options, config, *session, clock.value_or(RunClock{}), times);
+  if (clock) run.frames_total = clock->frames_in;
+  outcome.lost = tracking_was_lost(run.frames);
+  save_run(run, folder);
+  if (!options.trace.empty()) {
+    if (const auto traced = io::write_file(options.trace, chrome_trace(times)); !traced) {
+      folder.note_failure(traced.error());
+    }
+  }
+  read_back(folder, run);
+  return outcome;
+}
+
+}  // namespace sgs::run

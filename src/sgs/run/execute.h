@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <stop_token>
+#include <string>
+
+#include "sgs/run/play.h"
+#include "sgs/run/run.h"
+
+namespace sgs::run {
+
+/// What a run is asked for beside its input and its configuration.
+struct RunOptions {
+  int threads = 2;
+  bool realtime = false;  ///< at the sensor's rate, late frames dropped
+  std::string record;     ///< folder that keeps the input (TUM layout); empty = none
+  std::string trace;      ///< file for a time line of all threads; empty = none
+};
+
+/// Who watches a run; each may be empty. All but `finished` as in PlayOptions.
+struct Spectator {
+  std::function<double()> before_frame;
+  std::function<void(slam::Session&, const dataset::FeedItem&, const slam::FrameRecord&)>
+      after_frame;
+  std::function<void(slam::Session&)> finished;  ///< the map is final
+};
+
+/// What came of a run that could start.
+struct Outcome {
+  Run run;
+  Status input;          ///< why it ended early, other than by request
+  bool stopped = false;  ///< by request
+  bool lost = false;     ///< at the end, or for more than half of the frames
+};
+
+/// SLAM on an open input: tracks, maps, and writes everything but scores into `folder` as soon as
+/// it is there. Fails only where nothing could be computed; what could not be written is in
+/// folder.failures().
+Result<Outcome> execute(Input& input, const InputSpec& spec, const slam::SessionConfig& config,
+                        const RunOptions& options, RunFolder& folder, const Spectator& spectator,
+                        const std::stop_token& stop = {});
+
+}  // namespace sgs::run

@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/run/play.h"
+
+#include <algorithm>
+
+#include "sgs/core/log.h"
+#include "sgs/core/stopwatch.h"
+#include "sgs/slam/live_feed.h"
+
+namespace sgs::run {
+namespace {
+
+/// Gives the items of a source one by one, at once or at the sensor's rate.
+class Feed {
+ public:
+  Feed(dataset::FrameSource& source, bool realtime) : source_(source) {
+    constexpr std::size_t kLiveQueue = 6;  // frames: a fifth of a second
+    if (realtime) live_.emplace(source, kLiveQueue);
+  }
+  std::optional<dataset::FeedItem> next() {
+    return live_ ? live_->next() : dataset::read_item(source_);
+  }
+  /// Ends the playback; returns how many frames were dropped.
+  std::int64_t stop() {
+    if (!live_) return 0;
+    live_->stop();
+    const auto dropped = static_cast<std::int64_t>(live_->dropped());
+    live_.reset();
+    return dropped;
+  }
+
+ private:
+  dataset::FrameSource& source_;
+  std::optional<slam::LiveFeed> live_;
+};
+
+/// Feeds one item; the recorder's failure is returned, a bad frame only noted.
+Status feed_item(const dataset::FeedItem& item, slam::Session& session,
+                 const PlayOptions& options) {
+  if (!item.frame) {
+    log().warn("frame {} skipped: {}", item.index, item.bad_reason);
+    session.feed_bad(item.index, item.timestamp_s, item.bad_reason);
+    if (options.after_frame) options.after_frame(item, session.records().back());
+    return {};
+  }
+  const auto& record = session.feed(item.frame);
+  if (options.after_frame) options.after_frame(item, record);
+  return options.recorder != nullptr ? options.recorder->add(*item.frame) : Status{};
+}
+
+/// Wall time of a run, from its first item on.
+class Timer {
+ public:
+  explicit Timer(RunClock& clock) : clock_(clock) {}
+
+  void held(double seconds) {
+    if (start_s_ >= 0) held_s_ += seconds;
+  }
+  /// An item came after `waited_s`, of which the mapper was busy for `busy_s`: waiting counts as
+  /// decoding only while the mapper had nothing to do either.
+  void item_came(double waited_s, double busy_s) {
+    ++clock_.frames_in;
+    if (start_s_ < 0) {
+      start_s_ = wall_time_s();
+    } else {
+      clock_.starved_s += std::max(0.0, waited_s - busy_s);
+    }
+  }
+  void finished() {
+    if (start_s_ >= 0) clock_.wall_s = wall_time_s() - start_s_ - held_s_;
+  }
+
+ private:
+  RunClock& clock_;
+  double start_s_ = -1, held_s_ = 0;
+};
+
+}  // namespace
+
+Result<RunClock> play(dataset::FrameSource& source, slam::Session& session,
+                      const PlayOptions& options, const std::stop_token& stop) {
+  RunClock clock;
+  Timer timer(clock);
+  Feed feed(source, options.realtime);
+  Status status;
+  while (!stop.stop_requested() && status) {
+    if (options.before_frame) timer.held(options.before_frame());
+    const double waiting_since_s = wall_time_s();
+    const double busy_before_s = session.mapper_busy_s();
+    const auto item = feed.next();
+    if (!item) break;
+    timer.item_came(wall_time_s() - waiting_since_s, session.mapper_busy_s() - busy_before_s);
+    status = feed_item(*item, session, options);
+  }
+  clock.frames_dropped = feed.stop();
+  clock.frames_in += clock.frames_dropped;
+  session.finish();
+  timer.finished();
+  if (!status) return tl::unexpected(status.error());
+  return clock;
+}
+
+}  // namespace sgs::run

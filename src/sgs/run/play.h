@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <stop_token>
+
+#include "sgs/dataset/feed_item.h"
+#include "sgs/dataset/tum_writer.h"
+#include "sgs/slam/session.h"
+
+namespace sgs::run {
+
+/// Frames and seconds of a run.
+struct RunClock {
+  std::int64_t frames_in = 0;       ///< frames the source gave, bad ones included
+  std::int64_t frames_dropped = 0;  ///< live only
+  double wall_s = 0;     ///< from the first frame to the finished map, pauses not counted
+  double starved_s = 0;  ///< of it, waiting for a decoded frame while tracker and mapper were idle
+};
+
+/// How to play a source into a session, and who watches. The callbacks run on the calling thread;
+/// each may be empty.
+struct PlayOptions {
+  bool realtime = false;                           ///< at the sensor's rate, late frames dropped
+  dataset::TumSequenceWriter* recorder = nullptr;  ///< keeps every frame fed; null = none
+  /// Before a frame is read; may hold the run (pause). Returns the seconds it was held.
+  std::function<double()> before_frame;
+  /// After an item was fed; `record` is what came of it, also where the frame was bad.
+  std::function<void(const dataset::FeedItem& item, const slam::FrameRecord& record)> after_frame;
+};
+
+/// Feeds the whole source into the session (until a stop is requested) and waits for the mapper to
+/// finish. Fails when the recorder cannot write; the session is finished all the same.
+Result<RunClock> play(dataset::FrameSource& source, slam::Session& session,
+                      const PlayOptions& options, const std::stop_token& stop = {});
+
+}  // namespace sgs::run

@@ -1,0 +1,226 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/run/run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "sgs/core/log.h"
+#include "sgs/io/atomic_file.h"
+#include "sgs/io/calibration_io.h"
+#include "sgs/io/csv.h"
+#include "sgs/io/image_io.h"
+#include "sgs/io/ply.h"
+#include "sgs/io/text.h"
+#include "sgs/io/trajectory_io.h"
+#include "sgs/run/run_config.h"
+#include "sgs/run/run_files.h"
+#include "sgs/run/timings.h"
+
+namespace sgs::run {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kDepthScale = 5000;  // of no meaning here: camera.txt asks for one
+
+Status load_poses(const fs::path& path, Trajectory& poses) {
+  SGS_ASSIGN_OR_RETURN(auto loaded, io::load_trajectory(path));
+  poses = std::move(loaded.trajectory);
+  return {};
+}
+
+/// Folders from before the camera was kept know only where it came from.
+Status load_camera(const fs::path& path, Run& run) {
+  std::error_code error;
+  if (fs::exists(path, error)) {
+    SGS_ASSIGN_OR_RETURN(const auto calibration, io::load_camera_txt(path));
+    run.camera = calibration.camera;
+    return {};
+  }
+  const auto input = open_input(run.input, 1);
+  if (!input) {
+    return fail(ErrorCode::kNotFound,
+                fmt::format("{} is missing, and its recording cannot be opened: {}", path.string(),
+                            input.error().message),
+                "write a line `fx fy cx cy width height 5000` to that file, or bring the recording "
+                "back");
+  }
+  run.camera = input->source->camera();
+  return {};
+}
+
+/// A part of a run folder: its file, how to read it, and what can be done without it.
+struct PartFile {
+  Part part;
+  const char* name;
+  Status (*load)(const fs::path& path, Run& run);
+  const char* without;
+};
+
+const std::array<PartFile, 6> kPartFiles = {{
+    {kCamera, files::kCamera, load_camera,
+     "`sgs eval --compare` and `sgs export RUN ply` do without the camera"},
+    {kTrajectory, files::kTrajectory,
+     [](const fs::path& path, Run& run) { return load_poses(path, run.trajectory); },
+     "`sgs export RUN ply` does without poses"},
+    {kKeyframes, files::kKeyframes,
+     [](const fs::path& path, Run& run) { return load_poses(path, run.keyframes); },
+     "`sgs render`, `sgs view` and `sgs export RUN ply` do without keyframes"},
+    {kTruth, files::kTruth,
+     [](const fs::path& path, Run& run) { return load_poses(path, run.truth); },
+     "`sgs render`, `sgs view` and `sgs export` do without ground truth"},
+    {kFrames, files::kFrames,
+     [](const fs::path& path, Run& run) -> Status {
+       SGS_ASSIGN_OR_RETURN(const auto text, io::read_file(path));
+       SGS_ASSIGN_OR_RETURN(run.frames, slam::frames_from_csv(text, path.string()));
+       return {};
+     },
+     "`sgs render` and `sgs export` do without it"},
+    {kMap, files::kMap,
+     [](const fs::path& path, Run& run) -> Status {
+       SGS_ASSIGN_OR_RETURN(run.gaussians, io::load_splats(path));
+       return {};
+     },
+     "`sgs export RUN tum` does without the map"},
+}};
+
+fs::path picture_name(std::int64_t index, const char* what) {
+  return fmt::format("{:06}_{}.png", index, what);
+}
+
+}  // namespace
+
+Result<Run> load_run(const fs::path& folder, unsigned parts) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    return fail(ErrorCode::kNotFound, fmt::format("{} is not a folder", folder.string()),
+                "give a run folder made by `sgs run`");
+  }
+  Run run;
+  SGS_ASSIGN_OR_RETURN(auto saved, load_config(folder));
+  run.input = std::move(saved.input);
+  run.config = std::move(saved.config);
+  run.name = fs::path(run.input.input).filename().string();
+  SGS_ASSIGN_OR_RETURN(run.config_toml, io::read_file(folder / files::kConfig));
+  for (const PartFile& file : kPartFiles) {
+    if ((parts & file.part) == 0) continue;
+    if (auto status = file.load(folder / file.name, run); !status) {
+      Error problem = status.error();
+      problem.remedy += fmt::format("{}{}", problem.remedy.empty() ? "" : "; ", file.without);
+      return tl::unexpected(problem);
+    }
+  }
+  if (auto timings = io::read_file(folder / files::kTimings)) run.timings_json = *timings;
+  if (fs::exists(folder / files::kMetrics, error)) {
+    SGS_ASSIGN_OR_RETURN(run.metrics, eval::load_metrics(folder / files::kMetrics));
+  }
+  run.metrics.seed = static_cast<std::int64_t>(run.config.seed);
+  run.metrics.preset = to_string(run.config.preset);
+  run.metrics.tracker = to_string(run.config.tracker.type);
+  // Dropped frames have no line, and what a file claims is no reason to believe in any number.
+  const auto rows = static_cast<std::int64_t>(run.frames.size());
+  const auto last = run.frames.empty() ? 0 : run.frames.back().index + 1;
+  const auto dropped = std::max<std::int64_t>(0, run.metrics.frames_dropped.value_or(0));
+  run.frames_total =
+      std::clamp(run.metrics.frames.value_or(rows), rows, std::max(last, rows) + dropped);
+  return run;
+}
+
+Run run_of(const slam::Session& session, const Input& input, const InputSpec& spec,
+           const slam::SessionConfig& config) {
+  Run run;
+  run.input = spec;
+  run.config = config;
+  run.config_toml = config_text(spec, config);
+  run.name = input.info.name;
+  run.camera = input.source->camera();
+  run.frames.assign(session.records().begin(), session.records().end());
+  run.trajectory = session.trajectory();
+  run.keyframes = session.keyframe_trajectory();
+  run.truth = input.source->ground_truth();
+  run.frames_total = static_cast<std::int64_t>(run.frames.size());
+  if (const auto snapshot = session.final_snapshot()) run.gaussians = snapshot->gaussians;
+  run.timings_json = timings_json(session.times());
+  return run;
+}
+
+void save_run(const Run& run, RunFolder& folder) {
+  folder.save_text(files::kConfig, run.config_toml);
+  folder.save(files::kCamera, [&](const fs::path& path) {
+    return io::save_camera_txt(path, {run.camera, {}, kDepthScale});
+  });
+  const auto save_poses = [&](const char* name, const Trajectory& poses) {
+    folder.save(name, [&](const fs::path& path) { return io::save_trajectory(path, poses); });
+  };
+  save_poses(files::kTrajectory, run.trajectory);
+  save_poses(files::kKeyframes, run.keyframes);
+  folder.save_text(files::kFrames, slam::frames_csv(run.frames));
+  folder.save(files::kMap,
+              [&](const fs::path& path) { return io::save_splats(path, run.gaussians); });
+  save_poses(files::kTruth, run.truth);
+  folder.save_text(files::kTimings, run.timings_json);
+}
+
+Status save_run(const Run& run, const fs::path& path) {
+  SGS_ASSIGN_OR_RETURN(auto folder, RunFolder::create(path));
+  save_run(run, folder);
+  if (!folder.failures().empty()) return tl::unexpected(folder.failures().front());
+  return {};
+}
+
+void save_pictures(const std::vector<eval::FramePictures>& pictures, RunFolder& folder) {
+  std::string list = "index,heldout,psnr_full_db\n";
+  for (const eval::FramePictures& p : pictures) {
+    const auto save = [&](const char* what, const ColorImage& image) {
+      folder.save(files::kRenders / picture_name(p.index, what),
+                  [&](const fs::path& path) { return io::save_color(path, image); });
+    };
+    save("truth", p.truth);
+    save("render", p.rendering);
+    save("error", p.error);
+    list += fmt::format("{},{:d},{:.6g}\n", p.index, p.heldout, p.psnr_full_db);
+  }
+  if (!pictures.empty()) folder.save_text(files::kPictures, list);
+}
+
+std::vector<eval::FramePictures> load_pictures(const fs::path& folder) {
+  std::vector<eval::FramePictures> pictures;
+  const auto text = io::read_file(folder / files::kPictures);
+  if (!text) return pictures;
+  const auto table = io::CsvTable::parse(*text, files::kPictures);
+  if (!table || !table->column("psnr_full_db")) return pictures;
+  for (std::size_t i = 0; i < table->rows(); ++i) {
+    const auto cells = table->row(i);
+    const auto number = [&](std::size_t column) {
+      return io::parse_double(cells[column]).value_or(-1);
+    };
+    const auto index = static_cast<std::int64_t>(number(0));
+    const auto load = [&](const char* what) {
+      return io::load_color(folder / files::kRenders / picture_name(index, what));
+    };
+    auto truth = load("truth"), rendering = load("render"), error = load("error");
+    if (!truth || !rendering || !error) {
+      log().warn("a picture of frame {} is missing in {}", index, folder.string());
+      continue;
+    }
+    pictures.push_back({index, number(1) == 1, number(2), std::move(*truth), std::move(*rendering),
+                        std::move(*error)});
+  }
+  return pictures;
+}
+
+map::SnapshotPtr as_snapshot(std::vector<map::Gaussian> gaussians) {
+  auto snapshot = std::make_shared<map::Snapshot>();
+  snapshot->version = 1;
+  snapshot->anchors.resize(gaussians.size());
+  for (std::size_t i = 0; i < gaussians.size(); ++i) {
+    snapshot->anchors[i].id = static_cast<std::uint32_t>(i);
+  }
+  snapshot->gaussians = std::move(gaussians);
+  return snapshot;
+}
+
+}  // namespace sgs::run

@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/run/run_config.h"
+
+#include <fmt/format.h>
+
+#include "sgs/io/toml_config.h"
+#include "sgs/run/run_files.h"
+#include "sgs/run/version.h"
+
+namespace sgs::run {
+namespace {
+
+/// The [run] table of config.toml.
+struct Stamp {
+  int format = 1;
+  std::string version;
+
+  void declare(ParameterList& list) {
+    constexpr double kAny = 1e6;
+    const auto group = list.group("run");
+    list.add("format", format, "Format of the run folder.", "", {1, kAny});
+    list.add("version", version, "Version of sgs that made it.", {});
+  }
+};
+
+}  // namespace
+
+Result<slam::SessionConfig> resolve_config(const ConfigSources& sources, InputSpec& input) {
+  SGS_ASSIGN_OR_RETURN(auto config, slam::make_session_config(sources.preset));
+  if (!sources.file.empty()) {
+    Stamp stamp;
+    InputSpec from_file;
+    ParameterList list;
+    stamp.declare(list);
+    from_file.declare(list);
+    config.declare(list);
+    SGS_RETURN_IF_ERROR(io::apply_toml_file(sources.file, list));
+    if (input.input.empty()) input = from_file;
+  }
+  ParameterList list;
+  config.declare(list);
+  for (const std::string& assignment : sources.assignments) {
+    SGS_RETURN_IF_ERROR(list.set_assignment(assignment));
+  }
+  if (!sources.tracker.empty()) SGS_RETURN_IF_ERROR(list.set("tracker.type", sources.tracker));
+  if (!sources.seed.empty()) SGS_RETURN_IF_ERROR(list.set("slam.seed", sources.seed));
+  return config;
+}
+
+std::string config_text(const InputSpec& input, const slam::SessionConfig& config) {
+  // Declaring needs mutable fields; copies keep the arguments const.
+  Stamp stamp{kFolderFormat, version()};
+  InputSpec input_copy = input;
+  slam::SessionConfig config_copy = config;
+  // Folders are remembered absolutely: a run may be evaluated from anywhere.
+  std::error_code error;
+  for (std::string* path : {&input_copy.input, &input_copy.trajectory}) {
+    if (!path->empty() && std::filesystem::exists(*path, error)) {
+      *path = std::filesystem::absolute(*path, error).lexically_normal().string();
+    }
+  }
+  ParameterList list;
+  stamp.declare(list);
+  input_copy.declare(list);
+  config_copy.declare(list);
+  return "# Written by sgs. Every value as used; `sgs run --config` accepts this file.\n" +
+         list.to_toml();
+}
+
+Result<SavedConfig> load_config(const std::filesystem::path& folder) {
+  Stamp stamp;
+  SavedConfig saved;
+  ParameterList list;
+  stamp.declare(list);
+  saved.input.declare(list);
+  saved.config.declare(list);
+  const auto status = io::apply_toml_file(folder / files::kConfig, list);
+  const bool later = stamp.format > kFolderFormat;
+  if (!status || later) {
+    Error error = status ? Error{ErrorCode::kUnsupported, "", ""} : status.error();
+    if (later) {
+      error.code = ErrorCode::kUnsupported;
+      error.message = fmt::format("{} was made by sgs {}, a later version than this ({})",
+                                  folder.string(), stamp.version, version());
+      error.remedy = "use that version, or run the sequence again";
+    } else {
+      error.remedy += error.remedy.empty() ? "" : "; ";
+      error.remedy += fmt::format("is '{}' a run folder made by this version of sgs ({})?",
+                                  folder.string(), version());
+    }
+    return tl::unexpected(error);
+  }
+  saved.format = stamp.format;
+  return saved;
+}
+
+}  // namespace sgs::run

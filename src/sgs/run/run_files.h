@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// The files of a run folder, named here only (docs/formats.md tells what is in them).
+namespace sgs::run::files {
+
+inline constexpr const char* kConfig = "config.toml";  ///< input and every parameter as used
+inline constexpr const char* kCamera = "camera.txt";   ///< of the frames as they were tracked
+inline constexpr const char* kTrajectory = "trajectory.txt";
+inline constexpr const char* kKeyframes = "keyframes.txt";
+inline constexpr const char* kTruth = "groundtruth.txt";
+inline constexpr const char* kFrames = "frames.csv";
+inline constexpr const char* kMap = "map.ply";
+inline constexpr const char* kTimings = "timings.json";
+inline constexpr const char* kMetrics = "metrics.json";
+inline constexpr const char* kReport = "report.html";
+inline constexpr const char* kLog = "log.txt";
+inline constexpr const char* kRenders = "renders";  ///< folder
+inline constexpr const char* kPictures = "renders/pictures.csv";
+
+}  // namespace sgs::run::files

@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/run/score.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sgs/core/stopwatch.h"
+
+namespace sgs::run {
+namespace {
+
+/// Estimates with the frame numbers and lost flags of the frames.
+std::vector<eval::PoseEstimate> estimates_of(const Run& run) {
+  std::vector<eval::PoseEstimate> estimates;
+  for (const slam::FrameRecord& frame : run.frames) {
+    const auto pose = run.trajectory.at(frame.timestamp_s, 0.0);
+    if (!pose || frame.bad) continue;
+    estimates.push_back(
+        {frame.index, frame.timestamp_s, *pose, frame.status == tracker::TrackingStatus::kLost});
+  }
+  return estimates;
+}
+
+void add_frame_metrics(const std::vector<slam::FrameRecord>& frames, eval::Metrics& metrics) {
+  using tracker::TrackingStatus;
+  std::int64_t tracked = 0, degenerate = 0, lost = 0, prior = 0;
+  std::vector<double> track_ms;
+  for (const slam::FrameRecord& frame : frames) {
+    if (frame.bad) continue;
+    const bool is_lost = frame.status == TrackingStatus::kLost;
+    lost += is_lost ? 1 : 0;
+    tracked += is_lost ? 0 : 1;
+    degenerate += frame.status == TrackingStatus::kDegenerate ? 1 : 0;
+    prior += frame.diagnostics.prior_active ? 1 : 0;
+    if (std::isfinite(frame.track_ms)) track_ms.push_back(frame.track_ms);
+  }
+  metrics.frames_tracked = tracked;
+  metrics.frames_lost = lost;
+  if (tracked > 0) {
+    metrics.degenerate_percent =
+        100.0 * static_cast<double>(degenerate) / static_cast<double>(tracked);
+    metrics.prior_percent = 100.0 * static_cast<double>(prior) / static_cast<double>(tracked);
+  }
+  if (!track_ms.empty()) {
+    metrics.track_ms_p50 = quantile(track_ms, 0.5);
+    metrics.track_ms_p95 = quantile(track_ms, 0.95);
+  }
+}
+
+Result<eval::RunEvaluation> score_rendering(const Run& run, const ScoreOptions& options,
+                                            const std::function<void(std::int64_t)>& progress,
+                                            const std::stop_token& stop) {
+  SGS_ASSIGN_OR_RETURN(auto input, open_input(run.input, options.threads));
+  std::optional<eval::Lpips> lpips;
+  if (!options.lpips_weights.empty()) {
+    SGS_ASSIGN_OR_RETURN(lpips, eval::Lpips::load(options.lpips_weights));
+  }
+  ThreadPool pool(options.threads);
+  const auto rasterizer = render::make_cpu_rasterizer(&pool);
+  eval::RunEvaluatorConfig config = options.rendering;
+  config.heldout_interval = run.config.heldout_interval;
+
+  eval::RunInput evaluation;
+  evaluation.next_frame = [&](RgbdFrame& frame) {
+    Error error;
+    while (true) {
+      const auto status = input.source->next(frame, error);
+      if (status == dataset::FrameRead::kOk) return true;
+      if (status == dataset::FrameRead::kEnd) return false;
+    }
+  };
+  evaluation.pose_of = [&](const RgbdFrame& frame) {
+    return run.trajectory.at(frame.timestamp_s, 0.0);
+  };
+  evaluation.frames_expected = run.frames_total;
+  evaluation.gaussians = run.gaussians;
+  evaluation.rasterizer = rasterizer.get();
+  evaluation.lpips = lpips ? &*lpips : nullptr;
+  evaluation.pool = &pool;
+  evaluation.cancelled = [&] { return stop.stop_requested(); };
+  evaluation.progress = progress;
+  return eval::evaluate_run(evaluation, config);
+}
+
+}  // namespace
+
+Scores score_trajectory(const Run& run, eval::Association association) {
+  eval::TrajectoryOptions options;
+  options.association = association;
+  options.frames_total = run.frames_total;
+  Scores scores;
+  scores.trajectory = eval::evaluate_trajectory(estimates_of(run), run.truth, options);
+  scores.metrics = run.metrics;
+  eval::replace_group(scores.metrics, eval::kTrajectoryGroup, scores.trajectory.scores);
+  add_frame_metrics(run.frames, scores.metrics);
+  return scores;
+}
+
+Result<Scores> score_run(const Run& run, const ScoreOptions& options,
+                         const std::function<void(std::int64_t)>& progress,
+                         const std::stop_token& stop) {
+  Scores scores = score_trajectory(run, options.association);
+  if (run.gaussians.empty()) return scores;
+  SGS_ASSIGN_OR_RETURN(scores.rendering, score_rendering(run, options, progress, stop));
+  const bool whole = !scores.rendering->cancelled;
+  eval::replace_group(scores.metrics, eval::kRenderingGroup,
+                      whole ? scores.rendering->scores : eval::Metrics{});
+  return scores;
+}
+
+std::string degeneracy_note(const eval::Metrics& metrics) {
+  const double degenerate = metrics.degenerate_percent.value_or(0);
+  const double filled = metrics.prior_percent.value_or(0);
+  if (degenerate < 1 || filled >= 0.5 * degenerate) return "";
+  return fmt::format(
+      "Geometry alone left at least one direction unobserved in {:.0f} % of the frames and nothing "
+      "filled it in: the pose can slide along that direction. The tracker 'spectral' fills it from "
+      "vision.",
+      degenerate);
+}
+
+}  // namespace sgs::run
