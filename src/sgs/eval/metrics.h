@@ -69,7 +69,7 @@ inline constexpr std::string_view kTrajectoryGroup = "Trajectory", kRenderingGro
 /// The metrics, declared once: calls `visit(MetricInfo, field)` for each in reading order, groups
 /// together. JSON, terminal, report, the browser's text and docs/metrics.md follow from this list.
 template <class M, class Visitor>
-void visit_metrics(M& m, Visitor&& visit) {
+void visit_metrics(M&& m, Visitor&& visit) {
   using I = MetricInfo;
   using enum Better;
   using enum Rank;
