@@ -51,7 +51,7 @@ Result<LoadedRun> load_finished_run(const std::string& folder) {
     SGS_ASSIGN_OR_RETURN(loaded.metrics, eval::load_metrics(path / "metrics.json"));
   }
   loaded.metrics.seed = static_cast<std::int64_t>(run.config.seed);
-  loaded.metrics.preset = run.config.preset;
+  loaded.metrics.preset = to_string(run.config.preset);
   loaded.metrics.tracker = run.config.tracker.type;
   run.name = fs::path(run.input.input).filename().string();
   run.frames = std::count(run.frames_csv.begin(), run.frames_csv.end(), '\n') - 1;

@@ -45,7 +45,7 @@ eval::Metrics run_metrics(const RunRequest& request, const slam::SessionConfig& 
   if (request.realtime) m.frames_dropped = clock.frames_dropped;
   m.seed = static_cast<std::int64_t>(config.seed);
   m.threads = request.threads;
-  m.preset = config.preset;
+  m.preset = to_string(config.preset);
   m.tracker = config.tracker.type;
   m.version = std::string(kVersion);
   return m;

@@ -75,7 +75,7 @@ Result<std::unique_ptr<ViewerLink>> ViewerLink::open(const ViewerRequest& reques
   info.version = kVersion;
   info.input = input.info.name;
   info.tracker = config.tracker.type;
-  info.preset = config.preset;
+  info.preset = to_string(config.preset);
   info.live = true;
   info.camera = input.source->camera();
   info.frames_total = input.source->size();

@@ -114,7 +114,7 @@ Result<Replay> load_replay(const std::string& folder) {
   replay.info.version = kVersion;
   replay.info.input = fs::path(saved.input.input).filename().string();
   replay.info.tracker = saved.config.tracker.type;
-  replay.info.preset = saved.config.preset;
+  replay.info.preset = to_string(saved.config.preset);
   replay.info.live = false;
   replay.info.frames_total = static_cast<std::int64_t>(table.rows());
   auto records = records_of(table);

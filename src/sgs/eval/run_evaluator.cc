@@ -185,16 +185,6 @@ std::string protocol_line(const RunInput& input, const RunEvaluatorConfig& confi
 
 }  // namespace
 
-void RunEvaluatorConfig::declare(ParameterList& list) {
-  list.add("stride", stride, "Every n-th frame is rendered and compared", "", {1, 1e6});
-  list.add("lpips_stride", lpips_stride, "Every n-th compared frame also gets LPIPS", "", {1, 1e6});
-  list.add("pictures", pictures, "Frames shown in the report", "", {0, 24});
-  list.add("picture_width_px", picture_width_px, "Width of the report's pictures", "px",
-           {16, 4096});
-  list.add("depth_min_alpha", depth_min_alpha,
-           "Rendered depth counts where the rendering is at least this opaque", "", {0, 1});
-}
-
 RunEvaluation evaluate_run(const RunInput& input, const RunEvaluatorConfig& config) {
   SGS_CHECK(input.next_frame && input.pose_of && input.rasterizer != nullptr,
             "evaluation needs frames, poses and a rasterizer");
