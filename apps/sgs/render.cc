@@ -49,12 +49,9 @@ Result<PinholeCamera> camera_of_run(const std::string& folder) {
 
 ColorImage to_8_bit(const Image<render::Rgbf>& color) {
   ColorImage out(color.width(), color.height());
-  const auto byte = [](float v) {
-    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0f, 1.0f)));
-  };
   for (std::size_t i = 0; i < out.size(); ++i) {
     const render::Rgbf& c = color.data()[i];
-    out.data()[i] = {byte(c.r), byte(c.g), byte(c.b)};
+    out.data()[i] = {to_byte(c.r), to_byte(c.g), to_byte(c.b)};
   }
   return out;
 }

@@ -25,6 +25,8 @@ Result<slam::SessionConfig> resolve_config(RunRequest& request) {
   }
   if (!request.tracker.empty()) SGS_RETURN_IF_ERROR(list.set("tracker.type", request.tracker));
   if (!request.seed.empty()) SGS_RETURN_IF_ERROR(list.set("slam.seed", request.seed));
+  // The input's words go to config.toml, too.
+  SGS_RETURN_IF_ERROR(check(request.input));
   return config;
 }
 
