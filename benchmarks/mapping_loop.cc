@@ -29,15 +29,15 @@ MappingLoop::MappingLoop(const MappingLoopOptions& options)
   mapper::reserve(store_, gaussians.size());
   for (const map::Gaussian& g : gaussians) store_.append(g, {}, kNoLimit);
   bounds_.assign(store_.raw, store_.average);
-  target_ = rasterizer_->prepare(
+  training_ = rasterizer_->prepare(
       disturbed_view(*rasterizer_, gaussians, room_camera(options.width), pose_));
   loss_.dssim_weight = options.dssim_weight;
 }
 
 void MappingLoop::iterate() {
   mapper::StepWithBackward step(optimizer_, store_, bounds_);
-  rasterizer_->evaluate(store_.raw, *target_, pose_, loss_, gradients_,
-                        {.sink = &step, .bounds = &bounds_});
+  rasterizer_->evaluate(store_.raw, *training_, pose_, loss_, gradients_,
+                        {.scope = {.bounds = &bounds_}, .sink = &step});
 }
 
 std::size_t MappingLoop::visible() const { return gradients_.visible.size(); }

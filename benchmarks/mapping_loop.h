@@ -37,7 +37,7 @@ class MappingLoop {
   mapper::Optimizer optimizer_;
   map::GaussianStore store_;
   map::MeanBounds bounds_;
-  std::shared_ptr<const render::PreparedTarget> target_;
+  std::shared_ptr<const render::TrainingView> training_;
   SE3 pose_;
   render::LossConfig loss_;
   render::Gradients gradients_;

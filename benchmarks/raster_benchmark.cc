@@ -21,16 +21,16 @@ void run(benchmark::State& state, float dssim_weight, bool backward) {
                                              : benchmarks::make_view_filling(count, 0.6);
   const PinholeCamera camera = benchmarks::room_camera(static_cast<int>(state.range(1)));
   const SE3 pose = benchmarks::room_pose();
-  const auto target =
+  const auto training =
       rasterizer->prepare(benchmarks::disturbed_view(*rasterizer, gaussians, camera, pose));
   render::LossConfig loss;
   loss.dssim_weight = dssim_weight;
-  loss.depth_form = render::LossConfig::Depth::kAbsolute;
+  loss.depth_form = render::DepthForm::kAbsolute;
   render::Gradients gradients;
   render::Rendering image;
   for (auto _ : state) {
     if (backward) {
-      rasterizer->evaluate(gaussians, *target, pose, loss, gradients);
+      rasterizer->evaluate(gaussians, *training, pose, loss, gradients);
       benchmark::DoNotOptimize(gradients.gradient.data());
     } else {
       rasterizer->render(gaussians, camera, pose, image);

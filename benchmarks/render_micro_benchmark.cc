@@ -102,10 +102,10 @@ void DssimOfOneChannel(benchmark::State& state) {
       y.row(row)[column] = 0.5f + 0.4f * std::sin(0.1f * static_cast<float>(column - row));
     }
   }
-  const TargetMoments target(y);
+  const MeasuredMoments measured(y);
   ThreadPool pool(1);
   Dssim dssim;
-  for (auto _ : state) benchmark::DoNotOptimize(dssim.evaluate(x, target, gradient, pool));
+  for (auto _ : state) benchmark::DoNotOptimize(dssim.evaluate(x, measured, gradient, pool));
 }
 BENCHMARK(DssimOfOneChannel)->Unit(benchmark::kMillisecond);
 

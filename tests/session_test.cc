@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <thread>
 
@@ -31,11 +32,10 @@ std::vector<std::shared_ptr<const RgbdFrame>> small_sequence(int count) {
 }
 
 slam::SessionConfig config_for_test() {
-  auto config = slam::make_session_config("default");
-  EXPECT_TRUE(config);
-  config->mapper.iterations_per_frame = 1.5;
-  config->keyframe_interval = 4;
-  return *config;
+  auto config = slam::make_session_config(slam::Preset::kDefault);
+  config.mapper.iterations_per_frame = 1.5;
+  config.keyframe_interval = 4;
+  return config;
 }
 
 struct Outcome {
@@ -205,6 +205,26 @@ TEST(Session, SaysWhatIsWrongWithItsSettings) {
   slam::SessionOptions options;
   options.threads = 0;
   EXPECT_FALSE(slam::Session::create(config_for_test(), {320, 240, 260, 260, 160, 120}, options));
+}
+
+TEST(SessionConfig, EveryPresetIsAllowedAndEveryFormerKeyLeadsSomewhere) {
+  for (const auto& [preset, name] : enum_names(slam::Preset{})) {
+    auto config = slam::make_session_config(name);
+    ASSERT_TRUE(config) << config.error().text();
+    EXPECT_EQ(config->preset, preset);
+    EXPECT_TRUE(check(*config)) << check(*config).error().text();
+    ParameterList list;
+    config->declare(list);
+    for (const FormerKey& former : list.former_keys()) {
+      EXPECT_EQ(list.find(former.key), nullptr) << former.key << " is declared";
+      const auto leads_there = [&](const Parameter& p) {
+        return p.key == former.now || p.key.starts_with(former.now + ".");
+      };
+      const auto& known = list.parameters();
+      EXPECT_TRUE(former.now.empty() || std::any_of(known.begin(), known.end(), leads_there))
+          << former.key << " leads to " << former.now;
+    }
+  }
 }
 
 }  // namespace

@@ -405,6 +405,11 @@ class BadInput(Case):
         self.fails(self.master, "--set", "slam.keyframe_interval=nan", code=2,
                    saying=["slam.keyframe_interval"])
         self.fails(self.master, "--set", "nonsense", code=2, saying=["key=value"])
+        self.fails(self.master, "--set", "mapper.schedule.freeze_after_steps=9", code=2,
+                   saying=["mapper.schedule.freeze_after_steps", "removed"])
+        self.fails(self.master, "--set", "mapper.insertion.method=quatdree", code=2,
+                   saying=["mean 'quadtree'", "quadtree | grid"])
+        self.fails(self.master, "--set", 9999 * "nonsense" + "=1", code=2, saying=["unknown config key"])
         self.fails(self.master, "--frames", "9:3", code=2, saying=["a:b"])
         self.fails("synth:no_such_scene", code=2, saying=["room_desk"])
         self.fails("synth:room_desk:kinetc", code=2, saying=["kinect"])

@@ -13,6 +13,7 @@
 
 #include "sgs/core/bounded_queue.h"
 #include "sgs/core/error.h"
+#include "sgs/core/image.h"
 #include "sgs/core/stopwatch.h"
 #include "sgs/core/thread_pool.h"
 
@@ -192,6 +193,15 @@ TEST(ThreadPool, MayEndRightAfterARecess) {
     pool.run(4, [&](int, int) { ++count; });
     EXPECT_EQ(count, 4);
   }
+}
+
+TEST(Image, BytesAreRoundedAndClamped) {
+  EXPECT_EQ(to_byte(0.0f), 0);
+  EXPECT_EQ(to_byte(0.5f), 128);
+  EXPECT_EQ(to_byte(1.0f), 255);
+  EXPECT_EQ(to_byte(7.0f), 255);
+  EXPECT_EQ(to_byte(-0.1f), 0);
+  EXPECT_EQ(to_byte(std::numeric_limits<float>::quiet_NaN()), 0);
 }
 
 TEST(Stopwatch, QuantilesAndMerging) {

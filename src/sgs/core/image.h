@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -53,6 +55,11 @@ using ColorImage = Image<Rgb8>;
 /// Depth along the optical axis in metres; 0 = no measurement. Never NaN or negative.
 using DepthImage = Image<float>;
 using GrayImage = Image<std::uint8_t>;
+
+/// A colour or an opacity in 0..1 as a byte; what lies outside is clamped, NaN is 0.
+inline std::uint8_t to_byte(float value) {
+  return value > 0 ? static_cast<std::uint8_t>(std::lround(255 * std::min(value, 1.0f))) : 0;
+}
 
 /// Luma of one pixel, 0..255 (ITU-R BT.601 weights).
 inline float luma(const Rgb8& c) {

@@ -57,7 +57,7 @@ Result<FrameList> list_folder(const fs::path& folder, const io::SequenceToml& to
                 "sequence.color and sequence.depth are folders or patterns such as color/*.png");
   }
   Pairs pairs;
-  if (toml.match == "stem") {
+  if (toml.match == io::FrameMatching::kStem) {
     pairs = pair_by_stem(color, depth);
   } else {
     SGS_ASSIGN_OR_RETURN(pairs, pair_by_order(color, depth, toml_path));

@@ -335,7 +335,7 @@ TEST_F(TumFolder, PlainFolderByOrderAndByStem) {
   EXPECT_EQ(info.last_time_s, 0.2);
   fs::remove(folder() / "d/1.png");
   EXPECT_THAT(open_error(), HasSubstr("3 colour but 2 depth"));
-  toml.match = "stem";
+  toml.match = io::FrameMatching::kStem;
   ASSERT_TRUE(io::save_sequence_toml(path, toml));
   EXPECT_EQ(read_all(), "oo");
   EXPECT_EQ(info.color_without_depth, 1u);

@@ -19,7 +19,7 @@ MapStatistics map_statistics(std::span<const map::Gaussian> gaussians) {
   for (const map::Gaussian& g : gaussians) {
     std::array<double, 3> scale = {g.log_scale[0], g.log_scale[1], g.log_scale[2]};
     std::sort(scale.begin(), scale.end());
-    s.opacity.add(1 / (1 + std::exp(-static_cast<double>(g.opacity_logit))));
+    s.opacity.add(map::opacity<double>(g));
     s.thinnest.add(scale[0] / std::log(10.0));
     s.middle.add(scale[1] / std::log(10.0));
     s.widest.add(scale[2] / std::log(10.0));
@@ -50,9 +50,6 @@ std::vector<MapPoint> sample_points(std::span<const map::Gaussian> gaussians, st
   for (const map::Gaussian& g : gaussians) {
     if (g.opacity_logit > 0) solid.push_back(&g);
   }
-  const auto byte = [](float v) {
-    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0f, 1.0f)));
-  };
   std::vector<MapPoint> points;
   const std::size_t kept = std::min(count, solid.size());
   const float cover =
@@ -61,7 +58,7 @@ std::vector<MapPoint> sample_points(std::span<const map::Gaussian> gaussians, st
     const map::Gaussian& g = *solid[i * solid.size() / kept];
     const Eigen::Vector3d mean(g.mean[0], g.mean[1], g.mean[2]);
     points.push_back({(T_target_world * mean).cast<float>(),
-                      {byte(g.rgb[0]), byte(g.rgb[1]), byte(g.rgb[2])},
+                      {to_byte(g.rgb[0]), to_byte(g.rgb[1]), to_byte(g.rgb[2])},
                       widest_axes(g, cover, T_target_world)});
   }
   return points;

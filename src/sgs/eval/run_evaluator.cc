@@ -54,10 +54,9 @@ struct RuleMeans {
 
 ColorImage to_8bit(const ColorFloatImage& image) {
   ColorImage result(image.width(), image.height());
-  const auto byte = [](float v) { return static_cast<std::uint8_t>(std::lround(255 * v)); };
   for (std::size_t i = 0; i < image.size(); ++i) {
     const render::Rgbf& p = image.data()[i];
-    result.data()[i] = {byte(p.r), byte(p.g), byte(p.b)};
+    result.data()[i] = {to_byte(p.r), to_byte(p.g), to_byte(p.b)};
   }
   return result;
 }
@@ -76,14 +75,11 @@ ColorImage resized(const ColorImage& image, int width) {
 ColorImage error_map(const ColorFloatImage& truth, const ColorFloatImage& image) {
   constexpr float kFullScale = 0.25f;
   ColorImage result(truth.width(), truth.height());
-  const auto byte = [](float v) {
-    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0f, 1.0f)));
-  };
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const render::Rgbf &a = truth.data()[i], &b = image.data()[i];
     const float error = (std::abs(a.r - b.r) + std::abs(a.g - b.g) + std::abs(a.b - b.b)) / 3;
     const float s = std::min(1.0f, error / kFullScale);
-    result.data()[i] = {byte(2 * s), byte(2 * s - 0.8f), byte(s < 0.5f ? s : 1 - s)};
+    result.data()[i] = {to_byte(2 * s), to_byte(2 * s - 0.8f), to_byte(s < 0.5f ? s : 1 - s)};
   }
   return result;
 }
@@ -200,16 +196,6 @@ std::string protocol_line(const RunInput& input, const RunEvaluatorConfig& confi
 }
 
 }  // namespace
-
-void RunEvaluatorConfig::declare(ParameterList& list) {
-  list.add("stride", stride, "Every n-th frame is rendered and compared", "", {1, 1e6});
-  list.add("lpips_stride", lpips_stride, "Every n-th compared frame also gets LPIPS", "", {1, 1e6});
-  list.add("pictures", pictures, "Frames shown in the report", "", {0, 24});
-  list.add("picture_width_px", picture_width_px, "Width of the report's pictures", "px",
-           {16, 4096});
-  list.add("depth_min_alpha", depth_min_alpha,
-           "Rendered depth counts where the rendering is at least this opaque", "", {0, 1});
-}
 
 RunEvaluation evaluate_run(const RunInput& input, const RunEvaluatorConfig& config) {
   SGS_CHECK(input.next_frame && input.pose_of && input.rasterizer != nullptr,

@@ -11,7 +11,6 @@
 
 #include "sgs/camera/heldout.h"
 #include "sgs/camera/rgbd_frame.h"
-#include "sgs/core/config.h"
 #include "sgs/core/error.h"
 #include "sgs/core/thread_pool.h"
 #include "sgs/eval/lpips.h"
@@ -24,13 +23,10 @@ namespace sgs::eval {
 struct RunEvaluatorConfig {
   int stride = 1;        ///< every n-th frame of rules gsicp and full is rendered and compared
   int lpips_stride = 5;  ///< every n-th of those frames also gets LPIPS
-  int heldout_interval = kHeldoutInterval;  ///< must be what the run used (not declared:
-                                            ///< the caller sets it); 0 = nothing held out
+  int heldout_interval = kHeldoutInterval;  ///< what the run used; 0 = nothing held out
   int pictures = 6;                         ///< frames kept for the report, spread evenly
   int picture_width_px = 480;
   double depth_min_alpha = 0.5;  ///< depth is compared where the rendering is at least this opaque
-
-  void declare(ParameterList& list);
 };
 
 /// Means over frames of one rule. Empty: not measured.

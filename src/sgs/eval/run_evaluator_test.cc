@@ -20,11 +20,10 @@ class GreyRasterizer : public render::Rasterizer {
     out.depth_sum = Image<float>(camera.width, camera.height, 2.0f);
     out.alpha = Image<float>(camera.width, camera.height, 1.0f);
   }
-  std::shared_ptr<const render::PreparedTarget> prepare(
-      const render::TrainingImage&) const override {
+  std::shared_ptr<const render::TrainingView> prepare(const render::TrainingImage&) const override {
     return nullptr;
   }
-  void evaluate(std::span<const map::Gaussian>, const render::PreparedTarget&, const SE3&,
+  void evaluate(std::span<const map::Gaussian>, const render::TrainingView&, const SE3&,
                 const render::LossConfig&, render::Gradients&,
                 const render::EvaluateOptions&) override {}
   int calls = 0;

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "sgs/camera/pinhole.h"
+#include "sgs/core/enum_names.h"
 #include "sgs/core/error.h"
 
 namespace sgs::io {
@@ -33,6 +34,17 @@ Status save_camera_txt(const std::filesystem::path& path, const Calibration& cal
 /// Reads NICE-SLAM's `cam_params.json`: {"camera": {w, h, fx, fy, cx, cy, scale}}.
 Result<Calibration> load_cam_params_json(const std::filesystem::path& path);
 
+/// How the colour and depth images of a plain folder belong together.
+enum class FrameMatching {
+  kOrder,  ///< the n-th of both
+  kStem,   ///< equal file names without extension
+};
+
+constexpr auto enum_names(FrameMatching) {
+  using enum FrameMatching;
+  return std::to_array<EnumName<FrameMatching>>({{kOrder, "order"}, {kStem, "stem"}});
+}
+
 /// What a sequence folder's `sgs.toml` may say.
 ///
 ///     [camera]                      # all or nothing; distortion optional
@@ -55,7 +67,7 @@ struct SequenceToml {
   std::optional<Calibration> calibration;  ///< depth_scale 0 when the file does not give one
   std::string name;
   std::string color, depth;
-  std::string match = "order";
+  FrameMatching match = FrameMatching::kOrder;
   double fps = 30;
   std::string trajectory;
 };

@@ -159,7 +159,7 @@ TEST(Calibration, SequenceTomlRoundTripAndErrors) {
   content.name = "a \"quoted\" name";
   content.color = "color/*.jpg";
   content.depth = "depth";
-  content.match = "stem";
+  content.match = FrameMatching::kStem;
   content.fps = 15;
   content.trajectory = "poses.txt";
   const auto path = folder / "sgs.toml";

@@ -29,7 +29,7 @@ void declare(ParameterList& list, SequenceToml& content, Calibration& c) {
   list.add("name", content.name, "Name for reports.", {});
   list.add("color", content.color, "Folder or pattern of the colour images.", {});
   list.add("depth", content.depth, "Folder or pattern of the depth images.", {});
-  list.add("match", content.match, "How colour and depth belong together.", {"order", "stem"});
+  list.add("match", content.match, "How colour and depth belong together.");
   list.add("fps", content.fps, "Frames per second.", "1/s", {1e-3, 1e5});
   list.add("trajectory", content.trajectory, "Ground truth, TUM text.", {});
 }
@@ -119,7 +119,7 @@ Status save_sequence_toml(const fs::path& path, const SequenceToml& content) {
   if (!content.color.empty()) {
     add("color", content.color);
     add("depth", content.depth);
-    add("match", content.match);
+    add("match", to_string(content.match));
     text += fmt::format("fps = {}\n", content.fps);
   }
   add("trajectory", content.trajectory);

@@ -39,10 +39,6 @@ std::array<double, 4> unit_rotation(const map::Gaussian& g) {
   return {g.rotation[0] / norm, g.rotation[1] / norm, g.rotation[2] / norm, g.rotation[3] / norm};
 }
 
-double opacity(const map::Gaussian& g) {
-  return 1 / (1 + std::exp(-static_cast<double>(g.opacity_logit)));
-}
-
 float opacity_logit(double opacity) {
   // The sigmoid of this differs from 1 by one float step.
   constexpr double kMaxLogit = 16;

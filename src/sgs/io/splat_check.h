@@ -17,9 +17,7 @@ Status check_splats(const std::filesystem::path& path, std::span<const map::Gaus
 
 /// The rotation as a unit quaternion w x y z.
 std::array<double, 4> unit_rotation(const map::Gaussian& gaussian);
-/// Opacity 0..1.
-double opacity(const map::Gaussian& gaussian);
-/// Inverse of opacity(), clamped to +-16 where it would be infinite.
+/// Inverse of map::opacity(), clamped to +-16 where it would be infinite.
 float opacity_logit(double opacity);
 
 /// Colour in splat files is (rgb - 0.5) / kSh0: SH basis function of degree 0, 1 / (2 sqrt(pi)).

@@ -41,7 +41,7 @@ std::string splat_records(std::span<const map::Gaussian> splats) {
       record.scale[k] = std::exp(g.log_scale[k]);
       record.rgba[k] = byte(255.0 * g.rgb[k]);
     }
-    record.rgba[3] = byte(255 * opacity(g));
+    record.rgba[3] = byte(255 * map::opacity<double>(g));
     for (std::size_t k = 0; k < 4; ++k) record.rotation[k] = byte(128 + 128 * q[k]);
     std::memcpy(out.data() + i * sizeof record, &record, sizeof record);
   }

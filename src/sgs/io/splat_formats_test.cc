@@ -60,7 +60,7 @@ void expect_near(const std::vector<map::Gaussian>& a, const std::vector<map::Gau
       EXPECT_NEAR(a[i].log_scale[k], b[i].log_scale[k], tolerance.log_scale);
       EXPECT_NEAR(a[i].rgb[k], b[i].rgb[k], tolerance.rgb);
     }
-    EXPECT_NEAR(opacity(a[i]), opacity(b[i]), tolerance.opacity);
+    EXPECT_NEAR(map::opacity<double>(a[i]), map::opacity<double>(b[i]), tolerance.opacity);
     EXPECT_LT(angle(a[i], b[i]), tolerance.angle);
   }
 }

@@ -114,7 +114,7 @@ Status save_spz(const fs::path& path, std::span<const map::Gaussian> splats) {
   std::memcpy(out.data(), &header, sizeof header);
   out.reserve(out.size() + kBytesPerSplat * splats.size());
   for (const map::Gaussian& g : splats) append_position(out, g, bits);
-  for (const map::Gaussian& g : splats) out += byte(255 * opacity(g));
+  for (const map::Gaussian& g : splats) out += byte(255 * map::opacity<double>(g));
   for (const map::Gaussian& g : splats) {
     for (const float c : g.rgb) out += byte(255 * (0.5 + kColorScale * (c - 0.5) / kSh0));
   }

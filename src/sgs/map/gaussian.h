@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -23,6 +24,12 @@ struct alignas(64) Gaussian {
   float unused[2];      ///< always 0, so that rows can be combined as vectors
 };
 static_assert(sizeof(Gaussian) == 64);
+
+/// Opacity of a Gaussian, 0..1.
+template <class T = float>
+T opacity(const Gaussian& g) {
+  return 1 / (1 + std::exp(-static_cast<T>(g.opacity_logit)));
+}
 
 /// What a Gaussian was born with; photometric optimisation never changes it. The tracker's
 /// geometric target (METHOD section 7) and what moves when its keyframe moves.

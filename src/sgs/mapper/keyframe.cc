@@ -90,8 +90,8 @@ void MapKeyframe::write_training_image(int level, render::TrainingImage& image) 
   }
 }
 
-std::shared_ptr<const render::PreparedTarget> TargetCache::get(const MapKeyframe& keyframe,
-                                                               std::size_t index, int level) {
+std::shared_ptr<const render::TrainingView> TrainingViewCache::get(const MapKeyframe& keyframe,
+                                                                   std::size_t index, int level) {
   if (level == 1) {
     if (half_.size() <= index) half_.resize(index + 1);
     if (!half_[index]) {
@@ -102,7 +102,7 @@ std::shared_ptr<const render::PreparedTarget> TargetCache::get(const MapKeyframe
   }
   const auto found = std::find_if(full_.begin(), full_.end(),
                                   [&](const auto& entry) { return entry.first == index; });
-  std::pair<std::size_t, std::shared_ptr<const render::PreparedTarget>> entry;
+  std::pair<std::size_t, std::shared_ptr<const render::TrainingView>> entry;
   if (found != full_.end()) {
     entry = *found;
   } else {

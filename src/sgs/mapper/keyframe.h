@@ -52,24 +52,24 @@ inline int rendering_scale(const render::Rendering& rendering, const PinholeCame
   return rendering.alpha.width() == camera.width ? 1 : 2;
 }
 
-/// Prepared training targets: half resolution for every keyframe, full resolution for the most
-/// recently used ones.
-class TargetCache {
+/// Training views of the keyframes: half resolution for every keyframe, full resolution for the
+/// most recently used ones.
+class TrainingViewCache {
  public:
-  TargetCache(const render::Rasterizer& rasterizer, std::size_t full_kept)
+  TrainingViewCache(const render::Rasterizer& rasterizer, std::size_t full_kept)
       : rasterizer_(rasterizer), full_kept_(full_kept) {}
 
-  /// Target of keyframe number `index` at level 0 or 1.
-  std::shared_ptr<const render::PreparedTarget> get(const MapKeyframe& keyframe, std::size_t index,
-                                                    int level);
+  /// View of keyframe number `index` at level 0 or 1.
+  std::shared_ptr<const render::TrainingView> get(const MapKeyframe& keyframe, std::size_t index,
+                                                  int level);
 
  private:
   const render::Rasterizer& rasterizer_;
   std::size_t full_kept_;
   std::array<render::TrainingImage, 2> scratch_;  // per level
-  std::vector<std::shared_ptr<const render::PreparedTarget>> half_;
+  std::vector<std::shared_ptr<const render::TrainingView>> half_;
   /// Most recently used last.
-  std::vector<std::pair<std::size_t, std::shared_ptr<const render::PreparedTarget>>> full_;
+  std::vector<std::pair<std::size_t, std::shared_ptr<const render::TrainingView>>> full_;
 };
 
 }  // namespace sgs::mapper

@@ -122,7 +122,7 @@ Matrix6d pose_information(const render::TrainingImage& image, const render::Loss
       }
       const std::optional<Eigen::RowVector2d> slope = depth_slope(image.depth, x, y, kSmooth);
       if (!slope) continue;
-      const double weight = loss.depth_form == render::LossConfig::Depth::kAlphaRelative
+      const double weight = loss.depth_form == render::DepthForm::kAlphaRelative
                                 ? depth_curvature / std::max(z, 0.3)
                                 : depth_curvature;
       const RowVector6d change = flow.depth - *slope * flow.pixel;

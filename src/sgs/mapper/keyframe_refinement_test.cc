@@ -59,7 +59,7 @@ TEST(KeyframeRefinement, DepthKnowsTheDistanceOfAWallAndItsTiltOnly) {
   render::LossConfig loss = color_only();
   loss.color_weight = 0;
   loss.depth_weight = 1;
-  loss.depth_form = render::LossConfig::Depth::kAbsolute;
+  loss.depth_form = render::DepthForm::kAbsolute;
   const render::TrainingImage here = view(SE3{});
   const Matrix6d information = pose_information(here, loss);
   const double pixels = static_cast<double>(here.depth.size());

@@ -13,7 +13,6 @@
 #include "sgs/mapper/optimizer.h"
 #include "sgs/mapper/schedule.h"
 #include "sgs/mapper/snapshot_pool.h"
-#include "sgs/mapper/sparse_steps.h"
 #include "sgs/mapper/view_candidates.h"
 #include "sgs/render/rasterizer.h"
 
@@ -26,16 +25,10 @@ render::LossConfig loss_config(const ObjectiveConfig& objective) {
   loss.depth_weight = static_cast<float>(objective.depth_weight);
   loss.color_knee = static_cast<float>(objective.color_knee);
   loss.depth_knee_m = static_cast<float>(objective.depth_knee_m);
-  loss.depth_form = objective.depth_form == "absolute" ? render::LossConfig::Depth::kAbsolute
-                                                       : render::LossConfig::Depth::kAlphaRelative;
+  loss.depth_form = objective.depth_form;
   loss.color_only_where_depth = objective.color_only_where_depth;
   loss.floater_margin_m = static_cast<float>(objective.floater_margin_m);
   return loss;
-}
-
-Schedule::Order schedule_order(const std::string& name) {
-  if (name == "rounds") return Schedule::Order::kRounds;
-  return name == "random" ? Schedule::Order::kRandom : Schedule::Order::kBalanced;
 }
 
 bool has_depth(const RgbdFrame& frame, double max_depth_m) {
@@ -55,10 +48,9 @@ struct Mapper::Impl {
       : config(c),
         camera(cam),
         rasterizer(render::make_cpu_rasterizer(pool)),
-        targets(*rasterizer, static_cast<std::size_t>(c.schedule.full_targets_kept)),
+        training_views(*rasterizer, static_cast<std::size_t>(c.schedule.full_views_kept)),
         optimizer(c.optimizer),
-        schedule(seed, schedule_order(c.schedule.order), c.schedule.visit_bias),
-        sparse(c.schedule),
+        schedule(seed, c.schedule.order, c.schedule.visit_bias),
         views(c.schedule.look_interval),
         loss(loss_config(c.objective)) {}
 
@@ -68,10 +60,9 @@ struct Mapper::Impl {
   MapperConfig config;
   PinholeCamera camera;
   std::unique_ptr<render::Rasterizer> rasterizer;
-  TargetCache targets;
+  TrainingViewCache training_views;
   Optimizer optimizer;
   Schedule schedule;
-  SparseSteps sparse;
   ViewCandidates views;
   map::GaussianSet removed;
   render::LossConfig loss;
@@ -99,24 +90,18 @@ void Mapper::Impl::step() {
   loss.dssim_weight = structural ? static_cast<float>(config.objective.dssim_weight) : 0.0f;
   loss.gain = keyframe.gain;
   const double asked_s = wall_time_s();
-  const auto target = targets.get(keyframe, index, level);
-  times.add_interval("map/iteration/target", asked_s, 1e3 * (wall_time_s() - asked_s));
+  const auto training = training_views.get(keyframe, index, level);
+  times.add_interval("map/iteration/view", asked_s, 1e3 * (wall_time_s() - asked_s));
   StepWithBackward step_with_backward(optimizer, store, bounds);
-  render::EvaluateOptions options = {.sink = &step_with_backward, .bounds = &bounds};
-  options.frozen = sparse.frozen(store.steps, iterations);
-  if (!structural) {
-    options.tiles = sparse.tiles(index, level);
-    options.tile_loss = sparse.tile_loss(index, level);
-  }
-  const bool whole = options.frozen.empty() && options.tiles.empty();
-  if (whole) {
-    const ViewCandidates::Visit visit = views.next(index, store.size());
-    options.candidates = visit.candidates;
-    options.reached = visit.reached;
-    options.reached_weight = static_cast<float>(config.schedule.min_weight);
-  }
-  options.min_transmittance = static_cast<float>(config.schedule.min_transmittance);
-  rasterizer->evaluate(store.raw, *target, keyframe.T_world_camera, loss, gradients, options);
+  const ViewCandidates::Visit visit = views.next(index, store.size());
+  const render::EvaluateOptions options = {
+      .scope = {.bounds = &bounds,
+                .candidates = visit.candidates,
+                .min_transmittance = static_cast<float>(config.schedule.min_transmittance)},
+      .capture = {.reached = visit.reached,
+                  .reached_weight = static_cast<float>(config.schedule.min_weight)},
+      .sink = &step_with_backward};
+  rasterizer->evaluate(store.raw, *training, keyframe.T_world_camera, loss, gradients, options);
   const PinholeCamera view = camera.halved(level);
   last_loss = gradients.loss / (static_cast<double>(view.width) * view.height);
 
@@ -126,7 +111,7 @@ void Mapper::Impl::step() {
     update_gain(keyframe, gradients.exposure_measured, gradients.exposure_rendered,
                 refinement.exposure_prior, refinement.exposure_step);
   }
-  if (refinement.pose && whole && index > 0 && keyframe.visits >= refinement.pose_first_visit) {
+  if (refinement.pose && index > 0 && keyframe.visits >= refinement.pose_first_visit) {
     if (!keyframe.pose_information) {
       keyframe.pose_information = pose_information(keyframe.training_image(1), loss);
     }
@@ -194,7 +179,7 @@ int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE
   // Rarely more than one new Gaussian for every 4x4 pixels.
   reserve(m.store,
           m.store.size() + static_cast<std::size_t>(m.camera.width * m.camera.height / 16));
-  if (m.config.insertion.method == "grid") {
+  if (m.config.insertion.method == InsertionMethod::kGrid) {
     insert_grid(keyframe, index, m.config.insertion, m.store);
   } else {
     const bool empty = m.store.size() == 0;

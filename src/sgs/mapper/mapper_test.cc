@@ -46,23 +46,6 @@ std::unique_ptr<Mapper> trained(const MapperConfig& config, ThreadPool* pool, in
   return mapper;
 }
 
-TEST(Mapper, LearnsWithStepsThatLeaveThingsOut) {
-  MapperConfig config = config_for_test();
-  config.refinement.pose = false;
-  const SE3 between = translated(0.15, 0.03, 0.02);
-  const auto view = wall_frame(small_camera(), between);
-  const double full = psnr_db(*trained(config, nullptr, 40)->snapshot(), *view, between);
-  config.schedule.freeze_after_steps = 30;
-  const double frozen = psnr_db(*trained(config, nullptr, 40)->snapshot(), *view, between);
-  config.schedule.freeze_after_steps = 0;
-  config.schedule.tile_loss_floor = 0.8;
-  const double tiles = psnr_db(*trained(config, nullptr, 40)->snapshot(), *view, between);
-  EXPECT_NE(frozen, full);
-  EXPECT_NE(tiles, full);
-  EXPECT_GT(frozen, full - 3);
-  EXPECT_GT(tiles, full - 3);
-}
-
 TEST(Mapper, VisitsThatLookAtLessLearnAsMuch) {
   MapperConfig config = config_for_test();
   config.schedule.prune_interval = 25;

@@ -24,13 +24,13 @@ std::size_t Schedule::next() {
     fresh_.erase(fresh_.begin());
   } else {
     switch (order_) {
-      case Order::kBalanced:
+      case VisitOrder::kBalanced:
         index = next_balanced();
         break;
-      case Order::kRounds:
+      case VisitOrder::kRounds:
         index = next_in_round();
         break;
-      case Order::kRandom:
+      case VisitOrder::kRandom:
         index = random_.below(count_);
         break;
     }

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "sgs/mapper/mapper_config.h"
+
 namespace sgs::mapper {
 
 /// Small deterministic generator (SplitMix64, Steele et al. 2014) with its own mappings, so that
@@ -33,19 +35,13 @@ class Random {
 ///
 /// Where all come equally often, the k-th of n keyframes has had s ln(n / k) visits in the end, s
 /// being the steps per keyframe: the newest have next to none. Where the least visited comes first,
-/// the last views win over what others have taught (MAPPING, "Order"). `kBalanced` lies between: a
+/// the last views win over what others have taught. `kBalanced` lies between: a
 /// keyframe comes with a frequency in proportion to (visits + 4)^-bias, spread over time as evenly
-/// as shuffled rounds are.
+/// as shuffled rounds are (`kRounds`: every keyframe once in each).
 class Schedule {
  public:
-  enum class Order {
-    kBalanced,
-    kRounds,  ///< shuffled rounds in which every keyframe comes once
-    kRandom,
-  };
-
   /// `visit_bias` is the exponent of kBalanced.
-  Schedule(std::uint64_t seed, Order order, double visit_bias)
+  Schedule(std::uint64_t seed, VisitOrder order, double visit_bias)
       : random_(seed), order_(order), visit_bias_(visit_bias) {}
   /// Announces keyframe number `index`; it comes next.
   void add_keyframe(std::size_t index);
@@ -59,7 +55,7 @@ class Schedule {
   void count_visit(std::size_t index);
 
   Random random_;
-  Order order_;
+  VisitOrder order_;
   double visit_bias_;
   std::size_t count_ = 0;
   std::vector<std::size_t> fresh_;  ///< announced, not yet visited

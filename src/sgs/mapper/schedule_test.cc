@@ -13,7 +13,7 @@ namespace sgs::mapper {
 namespace {
 
 TEST(Schedule, VisitsANewKeyframeFirst) {
-  Schedule schedule(1, Schedule::Order::kBalanced, 0.5);
+  Schedule schedule(1, VisitOrder::kBalanced, 0.5);
   schedule.add_keyframe(0);
   EXPECT_EQ(schedule.next(), 0u);
   schedule.add_keyframe(1);
@@ -21,7 +21,7 @@ TEST(Schedule, VisitsANewKeyframeFirst) {
 }
 
 TEST(Schedule, VisitsEveryKeyframeOncePerRound) {
-  Schedule schedule(7, Schedule::Order::kRounds, 0);
+  Schedule schedule(7, VisitOrder::kRounds, 0);
   for (std::size_t i = 0; i < 9; ++i) {
     schedule.add_keyframe(i);
     schedule.next();
@@ -39,15 +39,14 @@ TEST(Schedule, VisitsEveryKeyframeOncePerRound) {
 }
 
 TEST(Schedule, DependsOnNothingButTheSeed) {
-  using Order = Schedule::Order;
-  const auto draw = [](std::uint64_t seed, Order order) {
+  const auto draw = [](std::uint64_t seed, VisitOrder order) {
     Schedule schedule(seed, order, 0.5);
     for (std::size_t i = 0; i < 9; ++i) schedule.add_keyframe(i);
     std::vector<std::size_t> drawn;
     for (int i = 0; i < 40; ++i) drawn.push_back(schedule.next());
     return drawn;
   };
-  for (const Order order : {Order::kBalanced, Order::kRounds, Order::kRandom}) {
+  for (const VisitOrder order : {VisitOrder::kBalanced, VisitOrder::kRounds, VisitOrder::kRandom}) {
     EXPECT_EQ(draw(3, order), draw(3, order));
     EXPECT_NE(draw(3, order), draw(4, order));
   }
@@ -57,7 +56,7 @@ TEST(Schedule, BalancedOrderFavoursTheLeastVisited) {
   // Forty keyframes, twelve steps each. In rounds the last eight would have 12 ln(40 / k), on
   // average 1.3, visits beside their first, the one in the middle 8.
   const auto visits = [](double bias) {
-    Schedule schedule(5, Schedule::Order::kBalanced, bias);
+    Schedule schedule(5, VisitOrder::kBalanced, bias);
     std::vector<int> count(40);
     for (std::size_t k = 0; k < count.size(); ++k) {
       schedule.add_keyframe(k);
@@ -74,7 +73,7 @@ TEST(Schedule, BalancedOrderFavoursTheLeastVisited) {
 }
 
 TEST(Schedule, BalancedOrderSpreadsVisitsOverTime) {
-  Schedule schedule(5, Schedule::Order::kBalanced, 0.5);
+  Schedule schedule(5, VisitOrder::kBalanced, 0.5);
   constexpr int kKeyframes = 20;
   for (std::size_t k = 0; k < kKeyframes; ++k) schedule.add_keyframe(k);
   std::vector<int> last_visit(kKeyframes, 0);

@@ -17,6 +17,7 @@
 #include "sgs/map/gaussian.h"
 #include "sgs/map/gaussian_set.h"
 #include "sgs/map/mean_bounds.h"
+#include "sgs/render/loss_config.h"
 
 namespace sgs::render {
 
@@ -43,39 +44,16 @@ struct TrainingImage {
 /// A training image in a rasterizer's own layout together with everything about it that stays the
 /// same from one evaluation to the next. Immutable, shareable between threads; to be handed only
 /// to rasterizers of the kind (Rasterizer::name) that prepared it.
-class PreparedTarget {
+class TrainingView {
  public:
-  explicit PreparedTarget(const PinholeCamera& camera) : camera_(camera) {}
-  virtual ~PreparedTarget() = default;
-  PreparedTarget(const PreparedTarget&) = delete;
-  PreparedTarget& operator=(const PreparedTarget&) = delete;
+  explicit TrainingView(const PinholeCamera& camera) : camera_(camera) {}
+  virtual ~TrainingView() = default;
+  TrainingView(const TrainingView&) = delete;
+  TrainingView& operator=(const TrainingView&) = delete;
   const PinholeCamera& camera() const { return camera_; }
 
  private:
   PinholeCamera camera_;
-};
-
-/// The loss of MAPPING.md, summed over pixels (not averaged):
-///   color_weight / 3 * sum_c |gain_c r_c - y_c|   over all pixels (or those with depth, see below)
-/// + depth_weight * |D - A z| / max(z, 0.3 m)       over pixels with measured depth z (kAlpha), or
-///   depth_weight * |D - z|                         (kAbsolute: the paper's form)
-/// + dssim_weight * (1 - SSIM) averaged over channels, over all pixels (0 = off), SSIM between
-///   gain_c r_c and y_c in an 11x11 Gaussian window (sigma 1.5) on zero-padded images.
-/// Where |e| is below a knee k it is replaced by its Huber form, e^2 / 2k (and |e| - k/2 above): an
-/// L1 slope that does not shrink with the residual keeps Adam's steps from settling.
-struct LossConfig {
-  enum class Depth { kAlphaRelative, kAbsolute };
-  float color_weight = 0.8f;
-  float color_knee = 0.0f;  ///< 0 = L1
-  float depth_weight = 0.2f;
-  float depth_knee_m = 0.0f;
-  float dssim_weight = 0.0f;
-  Depth depth_form = Depth::kAlphaRelative;
-  bool color_only_where_depth = false;  ///< paper: pixels without depth count nothing
-  /// Gaussians more than this far in front of the measured depth get no gradient (paper's
-  /// "floaters"); 0 = off.
-  float floater_margin_m = 0.0f;
-  std::array<float, 3> gain = {1, 1, 1};  ///< exposure gain of this view per channel
 };
 
 /// Gradient rows of the Gaussians that took part in a rendering. Row fields mirror
@@ -101,36 +79,35 @@ class GradientSink {
   virtual void accept(std::span<const std::uint32_t> indices, const map::Gaussian* rows) = 0;
 };
 
-/// Side of the tiles of EvaluateOptions::tiles, pixels.
-inline constexpr int kMaskTile = 32;
-
 /// Compositing stops at this transmittance: nothing behind is seen.
 inline constexpr float kMinTransmittance = 1e-4f;
 
-/// What an evaluation may do beside filling Gradients, and what it may leave out.
-struct EvaluateOptions {
-  Rendering* rendering = nullptr;  ///< where to store the forward images
-  GradientSink* sink = nullptr;    ///< takes the gradient rows; Gradients::gradient stays empty
+/// What an evaluation looks at.
+struct ViewScope {
   /// Bounds of the very Gaussians that are rendered: those out of view are not even looked at. The
-  /// result is the same to the bit.
+  /// result is the same to the bit. Null = all are looked at.
   const map::MeanBounds* bounds = nullptr;
-  /// One byte per Gaussian, not zero where it is frozen: drawn as ever, but neither among
-  /// Gradients::visible nor in camera_twist. Empty = none is.
-  std::span<const std::uint8_t> frozen = {};
-  /// One byte per tile of kMaskTile pixels, row by row, zero where the loss does not count (nor the
-  /// exposure sums). Gaussians that reach no other tile are left out. Empty = all count. Goes
-  /// neither with `rendering` nor with D-SSIM.
-  std::span<const std::uint8_t> tiles = {};
-  std::vector<float>* tile_loss = nullptr;  ///< loss per tile like `tiles`, without D-SSIM
-  /// Gaussians that it is known not to contain are left out. Null = all are looked at.
+  /// Gaussians that this set is known not to contain are left out. Null = none is.
   const map::GaussianSet* candidates = nullptr;
-  /// Gets the Gaussians that were composited, not hidden: all that weigh at least reached_weight
-  /// (alpha times transmittance, in [0, 1)) in some pixel that counts, and few others. Goes not
-  /// with `frozen`. May be the very set of `candidates`.
-  map::GaussianSet* reached = nullptr;
-  float reached_weight = 0;
   /// In (0, 1): where a training view may stop sooner than a picture.
   float min_transmittance = kMinTransmittance;
+};
+
+/// What an evaluation notes beside filling Gradients.
+struct Capture {
+  Rendering* rendering = nullptr;  ///< the forward images
+  /// The Gaussians that were composited, not hidden: all that weigh at least reached_weight (alpha
+  /// times transmittance, in [0, 1)) in some pixel, and few others. May be the very set of
+  /// ViewScope::candidates.
+  map::GaussianSet* reached = nullptr;
+  float reached_weight = 0;
+};
+
+/// How an evaluation goes about it; any of these may be combined.
+struct EvaluateOptions {
+  ViewScope scope = {};
+  Capture capture = {};
+  GradientSink* sink = nullptr;  ///< takes the gradient rows; Gradients::gradient stays empty
 };
 
 /// A differentiable Gaussian rasterizer: EWA projection with 0.3 px^2 low-pass, alpha clamped to
@@ -148,25 +125,23 @@ class Rasterizer {
                       const SE3& T_world_camera, Rendering& out) = 0;
 
   /// Converts a training image for evaluate(); once per keyframe and resolution.
-  virtual std::shared_ptr<const PreparedTarget> prepare(const TrainingImage& image) const = 0;
+  virtual std::shared_ptr<const TrainingView> prepare(const TrainingImage& image) const = 0;
 
-  /// One training evaluation: forward, loss against `target`, backward. Reuses `out`'s memory.
-  virtual void evaluate(std::span<const map::Gaussian> gaussians, const PreparedTarget& target,
+  /// One training evaluation: forward, loss against `training`, backward. Reuses `out`'s memory.
+  virtual void evaluate(std::span<const map::Gaussian> gaussians, const TrainingView& training,
                         const SE3& T_world_camera, const LossConfig& loss, Gradients& out,
                         const EvaluateOptions& options) = 0;
-  void evaluate(std::span<const map::Gaussian> gaussians, const PreparedTarget& target,
+  void evaluate(std::span<const map::Gaussian> gaussians, const TrainingView& training,
                 const SE3& T_world_camera, const LossConfig& loss, Gradients& out,
                 Rendering* rendering = nullptr) {
-    EvaluateOptions options;
-    options.rendering = rendering;
-    evaluate(gaussians, target, T_world_camera, loss, out, options);
+    evaluate(gaussians, training, T_world_camera, loss, out, {.capture = {.rendering = rendering}});
   }
 
   /// The same with the preparation done here each time.
-  void evaluate(std::span<const map::Gaussian> gaussians, const TrainingImage& target,
+  void evaluate(std::span<const map::Gaussian> gaussians, const TrainingImage& training,
                 const SE3& T_world_camera, const LossConfig& loss, Gradients& out,
                 Rendering* rendering = nullptr) {
-    evaluate(gaussians, *prepare(target), T_world_camera, loss, out, rendering);
+    evaluate(gaussians, *prepare(training), T_world_camera, loss, out, rendering);
   }
 };
 

@@ -2,20 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/render/rendered_images.h"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-
 namespace sgs::render {
 
 ColorImage to_color_image(const Image<Rgbf>& color) {
   ColorImage out(color.width(), color.height());
-  const auto byte = [](float v) {
-    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0f, 1.0f)));
-  };
   for (std::size_t i = 0; i < out.size(); ++i) {
     const Rgbf& c = color.data()[i];
-    out.data()[i] = {byte(c.r), byte(c.g), byte(c.b)};
+    out.data()[i] = {to_byte(c.r), to_byte(c.g), to_byte(c.b)};
   }
   return out;
 }

@@ -63,8 +63,8 @@ inline std::vector<map::Gaussian> random_gaussians(const PinholeCamera& camera, 
 
 /// A training view whose colours and depths lie well away from those of `rendering`, so that small
 /// steps cross no kink of an L1 loss; some pixels have no depth.
-inline TrainingImage target_beside(const Rendering& rendering, const PinholeCamera& camera,
-                                   Random& random) {
+inline TrainingImage training_image_beside(const Rendering& rendering, const PinholeCamera& camera,
+                                           Random& random) {
   TrainingImage t{camera, Image<Rgbf>(camera.width, camera.height),
                   DepthImage(camera.width, camera.height)};
   const auto offset = [&] {

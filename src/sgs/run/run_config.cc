@@ -45,6 +45,8 @@ Result<slam::SessionConfig> resolve_config(const ConfigSources& sources, InputSp
   }
   if (!sources.tracker.empty()) SGS_RETURN_IF_ERROR(list.set("tracker.type", sources.tracker));
   if (!sources.seed.empty()) SGS_RETURN_IF_ERROR(list.set("slam.seed", sources.seed));
+  // The input's words go to config.toml, too.
+  SGS_RETURN_IF_ERROR(check(input));
   return config;
 }
 

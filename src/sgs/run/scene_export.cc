@@ -4,9 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "sgs/core/log.h"
 #include "sgs/io/colmap.h"
 #include "sgs/io/image_io.h"
@@ -60,13 +57,10 @@ Status visit_recorded(const Run& run, dataset::FrameSource& source, const Visit&
 
 std::vector<io::ColoredPoint> to_points(std::span<const map::Gaussian> gaussians) {
   std::vector<io::ColoredPoint> points;
-  const auto byte = [](float v) {
-    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(v, 0.0f, 1.0f)));
-  };
   for (const map::Gaussian& g : gaussians) {
     if (g.opacity_logit < 0) continue;
-    points.push_back(
-        {{g.mean[0], g.mean[1], g.mean[2]}, {byte(g.rgb[0]), byte(g.rgb[1]), byte(g.rgb[2])}});
+    points.push_back({{g.mean[0], g.mean[1], g.mean[2]},
+                      {to_byte(g.rgb[0]), to_byte(g.rgb[1]), to_byte(g.rgb[2])}});
   }
   return points;
 }

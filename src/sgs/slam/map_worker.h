@@ -46,8 +46,8 @@ class MapWorker {
             Mode mode, int threads);
   ~MapWorker();
 
-  /// Queues the job of frame number `n` (0, 1, 2, ... without gaps). Rethrows a failure of the
-  /// mapping thread.
+  /// Queues the job of the next frame; every frame has one. Rethrows a failure of the mapping
+  /// thread.
   void submit(MapJob job);
   /// The state that frame number `n` is to be tracked against; waits for job n - snapshot_lag
   /// offline, never waits live.

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
+#include <string_view>
 
 #include "sgs/camera/heldout.h"
 #include "sgs/core/config.h"
@@ -12,22 +12,51 @@
 
 namespace sgs::slam {
 
+/// Where the values of a configuration start from: ours, or the paper as we read it.
+enum class Preset { kDefault, kPaper };
+
+constexpr auto enum_names(Preset) {
+  using enum Preset;
+  return std::to_array<EnumName<Preset>>({{kDefault, "default"}, {kPaper, "paper"}});
+}
+
 /// Everything that decides what a run computes. Same input, config and seed: same bits.
 struct SessionConfig {
-  std::string preset = "default";  ///< where the values came from; set by make_session_config()
-  std::uint64_t seed = 0;          ///< of every random choice
-  int keyframe_interval = 8;       ///< a mapping keyframe at least every so many frames
-  int heldout_interval =
-      kHeldoutInterval;        ///< every n-th frame is never used by the mapper; 0 = none
-  int snapshot_lag = 2;        ///< k: frame t is tracked against the map after frame t - k
-  int snapshot_interval = 10;  ///< a new snapshot at least every so many frames
+  Preset preset = Preset::kDefault;
+  std::uint64_t seed = 0;
+  int keyframe_interval = 8;
+  int heldout_interval = kHeldoutInterval;
+  int snapshot_lag = 2;
+  int snapshot_interval = 10;
   tracker::TrackerConfig tracker;
   mapper::MapperConfig mapper;
 
-  void declare(ParameterList& list);
+  void declare(ParameterList& p) {
+    {
+      const auto group = p.group("slam");
+      p.add("preset", preset,
+            "Preset that the values started from; to change it here changes none of them.");
+      p.add("seed", seed, "Seed of every random choice.");
+      p.add("keyframe_interval", keyframe_interval,
+            "A mapping keyframe at least every so many frames.", "frames", {1, 1000});
+      p.add("heldout_interval", heldout_interval,
+            "Every n-th frame is kept from the mapper for evaluation; 0 uses all frames.", "frames",
+            {0, 1000});
+      p.add("snapshot_lag", snapshot_lag,
+            "Frame t is tracked against the map that the budget of frame t - k left behind, so "
+            "that tracking and mapping overlap and nothing depends on timing.",
+            "frames", {1, 100});
+      p.add("snapshot_interval", snapshot_interval,
+            "A new map snapshot at least every so many frames (keyframes always make one).",
+            "frames", {1, 1000});
+    }
+    p.add_group("tracker", tracker);
+    p.add_group("mapper", mapper);
+  }
 };
 
-/// The named preset: "default" (ours) or "paper" (METHOD.md's reading of the paper).
-Result<SessionConfig> make_session_config(const std::string& preset);
+SessionConfig make_session_config(Preset preset);
+/// The preset of that name; an unknown name is an error that lists them.
+Result<SessionConfig> make_session_config(std::string_view preset);
 
 }  // namespace sgs::slam

@@ -73,7 +73,7 @@ void SnapshotTargets::set_target(std::size_t target, const map::Gaussian& g,
   registration::TargetPoint& p = cloud_.points[target];
   p.variance_m2 = std::max(anchor.sigma_n_m * anchor.sigma_n_m, 1e-10f);
   if (!(g.opacity_logit > min_opacity_logit_)) p.variance_m2 = 0;
-  p.opacity = 1 / (1 + std::exp(-g.opacity_logit));
+  p.opacity = map::opacity(g);
   if (kind_ == Kind::kAnchor) {
     p.point = R_map_world_ * anchor.point + t_map_world_;
     p.normal = R_map_world_ * anchor.normal;

@@ -20,11 +20,6 @@ constexpr int kVisibleColour = 2;
 constexpr std::uint8_t kMapKind = 1, kResetFlag = 1, kLastFlag = 2;
 constexpr std::size_t kHeaderBytes = 24;
 
-std::uint8_t to_byte(float value) {
-  // Written so that NaN becomes 0.
-  return value > 0 ? static_cast<std::uint8_t>(std::lround(255 * std::min(value, 1.0f))) : 0;
-}
-
 bool visibly_different(const SplatRecord& a, const SplatRecord& b) {
   const float size = std::max({a.scale[0], a.scale[1], a.scale[2]});
   float dot = 0;
@@ -81,7 +76,7 @@ SplatRecord encode_splat(const map::Gaussian& g, std::uint32_t id) {
   for (int k = 0; k < 4; ++k) {
     r.rotation[k] = norm > 0 ? g.rotation[k] / norm : (k == 0 ? 1.0f : 0.0f);
   }
-  r.rgba[3] = to_byte(1 / (1 + std::exp(-g.opacity_logit)));
+  r.rgba[3] = to_byte(map::opacity(g));
   return r;
 }
 

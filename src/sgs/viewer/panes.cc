@@ -10,10 +10,6 @@
 namespace sgs::viewer {
 namespace {
 
-std::uint8_t to_byte(float value) {
-  return value > 0 ? static_cast<std::uint8_t>(std::lround(255 * std::min(value, 1.0f))) : 0;
-}
-
 /// Colours of equal distance in lightness, dark blue to yellow.
 Rgb8 scale_color(float t) {
   static constexpr std::array<std::array<float, 3>, 5> kStops = {{{0.05f, 0.03f, 0.30f},

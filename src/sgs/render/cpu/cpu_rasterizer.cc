@@ -9,7 +9,7 @@
 #include "sgs/render/cpu/frustum.h"
 #include "sgs/render/cpu/project.h"
 #include "sgs/render/cpu/splat_backward.h"
-#include "sgs/render/target_check.h"
+#include "sgs/render/evaluation_check.h"
 
 namespace sgs::render::cpu {
 namespace {
@@ -32,7 +32,7 @@ TileLoss tile_loss(const LossConfig& loss) {
   out.depth_weight = loss.depth_weight;
   std::copy(loss.gain.begin(), loss.gain.end(), out.gain);
   out.floater_margin_m = loss.floater_margin_m;
-  out.depth_relative = loss.depth_form == LossConfig::Depth::kAlphaRelative;
+  out.depth_relative = loss.depth_form == DepthForm::kAlphaRelative;
   out.color_only_where_depth = loss.color_only_where_depth;
   return out;
 }
@@ -40,7 +40,7 @@ TileLoss tile_loss(const LossConfig& loss) {
 /// The Gaussians of chunk number `chunk` of `count` that are worth a look, into `indices`; returns
 /// their number.
 std::size_t list_chunk(std::size_t chunk, std::size_t count, const Frustum& frustum,
-                       const EvaluateOptions& options, std::uint32_t* indices) {
+                       const ViewScope& scope, std::uint32_t* indices) {
   constexpr std::size_t kBlock = map::MeanBounds::kBlock;
   static_assert(kChunk % kBlock == 0 && map::GaussianSet::kWord == kBlock);
   const std::size_t first = chunk * kChunk, end = std::min<std::size_t>(first + kChunk, count);
@@ -48,10 +48,10 @@ std::size_t list_chunk(std::size_t chunk, std::size_t count, const Frustum& frus
   for (std::size_t begin = first; begin < end; begin += kBlock) {
     const std::size_t block = begin / kBlock;
     std::uint64_t mask =
-        options.candidates == nullptr ? ~std::uint64_t{0} : options.candidates->maybe(block);
+        scope.candidates == nullptr ? ~std::uint64_t{0} : scope.candidates->maybe(block);
     if (end - begin < kBlock) mask &= ~(~std::uint64_t{0} << (end - begin));
     if (mask == 0) continue;
-    if (options.bounds != nullptr && !frustum.may_show(options.bounds->boxes()[block])) continue;
+    if (scope.bounds != nullptr && !frustum.may_show(scope.bounds->boxes()[block])) continue;
     if (mask == ~std::uint64_t{0}) {
       std::iota(indices + listed, indices + listed + kBlock, static_cast<std::uint32_t>(begin));
       listed += kBlock;
@@ -81,22 +81,22 @@ void CpuRasterizer::render(std::span<const map::Gaussian> gaussians, const Pinho
   store(grid, out);
 }
 
-std::shared_ptr<const PreparedTarget> CpuRasterizer::prepare(const TrainingImage& image) const {
+std::shared_ptr<const TrainingView> CpuRasterizer::prepare(const TrainingImage& image) const {
   check_training_image(image);
-  return std::make_shared<CpuTarget>(image);
+  return std::make_shared<CpuTrainingView>(image);
 }
 
-void CpuRasterizer::evaluate(std::span<const map::Gaussian> gaussians, const PreparedTarget& target,
+void CpuRasterizer::evaluate(std::span<const map::Gaussian> gaussians, const TrainingView& training,
                              const SE3& T_world_camera, const LossConfig& loss, Gradients& out,
                              const EvaluateOptions& options) {
-  const auto* own = dynamic_cast<const CpuTarget*>(&target);
-  SGS_CHECK(own != nullptr, "the target was prepared by another kind of rasterizer");
-  const View<float> view = make_view<float>(target.camera(), T_world_camera);
-  check_options(options, gaussians.size(), target.camera(), loss);
-  arrange(gaussians, view, own->grid(), options);
+  const auto* own = dynamic_cast<const CpuTrainingView*>(&training);
+  SGS_CHECK(own != nullptr, "the training view was prepared by another kind of rasterizer");
+  const View<float> view = make_view<float>(training.camera(), T_world_camera);
+  check_options(options, gaussians.size());
+  arrange(gaussians, view, own->grid(), options.scope);
   out.loss = 0;
   has_color_gradient_ = loss.dssim_weight != 0.0f;
-  if (has_color_gradient_) out.loss += add_dssim(*own, loss, options.min_transmittance);
+  if (has_color_gradient_) out.loss += add_dssim(*own, loss, options.scope.min_transmittance);
   visit_tiles(*own, loss, options);
   out.exposure_measured = out.exposure_rendered = {0, 0, 0};
   for (const TileResult& r : results_) {
@@ -106,57 +106,46 @@ void CpuRasterizer::evaluate(std::span<const map::Gaussian> gaussians, const Pre
       out.exposure_rendered[c] += r.exposure_rendered[c];
     }
   }
-  if (options.tile_loss != nullptr) {
-    options.tile_loss->clear();
-    for (const TileResult& r : results_) {
-      options.tile_loss->push_back(static_cast<float>(r.loss));
-    }
-  }
   splat_backward(gaussians, view, out, options.sink);
-  if (options.reached != nullptr) mark_reached(gaussians.size(), *options.reached);
-  if (options.rendering != nullptr) store(own->grid(), *options.rendering);
+  const Capture& capture = options.capture;
+  if (capture.reached != nullptr) mark_reached(gaussians.size(), *capture.reached);
+  if (capture.rendering != nullptr) store(own->grid(), *capture.rendering);
 }
 
 void CpuRasterizer::arrange(std::span<const map::Gaussian> gaussians, const View<float>& view,
-                            const TileGrid& grid, const EvaluateOptions& options) {
+                            const TileGrid& grid, const ViewScope& scope) {
   const std::size_t count = gaussians.size(), chunks = (count + kChunk - 1) / kChunk;
   SGS_CHECK(count < (std::size_t{1} << 31), "too many Gaussians");
   const std::size_t capacity = chunks * kChunk;
   records_.ensure(capacity);
   keys_.ensure(capacity);
   rects_.ensure(capacity);
-  trained_sources_.ensure(capacity);
+  sources_.ensure(capacity);
   first_slot_.ensure(chunks * kSlotStride);
   visible_.resize(chunks);
-  trained_.resize(chunks);
-  first_trained_.resize(chunks + 1);
+  first_visible_.resize(chunks + 1);
   slot_base_.resize(chunks);
-  const ProjectJob job = {gaussians.data(),
-                          options.frozen.empty() ? nullptr : options.frozen.data(),
-                          options.tiles.empty() ? nullptr : options.tiles.data(), grid.tiles_x};
   const Frustum frustum(view);
   pool_->run(static_cast<int>(chunks), [&](int chunk, int) {
     const auto c = static_cast<std::size_t>(chunk), first = c * kChunk;
     std::array<std::uint32_t, kChunk> indices;
-    const std::size_t listed = list_chunk(c, count, frustum, options, indices.data());
+    const std::size_t listed = list_chunk(c, count, frustum, scope, indices.data());
     const ProjectedChunk to = {records_.data() + first, keys_.data() + first, rects_.data() + first,
-                               trained_sources_.data() + first,
-                               first_slot_.data() + c * kSlotStride};
-    const ChunkCount found = project_chunk(view, job, {indices.data(), listed}, to);
+                               sources_.data() + first, first_slot_.data() + c * kSlotStride};
+    const ChunkCount found = project_chunk(view, gaussians.data(), {indices.data(), listed}, to);
     visible_[c] = found.visible;
-    trained_[c] = found.trained;
     slot_base_[c] = found.slots;
   });
-  std::uint32_t trained = 0;
+  std::uint32_t visible = 0;
   total_slots_ = 0;
   for (std::size_t c = 0; c < chunks; ++c) {
-    first_trained_[c] = trained;
-    trained += trained_[c];
+    first_visible_[c] = visible;
+    visible += visible_[c];
     const std::uint32_t slots = slot_base_[c];
     slot_base_[c] = total_slots_;
     total_slots_ += slots;
   }
-  first_trained_[chunks] = trained;
+  first_visible_[chunks] = visible;
   lists_.build(visible_, keys_.data(), rects_.data(), grid.tiles_x, grid.tiles_y, *pool_);
 }
 
@@ -183,9 +172,9 @@ void CpuRasterizer::forward_only(const TileGrid& grid, float min_transmittance) 
 
 /// SSIM needs a pixel's neighbours across tile borders, hence a rendering of the whole image ahead
 /// of the tile visits. (Compositing twice is cheaper than keeping the alphas of all tiles.)
-double CpuRasterizer::add_dssim(const CpuTarget& target, const LossConfig& loss,
+double CpuRasterizer::add_dssim(const CpuTrainingView& training, const LossConfig& loss,
                                 float min_transmittance) {
-  const TileGrid& grid = target.grid();
+  const TileGrid& grid = training.grid();
   forward_only(grid, min_transmittance);
   color_gradient_.ensure(static_cast<std::size_t>(grid.tiles()) * tile_floats(kGradientChannels));
   if (plane_.width != grid.width || plane_.height != grid.height) {
@@ -202,7 +191,7 @@ double CpuRasterizer::add_dssim(const CpuTarget& target, const LossConfig& loss,
         for (int i = 0; i < n; ++i) to[i] = gain * from[i];
       });
     });
-    sum += dssim_.evaluate(plane_, target.moments()[c], plane_gradient_, *pool_);
+    sum += dssim_.evaluate(plane_, training.moments()[c], plane_gradient_, *pool_);
     pool_->run(grid.tiles_y, [&](int row, int) {
       for_each_run(grid, row, kGradientChannels, [&](int x, int y, int n, std::size_t index) {
         const float* from = plane_gradient_.row(y) + x;
@@ -214,10 +203,10 @@ double CpuRasterizer::add_dssim(const CpuTarget& target, const LossConfig& loss,
   return sum * static_cast<double>(loss.dssim_weight) / 3;
 }
 
-void CpuRasterizer::visit_tiles(const CpuTarget& target, const LossConfig& loss,
+void CpuRasterizer::visit_tiles(const CpuTrainingView& training, const LossConfig& loss,
                                 const EvaluateOptions& options) {
-  const bool keep_image = options.rendering != nullptr;
-  const TileGrid& grid = target.grid();
+  const bool keep_image = options.capture.rendering != nullptr;
+  const TileGrid& grid = training.grid();
   const TileLoss weights = tile_loss(loss);
   slots_.ensure(total_slots_ + kSlotsReadAhead);
   slot_used_.ensure(total_slots_);
@@ -228,23 +217,18 @@ void CpuRasterizer::visit_tiles(const CpuTarget& target, const LossConfig& loss,
   }
   pool_->run(grid.tiles(), [&](int t, int worker) {
     const auto i = static_cast<std::size_t>(t);
-    if (!options.tiles.empty() && options.tiles[i] == 0) {
-      results_[i] = {};
-      return;
-    }
-    TileJob job = job_for(grid, t, options.min_transmittance);
+    TileJob job = job_for(grid, t, options.scope.min_transmittance);
     if (keep_image) job.image = image_.data() + i * tile_floats(kImageChannels);
-    job.target = target.tile(t);
+    job.training = training.tile(t);
     if (has_color_gradient_) {
       job.color_gradient = color_gradient_.data() + i * tile_floats(kGradientChannels);
     }
     job.loss = weights;
-    job.any_frozen = !options.frozen.empty();
     job.slot_base = slot_base_.data();
     job.slots = slots_.data();
     job.slot_used = slot_used_.data();
-    job.note_reached = options.reached != nullptr;
-    job.reached_weight = options.reached_weight;
+    job.note_reached = options.capture.reached != nullptr;
+    job.reached_weight = options.capture.reached_weight;
     job.result = &results_[i];
     process_tile(job, scratch_[static_cast<std::size_t>(worker)]);
   });
@@ -253,15 +237,15 @@ void CpuRasterizer::visit_tiles(const CpuTarget& target, const LossConfig& loss,
 void CpuRasterizer::splat_backward(std::span<const map::Gaussian> gaussians,
                                    const View<float>& view, Gradients& out, GradientSink* sink) {
   constexpr std::uint32_t kRowsAtOnce = 128;  // 8 KiB, still in the first cache when the sink reads
-  const std::size_t chunks = trained_.size(), visible = first_trained_[chunks];
+  const std::size_t chunks = visible_.size(), visible = first_visible_[chunks];
   out.visible.resize(visible);
   out.gradient.resize(sink == nullptr ? visible : 0);
   twists_.resize(chunks);
   pool_->run(static_cast<int>(chunks), [&](int chunk, int) {
     const auto c = static_cast<std::size_t>(chunk);
-    const std::uint32_t count = trained_[c];
-    const std::span indices(out.visible.data() + first_trained_[c], count);
-    std::copy_n(trained_sources_.data() + c * kChunk, count, indices.data());
+    const std::uint32_t count = visible_[c];
+    const std::span indices(out.visible.data() + first_visible_[c], count);
+    std::copy_n(sources_.data() + c * kChunk, count, indices.data());
     twists_[c].fill(0);
     SplatBackwardJob job;
     job.gaussians = gaussians.data();
@@ -273,7 +257,7 @@ void CpuRasterizer::splat_backward(std::span<const map::Gaussian> gaussians,
       job.sources = indices.data() + i;
       job.first_slot = first_slot_.data() + c * kSlotStride + i;
       job.visible = std::min(kRowsAtOnce, count - i);
-      job.gradient = sink == nullptr ? out.gradient.data() + first_trained_[c] + i : rows.data();
+      job.gradient = sink == nullptr ? out.gradient.data() + first_visible_[c] + i : rows.data();
       splat_backward_chunk(view, job);
       if (sink != nullptr) sink->accept(indices.subspan(i, job.visible), rows.data());
     }
@@ -287,12 +271,12 @@ void CpuRasterizer::splat_backward(std::span<const map::Gaussian> gaussians,
 /// A Gaussian reached the image where it did so in one of its tiles.
 void CpuRasterizer::mark_reached(std::size_t gaussians, map::GaussianSet& out) {
   out.clear(gaussians);
-  pool_->run(static_cast<int>(trained_.size()), [&](int chunk, int) {
+  pool_->run(static_cast<int>(visible_.size()), [&](int chunk, int) {
     const auto c = static_cast<std::size_t>(chunk);
-    const std::uint32_t* sources = trained_sources_.data() + c * kChunk;
+    const std::uint32_t* sources = sources_.data() + c * kChunk;
     const std::uint32_t* first = first_slot_.data() + c * kSlotStride;
     const std::uint8_t* used = slot_used_.data() + slot_base_[c];
-    for (std::uint32_t i = 0; i < trained_[c]; ++i) {
+    for (std::uint32_t i = 0; i < visible_[c]; ++i) {
       const std::uint8_t* end = used + first[i + 1];
       if (std::find(used + first[i], end, kSlotReached) != end) out.insert(sources[i]);
     }

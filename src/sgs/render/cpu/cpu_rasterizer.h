@@ -9,14 +9,14 @@
 #include "sgs/render/cpu/layout.h"
 #include "sgs/render/cpu/project.h"
 #include "sgs/render/cpu/sort_bin.h"
-#include "sgs/render/cpu/target.h"
 #include "sgs/render/cpu/tile.h"
+#include "sgs/render/cpu/training_view.h"
 #include "sgs/render/rasterizer.h"
 #include "sgs/render/view.h"
 
 namespace sgs::render::cpu {
 
-/// The stages of RASTERIZER in order: project, sort, bin, tiles (forward, loss, backward), then
+/// The stages in order: project, sort, bin, tiles (forward, loss, backward), then
 /// per-Gaussian backward. Every parallel loop writes to places fixed by its chunk, and sums over
 /// chunks are taken in chunk order: the result does not depend on the number of threads.
 class CpuRasterizer final : public Rasterizer {
@@ -29,19 +29,21 @@ class CpuRasterizer final : public Rasterizer {
   std::string name() const override { return "cpu"; }
   void render(std::span<const map::Gaussian> gaussians, const PinholeCamera& camera,
               const SE3& T_world_camera, Rendering& out) override;
-  std::shared_ptr<const PreparedTarget> prepare(const TrainingImage& image) const override;
-  void evaluate(std::span<const map::Gaussian> gaussians, const PreparedTarget& target,
+  std::shared_ptr<const TrainingView> prepare(const TrainingImage& image) const override;
+  void evaluate(std::span<const map::Gaussian> gaussians, const TrainingView& training,
                 const SE3& T_world_camera, const LossConfig& loss, Gradients& out,
                 const EvaluateOptions& options) override;
 
  private:
   /// Projection, sorting and binning.
   void arrange(std::span<const map::Gaussian> gaussians, const View<float>& view,
-               const TileGrid& grid, const EvaluateOptions& options);
+               const TileGrid& grid, const ViewScope& scope);
   void forward_only(const TileGrid& grid, float min_transmittance);
   TileJob job_for(const TileGrid& grid, int tile, float min_transmittance);
-  double add_dssim(const CpuTarget& target, const LossConfig& loss, float min_transmittance);
-  void visit_tiles(const CpuTarget& target, const LossConfig& loss, const EvaluateOptions& options);
+  double add_dssim(const CpuTrainingView& training, const LossConfig& loss,
+                   float min_transmittance);
+  void visit_tiles(const CpuTrainingView& training, const LossConfig& loss,
+                   const EvaluateOptions& options);
   void splat_backward(std::span<const map::Gaussian> gaussians, const View<float>& view,
                       Gradients& out, GradientSink* sink);
   void mark_reached(std::size_t gaussians, map::GaussianSet& out);
@@ -51,9 +53,9 @@ class CpuRasterizer final : public Rasterizer {
   ThreadPool* pool_;
 
   // Per chunk of Gaussians.
-  std::vector<std::uint32_t> visible_, trained_, first_trained_, slot_base_;
+  std::vector<std::uint32_t> visible_, first_visible_, slot_base_;
   Buffer<Record> records_;
-  Buffer<std::uint32_t> keys_, trained_sources_, first_slot_;
+  Buffer<std::uint32_t> keys_, sources_, first_slot_;
   Buffer<TileRect> rects_;
   std::vector<std::array<double, 6>> twists_;
   std::uint32_t total_slots_ = 0;

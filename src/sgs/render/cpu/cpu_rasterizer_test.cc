@@ -20,20 +20,20 @@ struct Scene {
   PinholeCamera camera;
   SE3 pose;
   std::vector<map::Gaussian> gaussians;
-  TrainingImage target;
+  TrainingImage training;
 };
 
-TrainingImage target_for(const Scene& s, Random& random) {
+TrainingImage training_for(const Scene& s, Random& random) {
   Rendering rendering;
   make_reference_rasterizer()->render(s.gaussians, s.camera, s.pose, rendering);
-  return testing::target_beside(rendering, s.camera, random);
+  return testing::training_image_beside(rendering, s.camera, random);
 }
 
 Scene make_scene(int width, int height, int count, double sigma_px, std::uint64_t seed) {
   Random random(seed);
   Scene s{testing::small_camera(width, height), testing::tilted_pose(), {}, {}};
   s.gaussians = testing::random_gaussians(s.camera, s.pose, count, sigma_px, random);
-  s.target = target_for(s, random);
+  s.training = training_for(s, random);
   return s;
 }
 
@@ -84,7 +84,7 @@ Scene make_edge_scene(int width, int height, std::uint64_t seed) {
         break;
     }
   }
-  s.target = target_for(s, random);
+  s.training = training_for(s, random);
   return s;
 }
 
@@ -134,8 +134,8 @@ void expect_parity(const Scene& s, const LossConfig& loss, double tolerance = 2e
   auto fast = make_cpu_rasterizer(nullptr);
   Gradients expected, actual;
   Rendering expected_image, image;
-  reference->evaluate(s.gaussians, s.target, s.pose, loss, expected, &expected_image);
-  fast->evaluate(s.gaussians, s.target, s.pose, loss, actual, &image);
+  reference->evaluate(s.gaussians, s.training, s.pose, loss, expected, &expected_image);
+  fast->evaluate(s.gaussians, s.training, s.pose, loss, actual, &image);
   expect_images_agree(image, expected_image);
   Rendering only;
   fast->render(s.gaussians, s.camera, s.pose, only);
@@ -194,7 +194,7 @@ TEST_P(EachTarget, RoundedResiduals) {
 
 TEST_P(EachTarget, AllTermsOfTheLoss) {
   LossConfig loss;
-  loss.depth_form = LossConfig::Depth::kAbsolute;
+  loss.depth_form = DepthForm::kAbsolute;
   loss.color_only_where_depth = true;
   loss.floater_margin_m = 0.1f;
   loss.gain = {1.1f, 0.9f, 1.0f};
@@ -218,7 +218,7 @@ TEST_P(EachTarget, DeepTilesOfManyBatches) {
   Random random(8);
   s.gaussians = testing::random_gaussians(s.camera, s.pose, 3000, 4, random);
   for (auto& g : s.gaussians) g.opacity_logit -= 3;
-  s.target = target_for(s, random);
+  s.training = training_for(s, random);
   expect_parity(s, {}, 5e-3);
 }
 
@@ -227,7 +227,7 @@ TEST_P(EachTarget, NonsenseIsLeftOut) {
   Rendering clean, dirty;
   auto fast = make_cpu_rasterizer(nullptr);
   Gradients expected, actual;
-  fast->evaluate(s.gaussians, s.target, s.pose, {}, expected, &clean);
+  fast->evaluate(s.gaussians, s.training, s.pose, {}, expected, &clean);
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   constexpr float kInf = std::numeric_limits<float>::infinity();
   const std::size_t sane = s.gaussians.size();
@@ -243,7 +243,7 @@ TEST_P(EachTarget, NonsenseIsLeftOut) {
   map::Gaussian no_rotation = s.gaussians[0];
   for (float& q : no_rotation.rotation) q = 0;
   s.gaussians.push_back(no_rotation);
-  fast->evaluate(s.gaussians, s.target, s.pose, {}, actual, &dirty);
+  fast->evaluate(s.gaussians, s.training, s.pose, {}, actual, &dirty);
   EXPECT_EQ(expected.loss, actual.loss);
   EXPECT_EQ(expected.visible, actual.visible);
   EXPECT_EQ(std::memcmp(clean.color.data(), dirty.color.data(), clean.color.size() * sizeof(Rgbf)),
@@ -257,7 +257,7 @@ TEST_P(EachTarget, SameBitsForAnyNumberOfThreads) {
   const Scene s = make_scene(200, 150, 9000, 3, 10);
   const auto run = [&](ThreadPool* pool, Gradients& out, Rendering& image) {
     auto fast = make_cpu_rasterizer(pool);
-    for (int i = 0; i < 2; ++i) fast->evaluate(s.gaussians, s.target, s.pose, loss, out, &image);
+    for (int i = 0; i < 2; ++i) fast->evaluate(s.gaussians, s.training, s.pose, loss, out, &image);
   };
   Gradients one;
   Rendering image_one;
@@ -295,11 +295,11 @@ TEST_P(EachTarget, SinkGetsEveryRowOnce) {
   ThreadPool pool(3);
   for (auto& rasterizer : {make_cpu_rasterizer(&pool), make_reference_rasterizer()}) {
     if (rasterizer->name() == "reference" && GetParam() != compiled_targets().front()) continue;
-    const auto target = rasterizer->prepare(s.target);
+    const auto training = rasterizer->prepare(s.training);
     Gradients expected, out;
-    rasterizer->evaluate(s.gaussians, *target, s.pose, {}, expected);
+    rasterizer->evaluate(s.gaussians, *training, s.pose, {}, expected);
     Collect sink;
-    rasterizer->evaluate(s.gaussians, *target, s.pose, {}, out, {.sink = &sink});
+    rasterizer->evaluate(s.gaussians, *training, s.pose, {}, out, {.sink = &sink});
     EXPECT_EQ(out.visible, expected.visible);
     EXPECT_TRUE(out.gradient.empty());
     EXPECT_EQ(out.camera_twist, expected.camera_twist);
@@ -334,10 +334,10 @@ TEST_P(EachTarget, BoundsChangeNoBit) {
     map::MeanBounds bounds;
     bounds.assign(s.gaussians, s.gaussians);
     auto fast = make_cpu_rasterizer(nullptr);
-    const auto target = fast->prepare(s.target);
+    const auto training = fast->prepare(s.training);
     Gradients plain, bounded;
-    fast->evaluate(s.gaussians, *target, s.pose, {}, plain);
-    fast->evaluate(s.gaussians, *target, s.pose, {}, bounded, {.bounds = &bounds});
+    fast->evaluate(s.gaussians, *training, s.pose, {}, plain);
+    fast->evaluate(s.gaussians, *training, s.pose, {}, bounded, {.scope = {.bounds = &bounds}});
     EXPECT_EQ(plain.visible, bounded.visible);
     EXPECT_LT(plain.visible.size(), s.gaussians.size() / 2);
     EXPECT_EQ(plain.loss, bounded.loss);
@@ -354,61 +354,18 @@ void expect_parity_of_options(const Scene& s, const EvaluateOptions& options) {
   auto reference = make_reference_rasterizer();
   auto fast = make_cpu_rasterizer(nullptr);
   Gradients expected, actual;
-  std::vector<float> expected_tiles, tiles;
-  EvaluateOptions with = options;
-  with.tile_loss = &expected_tiles;
-  reference->evaluate(s.gaussians, *reference->prepare(s.target), s.pose, {}, expected, with);
-  with.tile_loss = &tiles;
-  fast->evaluate(s.gaussians, *fast->prepare(s.target), s.pose, {}, actual, with);
+  reference->evaluate(s.gaussians, *reference->prepare(s.training), s.pose, {}, expected, options);
+  fast->evaluate(s.gaussians, *fast->prepare(s.training), s.pose, {}, actual, options);
   EXPECT_EQ(actual.visible, expected.visible);
   EXPECT_NEAR(actual.loss, expected.loss, 1e-4 * expected.loss + 1e-3);
   const auto a = dense(actual, s.gaussians.size()), b = dense(expected, s.gaussians.size());
   EXPECT_LT(relative_error(a, b, 0, 14), 2e-3);
   EXPECT_LT((actual.camera_twist - expected.camera_twist).norm(),
             2e-3 * (expected.camera_twist.norm() + 1));
-  ASSERT_EQ(tiles.size(), expected_tiles.size());
-  for (std::size_t t = 0; t < tiles.size(); ++t) EXPECT_NEAR(tiles[t], expected_tiles[t], 0.05);
   for (std::size_t c = 0; c < 3; ++c) {
     EXPECT_NEAR(actual.exposure_rendered[c], expected.exposure_rendered[c],
                 2 + 1e-3 * expected.exposure_rendered[c]);
   }
-}
-
-TEST_P(EachTarget, FrozenGaussiansAreDrawnButNotTrained) {
-  const Scene s = make_scene(160, 120, 400, 6, 18);
-  std::vector<std::uint8_t> frozen(s.gaussians.size());
-  for (std::size_t i = 0; i < frozen.size(); ++i) frozen[i] = i % 3 != 0 ? 1 : 0;
-  expect_parity_of_options(s, {.frozen = frozen});
-
-  auto fast = make_cpu_rasterizer(nullptr);
-  const auto target = fast->prepare(s.target);
-  Gradients all, some;
-  fast->evaluate(s.gaussians, *target, s.pose, {}, all);
-  fast->evaluate(s.gaussians, *target, s.pose, {}, some, {.frozen = frozen});
-  EXPECT_EQ(all.loss, some.loss);
-  for (const std::uint32_t i : some.visible) EXPECT_EQ(frozen[i], 0);
-  const auto rows = dense(all, s.gaussians.size()), kept = dense(some, s.gaussians.size());
-  for (const std::uint32_t i : some.visible) {
-    EXPECT_EQ(std::memcmp(&rows[i], &kept[i], sizeof rows[i]), 0) << i;
-  }
-}
-
-TEST_P(EachTarget, OnlyActiveTilesCount) {
-  const Scene s = make_scene(170, 120, 400, 6, 19);
-  std::vector<std::uint8_t> tiles(6 * 4), others(6 * 4);
-  for (std::size_t i = 0; i < tiles.size(); ++i) others[i] = 1 - (tiles[i] = i % 5 < 2 ? 1 : 0);
-  expect_parity_of_options(s, {.tiles = tiles});
-
-  auto fast = make_cpu_rasterizer(nullptr);
-  const auto target = fast->prepare(s.target);
-  Gradients all, some, rest;
-  fast->evaluate(s.gaussians, *target, s.pose, {}, all);
-  fast->evaluate(s.gaussians, *target, s.pose, {}, some, {.tiles = tiles});
-  fast->evaluate(s.gaussians, *target, s.pose, {}, rest, {.tiles = others});
-  EXPECT_LT(some.visible.size(), all.visible.size());
-  EXPECT_NEAR(some.loss + rest.loss, all.loss, 1e-6 * all.loss);
-  EXPECT_LT((some.camera_twist + rest.camera_twist - all.camera_twist).norm(),
-            1e-4 * all.camera_twist.norm());
 }
 
 /// Two layers of nearly opaque Gaussians of which the far one is hidden for the most part.
@@ -427,7 +384,7 @@ Scene make_hidden_layer(std::uint64_t seed) {
   };
   add_layer(1, 110, 3);
   add_layer(2, 160, 1);
-  s.target = target_for(s, random);
+  s.training = training_for(s, random);
   return s;
 }
 
@@ -436,52 +393,48 @@ TEST_P(EachTarget, ReachedAreThoseWithAWeight) {
   auto reference = make_reference_rasterizer();
   ThreadPool pool(3);
   auto fast = make_cpu_rasterizer(&pool);
-  const std::vector<std::uint8_t> some_tiles = {1, 0, 1, 0, 1, 0, 1, 0, 1, 1,
-                                                1, 0, 1, 0, 1, 0, 1, 0, 1, 1};
-  for (const auto& tiles : {std::vector<std::uint8_t>{}, some_tiles}) {
-    Gradients out;
-    map::GaussianSet expected, reached, strong;
-    reference->evaluate(s.gaussians, *reference->prepare(s.target), s.pose, {}, out,
-                        {.tiles = tiles, .reached = &expected});
-    fast->evaluate(s.gaussians, *fast->prepare(s.target), s.pose, {}, out,
-                   {.tiles = tiles, .reached = &reached});
-    const std::size_t visible = out.visible.size();
-    ASSERT_EQ(reached.size(), s.gaussians.size());
-    std::size_t missed = 0;
-    for (std::size_t i = 0; i < s.gaussians.size(); ++i) {
-      missed += expected.contains(i) && !reached.contains(i) ? 1 : 0;
-    }
-    EXPECT_LE(missed, 2u);  // rounding about the least transmittance
-    EXPECT_LT(reached.count(), expected.count() + s.gaussians.size() / 10);
-    EXPECT_LT(reached.count(), visible * 9 / 10);  // some are hidden
-
-    constexpr float kWeight = 0.1f;
-    reference->evaluate(s.gaussians, *reference->prepare(s.target), s.pose, {}, out,
-                        {.tiles = tiles, .reached = &expected, .reached_weight = kWeight});
-    fast->evaluate(s.gaussians, *fast->prepare(s.target), s.pose, {}, out,
-                   {.tiles = tiles, .reached = &strong, .reached_weight = kWeight});
-    EXPECT_EQ(out.visible.size(), visible);
-    std::size_t different = 0;
-    for (std::size_t i = 0; i < s.gaussians.size(); ++i) {
-      different += expected.contains(i) != strong.contains(i) ? 1 : 0;
-    }
-    EXPECT_LE(different, 2u);
-    EXPECT_LT(strong.count(), reached.count() * 9 / 10);
-    EXPECT_GT(strong.count(), 0u);
+  Gradients out;
+  map::GaussianSet expected, reached, strong;
+  reference->evaluate(s.gaussians, *reference->prepare(s.training), s.pose, {}, out,
+                      {.capture = {.reached = &expected}});
+  fast->evaluate(s.gaussians, *fast->prepare(s.training), s.pose, {}, out,
+                 {.capture = {.reached = &reached}});
+  const std::size_t visible = out.visible.size();
+  ASSERT_EQ(reached.size(), s.gaussians.size());
+  std::size_t missed = 0;
+  for (std::size_t i = 0; i < s.gaussians.size(); ++i) {
+    missed += expected.contains(i) && !reached.contains(i) ? 1 : 0;
   }
+  EXPECT_LE(missed, 2u);  // rounding about the least transmittance
+  EXPECT_LT(reached.count(), expected.count() + s.gaussians.size() / 10);
+  EXPECT_LT(reached.count(), visible * 9 / 10);  // some are hidden
+
+  constexpr float kWeight = 0.1f;
+  reference->evaluate(s.gaussians, *reference->prepare(s.training), s.pose, {}, out,
+                      {.capture = {.reached = &expected, .reached_weight = kWeight}});
+  fast->evaluate(s.gaussians, *fast->prepare(s.training), s.pose, {}, out,
+                 {.capture = {.reached = &strong, .reached_weight = kWeight}});
+  EXPECT_EQ(out.visible.size(), visible);
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < s.gaussians.size(); ++i) {
+    different += expected.contains(i) != strong.contains(i) ? 1 : 0;
+  }
+  EXPECT_LE(different, 2u);
+  EXPECT_LT(strong.count(), reached.count() * 9 / 10);
+  EXPECT_GT(strong.count(), 0u);
 }
 
 TEST_P(EachTarget, CandidatesThatReachedTheImageMakeTheSameImage) {
   Scene s = make_hidden_layer(21);
   auto fast = make_cpu_rasterizer(nullptr);
-  const auto target = fast->prepare(s.target);
+  const auto training = fast->prepare(s.training);
   Gradients all, some;
   Rendering image_all, image_some;
   map::GaussianSet reached;
-  fast->evaluate(s.gaussians, *target, s.pose, {}, all,
-                 {.rendering = &image_all, .reached = &reached});
-  fast->evaluate(s.gaussians, *target, s.pose, {}, some,
-                 {.rendering = &image_some, .candidates = &reached});
+  fast->evaluate(s.gaussians, *training, s.pose, {}, all,
+                 {.capture = {.rendering = &image_all, .reached = &reached}});
+  fast->evaluate(s.gaussians, *training, s.pose, {}, some,
+                 {.scope = {.candidates = &reached}, .capture = {.rendering = &image_some}});
   EXPECT_EQ(all.loss, some.loss);
   EXPECT_EQ(std::memcmp(image_all.color.data(), image_some.color.data(),
                         image_all.color.size() * sizeof(Rgbf)),
@@ -500,24 +453,26 @@ TEST_P(EachTarget, OnlyCandidatesAndNewGaussiansAreLookedAt) {
   for (std::size_t i = 0; i < 250; i += 3) candidates.insert(i);
   map::MeanBounds bounds;
   bounds.assign(s.gaussians, s.gaussians);
-  expect_parity_of_options(s, {.candidates = &candidates});
-  expect_parity_of_options(s, {.bounds = &bounds, .candidates = &candidates});
+  expect_parity_of_options(s, {.scope = {.candidates = &candidates}});
+  expect_parity_of_options(s, {.scope = {.bounds = &bounds, .candidates = &candidates}});
 }
 
 TEST_P(EachTarget, CandidatesMayBeReplacedByWhatTheyReached) {
   const Scene s = make_hidden_layer(24);
   auto fast = make_cpu_rasterizer(nullptr);
-  const auto target = fast->prepare(s.target);
+  const auto training = fast->prepare(s.training);
   map::GaussianSet half, reached, replaced;
   half.clear(s.gaussians.size() - 20);  // the last ones are new
   for (std::size_t i = 0; i < half.size(); i += 2) half.insert(i);
   replaced = half;
   Gradients unnoted, apart, at_once;
-  fast->evaluate(s.gaussians, *target, s.pose, {}, unnoted, {.candidates = &half});
-  fast->evaluate(s.gaussians, *target, s.pose, {}, apart,
-                 {.candidates = &half, .reached = &reached, .reached_weight = 0.05f});
-  fast->evaluate(s.gaussians, *target, s.pose, {}, at_once,
-                 {.candidates = &replaced, .reached = &replaced, .reached_weight = 0.05f});
+  fast->evaluate(s.gaussians, *training, s.pose, {}, unnoted, {.scope = {.candidates = &half}});
+  fast->evaluate(
+      s.gaussians, *training, s.pose, {}, apart,
+      {.scope = {.candidates = &half}, .capture = {.reached = &reached, .reached_weight = 0.05f}});
+  fast->evaluate(s.gaussians, *training, s.pose, {}, at_once,
+                 {.scope = {.candidates = &replaced},
+                  .capture = {.reached = &replaced, .reached_weight = 0.05f}});
   for (const Gradients& noted : {apart, at_once}) {
     EXPECT_EQ(noted.visible, unnoted.visible);
     EXPECT_EQ(noted.loss, unnoted.loss);
@@ -537,12 +492,12 @@ TEST_P(EachTarget, CandidatesMayBeReplacedByWhatTheyReached) {
 
 TEST_P(EachTarget, TrainingViewsMayStopSooner) {
   const Scene s = make_hidden_layer(23);
-  expect_parity_of_options(s, {.min_transmittance = 0.02f});
+  expect_parity_of_options(s, {.scope = {.min_transmittance = 0.02f}});
   auto fast = make_cpu_rasterizer(nullptr);
-  const auto target = fast->prepare(s.target);
+  const auto training = fast->prepare(s.training);
   Gradients all, some;
-  fast->evaluate(s.gaussians, *target, s.pose, {}, all);
-  fast->evaluate(s.gaussians, *target, s.pose, {}, some, {.min_transmittance = 0.02f});
+  fast->evaluate(s.gaussians, *training, s.pose, {}, all);
+  fast->evaluate(s.gaussians, *training, s.pose, {}, some, {.scope = {.min_transmittance = 0.02f}});
   EXPECT_GT(std::abs(all.loss - some.loss), 1e-3 * all.loss);  // parity would tell
 }
 
@@ -558,9 +513,9 @@ TEST_P(EachTarget, ImageSizeMayChangeBetweenCalls) {
   Gradients first, again, other;
   LossConfig loss;
   loss.dssim_weight = 0.1f;
-  fast->evaluate(big.gaussians, big.target, big.pose, loss, first);
-  fast->evaluate(small.gaussians, small.target, small.pose, loss, other);
-  fast->evaluate(big.gaussians, big.target, big.pose, loss, again);
+  fast->evaluate(big.gaussians, big.training, big.pose, loss, first);
+  fast->evaluate(small.gaussians, small.training, small.pose, loss, other);
+  fast->evaluate(big.gaussians, big.training, big.pose, loss, again);
   EXPECT_EQ(first.loss, again.loss);
   EXPECT_EQ(std::memcmp(first.gradient.data(), again.gradient.data(),
                         first.gradient.size() * sizeof(map::Gaussian)),
@@ -575,32 +530,25 @@ TEST(CpuRasterizer, RefusesWhatDoesNotFit) {
   auto fast = make_cpu_rasterizer(nullptr);
   const Scene s = make_scene(50, 40, 10, 3, 15);
   Gradients out;
-  const auto foreign = make_reference_rasterizer()->prepare(s.target);
+  const auto foreign = make_reference_rasterizer()->prepare(s.training);
   EXPECT_THROW(fast->evaluate(s.gaussians, *foreign, s.pose, {}, out), ContractViolation);
-  const auto own = fast->prepare(s.target);
-  const std::vector<std::uint8_t> few(3);
+  const auto own = fast->prepare(s.training);
   map::MeanBounds bounds;
-  EXPECT_THROW(fast->evaluate(s.gaussians, *own, s.pose, {}, out, {.frozen = few}),
-               ContractViolation);
-  EXPECT_THROW(fast->evaluate(s.gaussians, *own, s.pose, {}, out, {.tiles = few}),
-               ContractViolation);
-  EXPECT_THROW(fast->evaluate(s.gaussians, *own, s.pose, {}, out, {.bounds = &bounds}),
+  EXPECT_THROW(fast->evaluate(s.gaussians, *own, s.pose, {}, out, {.scope = {.bounds = &bounds}}),
                ContractViolation);
   map::GaussianSet set;
   set.clear(s.gaussians.size() + 1);
-  EXPECT_THROW(fast->evaluate(s.gaussians, *own, s.pose, {}, out, {.candidates = &set}),
+  EXPECT_THROW(fast->evaluate(s.gaussians, *own, s.pose, {}, out, {.scope = {.candidates = &set}}),
                ContractViolation);
-  const std::vector<std::uint8_t> frozen(s.gaussians.size());
   EXPECT_THROW(
-      fast->evaluate(s.gaussians, *own, s.pose, {}, out, {.frozen = frozen, .reached = &set}),
+      fast->evaluate(s.gaussians, *own, s.pose, {}, out, {.scope = {.min_transmittance = 0}}),
       ContractViolation);
-  EXPECT_THROW(fast->evaluate(s.gaussians, *own, s.pose, {}, out, {.min_transmittance = 0}),
-               ContractViolation);
   for (const float outside : {-0.1f, 1.0f}) {
-    EXPECT_THROW(fast->evaluate(s.gaussians, *own, s.pose, {}, out, {.reached_weight = outside}),
+    EXPECT_THROW(fast->evaluate(s.gaussians, *own, s.pose, {}, out,
+                                {.capture = {.reached_weight = outside}}),
                  ContractViolation);
   }
-  TrainingImage wrong = s.target;
+  TrainingImage wrong = s.training;
   wrong.depth = DepthImage(10, 10);
   EXPECT_THROW(fast->prepare(wrong), ContractViolation);
 }

@@ -16,7 +16,7 @@ inline constexpr int kTileSide = 32;          ///< pixels
 inline constexpr int kBlocksPerTile = 64;     ///< one bit each of a 64-bit mask
 inline constexpr int kMaxTilesPerSide = 255;  ///< a tile coordinate fits a byte
 inline constexpr int kImageChannels = 5;      ///< r g b depth-sum alpha
-inline constexpr int kTargetChannels = 4;     ///< r g b depth
+inline constexpr int kTrainingChannels = 4;   ///< r g b depth
 inline constexpr int kGradientChannels = 3;   ///< r g b
 
 /// Images are stored tile by tile (row-major), block by block, channel by channel, 16 pixels of a
@@ -35,9 +35,6 @@ inline constexpr std::uint32_t kChunk = 1u << kChunkShift;
 struct TileRect {
   std::uint8_t x0, y0, x1, y1;
 };
-
-/// Record::slot of a frozen Gaussian, which has none.
-inline constexpr std::uint32_t kNoSlot = 0xffffffff;
 
 /// A visible Gaussian as the tiles read it: one cache line.
 struct alignas(64) Record {

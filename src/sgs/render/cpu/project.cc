@@ -54,29 +54,19 @@ HWY_INLINE std::uint32_t depth_key(float z) {
   return key < (1u << kKeyBits) ? key : (1u << kKeyBits) - 1;
 }
 
-HWY_INLINE bool reaches_active_tile(const TileRect& rect, const ProjectJob& job) {
-  for (int y = rect.y0; y <= rect.y1; ++y) {
-    for (int x = rect.x0; x <= rect.x1; ++x) {
-      if (job.active_tiles[y * job.tiles_x + x] != 0) return true;
-    }
-  }
-  return false;
-}
-
-void ProjectChunk(const View<float>& view, const ProjectJob& all, const std::uint32_t* indices,
-                  std::uint32_t count, const ProjectedChunk& to, ChunkCount& found) {
-  // Copies, which the bytes written below cannot alias.
-  const ProjectJob job = all;
-  const ProjectedChunk out = to;
+void ProjectChunk(const View<float>& view, const map::Gaussian* gaussians,
+                  const std::uint32_t* indices, std::uint32_t count, const ProjectedChunk& to,
+                  ChunkCount& found) {
+  const ProjectedChunk out = to;  // a copy, which the bytes written below cannot alias
   ChunkCount total;
   constexpr std::uint32_t kAhead = 64;
   for (std::uint32_t i = 0; i < count; i += kLanes) {
     const int n = static_cast<int>(count - i) < kLanes ? static_cast<int>(count - i) : kLanes;
     const float* rows[kLanes];
     for (int l = 0; l < kLanes; ++l) {
-      rows[l] = job.gaussians[indices[i + static_cast<std::uint32_t>(l < n ? l : 0)]].mean;
+      rows[l] = gaussians[indices[i + static_cast<std::uint32_t>(l < n ? l : 0)]].mean;
       if (i + kAhead + kLanes <= count) {
-        __builtin_prefetch(job.gaussians[indices[i + kAhead + static_cast<std::uint32_t>(l)]].mean);
+        __builtin_prefetch(gaussians[indices[i + kAhead + static_cast<std::uint32_t>(l)]].mean);
       }
     }
     F s[16];
@@ -130,24 +120,19 @@ void ProjectChunk(const View<float>& view, const ProjectJob& all, const std::uin
       mask &= mask - 1;
       const TileRect rect = {static_cast<std::uint8_t>(x0[l]), static_cast<std::uint8_t>(y0[l]),
                              static_cast<std::uint8_t>(x1[l]), static_cast<std::uint8_t>(y1[l])};
-      if (job.active_tiles != nullptr && !reaches_active_tile(rect, job)) continue;
       const std::uint32_t k = total.visible++, source = indices[i + static_cast<std::uint32_t>(l)];
       Record& r = out.records[k];
       std::memcpy(&r, packed[l], sizeof r);
       r.rect = rect;
-      if (job.frozen != nullptr && job.frozen[source] != 0) {
-        r.slot = kNoSlot;
-      } else {
-        r.slot = total.slots;
-        out.trained[total.trained] = source;
-        out.first_slot[total.trained++] = total.slots;
-        total.slots += static_cast<std::uint32_t>((x1[l] - x0[l] + 1) * (y1[l] - y0[l] + 1));
-      }
+      r.slot = total.slots;
+      out.sources[k] = source;
+      out.first_slot[k] = total.slots;
+      total.slots += static_cast<std::uint32_t>((x1[l] - x0[l] + 1) * (y1[l] - y0[l] + 1));
       out.rects[k] = rect;
       out.keys[k] = depth_key(r.z);
     }
   }
-  out.first_slot[total.trained] = total.slots;
+  out.first_slot[total.visible] = total.slots;
   found = total;
 }
 
@@ -158,11 +143,11 @@ HWY_AFTER_NAMESPACE();
 namespace sgs::render::cpu {
 HWY_EXPORT(ProjectChunk);
 
-ChunkCount project_chunk(const View<float>& view, const ProjectJob& job,
+ChunkCount project_chunk(const View<float>& view, const map::Gaussian* gaussians,
                          std::span<const std::uint32_t> indices, const ProjectedChunk& out) {
   ChunkCount found;
   HWY_DYNAMIC_DISPATCH(ProjectChunk)
-  (view, job, indices.data(), static_cast<std::uint32_t>(indices.size()), out, found);
+  (view, gaussians, indices.data(), static_cast<std::uint32_t>(indices.size()), out, found);
   return found;
 }
 }  // namespace sgs::render::cpu

@@ -13,7 +13,7 @@ namespace sgs::render::cpu {
 /// Rows behind the last used one of `slots` that are asked for ahead of time, never used.
 inline constexpr std::uint32_t kSlotsReadAhead = 34;
 
-/// From the per-tile sums of some visible Gaussians, none of them frozen, of a chunk to gradients
+/// From the per-tile sums of some visible Gaussians of a chunk to gradients
 /// of their parameters.
 struct SplatBackwardJob {
   const map::Gaussian* gaussians = nullptr;   ///< all of them

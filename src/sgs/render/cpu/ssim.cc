@@ -59,9 +59,9 @@ void FilterRows(const SsimTaps& taps, int width, const float* const* in, float* 
   }
 }
 
-/// Vertical filter of the target's first and second moment into mean and variance.
-void TargetRow(const SsimTaps& taps, int width, int stride, const float* m, const float* mm,
-               float* mean, float* variance) {
+/// Vertical filter of a measured channel's first and second moment into mean and variance.
+void MeasuredRow(const SsimTaps& taps, int width, int stride, const float* m, const float* mm,
+                 float* mean, float* variance) {
   for (int i = 0; i < width; i += kLanes) {
     const auto at = [&](int o) HWY_ATTR { return load(m + i + o * stride); };
     const auto at2 = [&](int o) HWY_ATTR { return load(mm + i + o * stride); };
@@ -77,8 +77,8 @@ constexpr int kStrip = 64;
 
 /// Vertical filter of the three moments, SSIM and its derivatives by them over rows [y0, y1);
 /// returns sum (1 - SSIM).
-double SsimBand(const SsimTaps& taps, const PaddedPlane* moments, const PaddedPlane& target_mean,
-                const PaddedPlane& target_variance, int y0, int y1, PaddedPlane* derivative) {
+double SsimBand(const SsimTaps& taps, const PaddedPlane* moments, const PaddedPlane& measured_mean,
+                const PaddedPlane& measured_variance, int y0, int y1, PaddedPlane* derivative) {
   const F c1(0.01f * 0.01f), c2(0.03f * 0.03f), one(1.0f), two(2.0f), zero(0.0f);
   const int width = moments[0].width, stride = moments[0].stride;
   double sum = 0;
@@ -93,10 +93,10 @@ double SsimBand(const SsimTaps& taps, const PaddedPlane* moments, const PaddedPl
           const auto at = [&](int o) HWY_ATTR { return load(column + o * stride); };
           m[k] = filter(taps, at);
         }
-        const F mx = m[0], my = load(target_mean.row(y) + i);
+        const F mx = m[0], my = load(measured_mean.row(y) + i);
         const F A1 = mul_add(two * mx, my, c1), A2 = mul_add(two, neg_mul_add(mx, my, m[2]), c2);
         const F B1 = mul_add(mx, mx, mul_add(my, my, c1));
-        const F B2 = neg_mul_add(mx, mx, m[1]) + load(target_variance.row(y) + i) + c2;
+        const F B2 = neg_mul_add(mx, mx, m[1]) + load(measured_variance.row(y) + i) + c2;
         const F inv = one / (B1 * B2);
         const F ssim = A1 * A2 * inv;
         const F d_xx = zero - ssim * B1 * inv, d_xy = two * A1 * inv;
@@ -143,7 +143,7 @@ HWY_AFTER_NAMESPACE();
 namespace sgs::render::cpu {
 HWY_EXPORT(FilterProducts);
 HWY_EXPORT(FilterRows);
-HWY_EXPORT(TargetRow);
+HWY_EXPORT(MeasuredRow);
 HWY_EXPORT(SsimBand);
 HWY_EXPORT(GradientBand);
 
@@ -182,7 +182,7 @@ void match_size(PaddedPlane& plane, int width, int height) {
 
 }  // namespace
 
-TargetMoments::TargetMoments(PaddedPlane channel)
+MeasuredMoments::MeasuredMoments(PaddedPlane channel)
     : y(std::move(channel)), mean(y.width, y.height), variance(y.width, y.height) {
   PaddedPlane m(y.width, y.height), mm(y.width, y.height), unused(y.width, y.height);
   for (int r = 0; r < y.height; ++r) {
@@ -190,7 +190,7 @@ TargetMoments::TargetMoments(PaddedPlane channel)
     (kTaps, y.width, y.row(r), y.row(r), m.row(r), mm.row(r), unused.row(r));
   }
   for (int r = 0; r < y.height; ++r) {
-    HWY_DYNAMIC_DISPATCH(TargetRow)
+    HWY_DYNAMIC_DISPATCH(MeasuredRow)
     (kTaps, y.width, y.stride, m.row(r), mm.row(r), mean.row(r), variance.row(r));
   }
 }
@@ -202,18 +202,18 @@ void Dssim::reserve(int width, int height) {
   band_values_.resize(static_cast<std::size_t>((height + kBand - 1) / kBand));
 }
 
-double Dssim::evaluate(const PaddedPlane& x, const TargetMoments& target, PaddedPlane& gradient,
+double Dssim::evaluate(const PaddedPlane& x, const MeasuredMoments& measured, PaddedPlane& gradient,
                        ThreadPool& pool) {
   const int w = x.width, h = x.height;
   reserve(w, h);
   match_size(gradient, w, h);
   for_rows(h, pool, [&](int y) {
     HWY_DYNAMIC_DISPATCH(FilterProducts)
-    (kTaps, w, x.row(y), target.y.row(y), rows_[0].row(y), rows_[1].row(y), rows_[2].row(y));
+    (kTaps, w, x.row(y), measured.y.row(y), rows_[0].row(y), rows_[1].row(y), rows_[2].row(y));
   });
   for_bands(h, pool, [&](int band, int y0, int y1) {
     band_values_[static_cast<std::size_t>(band)] = HWY_DYNAMIC_DISPATCH(SsimBand)(
-        kTaps, rows_, target.mean, target.variance, y0, y1, derivative_);
+        kTaps, rows_, measured.mean, measured.variance, y0, y1, derivative_);
   });
   for_rows(h, pool, [&](int y) {
     const float* const in[3] = {derivative_[0].row(y), derivative_[1].row(y),
@@ -222,7 +222,7 @@ double Dssim::evaluate(const PaddedPlane& x, const TargetMoments& target, Padded
     HWY_DYNAMIC_DISPATCH(FilterRows)(kTaps, w, in, out);
   });
   for_bands(h, pool, [&](int, int y0, int y1) {
-    HWY_DYNAMIC_DISPATCH(GradientBand)(kTaps, rows_, x, target.y, y0, y1, gradient);
+    HWY_DYNAMIC_DISPATCH(GradientBand)(kTaps, rows_, x, measured.y, y0, y1, gradient);
   });
   double sum = 0;
   for (const double v : band_values_) sum += v;

@@ -39,10 +39,10 @@ struct PaddedPlane {
 };
 
 /// Window moments of a measured channel, which never change.
-struct TargetMoments {
+struct MeasuredMoments {
   PaddedPlane y, mean, variance;
-  explicit TargetMoments(PaddedPlane channel);
-  TargetMoments() = default;
+  explicit MeasuredMoments(PaddedPlane channel);
+  MeasuredMoments() = default;
 };
 
 /// Sum of (1 - SSIM) over an image, and its gradient: SSIM of Wang et al. 2004 with the usual
@@ -50,7 +50,7 @@ struct TargetMoments {
 class Dssim {
  public:
   /// `x` is the rendered channel; the gradient with respect to it goes to `gradient` (same size).
-  double evaluate(const PaddedPlane& x, const TargetMoments& target, PaddedPlane& gradient,
+  double evaluate(const PaddedPlane& x, const MeasuredMoments& measured, PaddedPlane& gradient,
                   ThreadPool& pool);
 
  private:

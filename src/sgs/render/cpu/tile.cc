@@ -51,11 +51,12 @@ HWY_INLINE std::uint64_t start_blocks(const TilePlace& t, BlockState* states) {
   return live;
 }
 
-/// Asks for a block of the target early; it is read after the whole tile has been composited.
-HWY_INLINE void prefetch_target(const TileJob& job, int block) {
-  if (job.target == nullptr) return;
-  const float* target = job.target + block * kTargetChannels * kBlockPixels;
-  for (int c = 0; c < kTargetChannels; ++c) __builtin_prefetch(target + c * kBlockPixels, 0, 2);
+/// Asks for a block of the training view early; it is read after the whole tile has been
+/// composited.
+HWY_INLINE void prefetch_training(const TileJob& job, int block) {
+  if (job.training == nullptr) return;
+  const float* training = job.training + block * kTrainingChannels * kBlockPixels;
+  for (int c = 0; c < kTrainingChannels; ++c) __builtin_prefetch(training + c * kBlockPixels, 0, 2);
 }
 
 /// Composites the whole tile. Returns how many Gaussians were visited.
@@ -80,7 +81,7 @@ HWY_INLINE std::uint32_t forward_tile(const TileJob& job, const std::uint32_t* e
       grow_alphas(scratch, needed, static_cast<std::size_t>(first_alpha) * kBlockPixels);
     }
     for (int b = 0; b < kBlocksPerTile; ++b) {
-      if (begin == 0) prefetch_target(job, b);
+      if (begin == 0) prefetch_training(job, b);
       if (counts[b] == 0) continue;
       const std::uint32_t* list = scratch.block_list.data() + b * kListStride;
       float* own = scratch.alphas.data() + static_cast<std::size_t>(alpha_start[b]) * kBlockPixels;
@@ -126,8 +127,8 @@ HWY_INLINE void loss_tile(const TileJob& job, const TilePlace& place, TileScratc
                              ? nullptr
                              : job.color_gradient + b * kGradientChannels * kBlockPixels;
     for (int part = 0; part < kParts; ++part) {
-      loss_part(job.loss, scratch.state[b], job.target + b * kTargetChannels * kBlockPixels, extra,
-                inside_image(place, b, part), part, scratch.gradient[b], sums);
+      loss_part(job.loss, scratch.state[b], job.training + b * kTrainingChannels * kBlockPixels,
+                extra, inside_image(place, b, part), part, scratch.gradient[b], sums);
     }
   }
   job.result->loss = lane_sum(sums.loss);
@@ -137,16 +138,12 @@ HWY_INLINE void loss_tile(const TileJob& job, const TilePlace& place, TileScratc
   }
 }
 
-/// Chooses the kind of Gaussians' steps; check_options has no frozen ones where reached ones are
-/// noted.
 template <bool kFloaters>
 HWY_INLINE void backward(const TileJob& job, std::uint32_t visited, TileScratch& scratch) {
   if (job.note_reached) {
-    backward_tile<kFloaters, Notes::kReached>(job, visited, scratch);
-  } else if (job.any_frozen) {
-    backward_tile<kFloaters, Notes::kFrozen>(job, visited, scratch);
+    backward_tile<kFloaters, true>(job, visited, scratch);
   } else {
-    backward_tile<kFloaters, Notes::kNothing>(job, visited, scratch);
+    backward_tile<kFloaters, false>(job, visited, scratch);
   }
 }
 
@@ -155,7 +152,7 @@ void ProcessTile(const TileJob& job, const std::uint32_t* entries, std::uint32_t
   const TilePlace place = {job.tile_x * kTileSide, job.tile_y * kTileSide, job.width, job.height};
   const std::uint32_t visited = forward_tile(job, entries, count, place, scratch);
   if (job.image != nullptr) store_image(scratch.state, job.image);
-  if (job.target == nullptr) return;
+  if (job.training == nullptr) return;
   loss_tile(job, place, scratch);
   if (job.loss.floater_margin_m > 0) {
     backward<true>(job, visited, scratch);

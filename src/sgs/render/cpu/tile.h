@@ -51,18 +51,17 @@ struct TileScratch {
   BlockGradient gradient[kBlocksPerTile];
 };
 
-/// One visit of a tile: forward, and with `target` also loss and backward.
+/// One visit of a tile: forward, and with `training` also loss and backward.
 struct TileJob {
   const Record* records = nullptr;
   std::span<const std::uint32_t> entries;  ///< record indices, nearest first
   int tile_x = 0, tile_y = 0;
   int width = 0, height = 0;              ///< image, pixels
   float* image = nullptr;                 ///< this tile's kImageChannels, or null
-  const float* target = nullptr;          ///< this tile's kTargetChannels
+  const float* training = nullptr;        ///< this tile's kTrainingChannels
   const float* color_gradient = nullptr;  ///< added to the colour gradient, or null
   TileLoss loss;
   float min_transmittance = 0;               ///< compositing stops here
-  bool any_frozen = false;                   ///< some records have kNoSlot
   const std::uint32_t* slot_base = nullptr;  ///< first slot of each chunk
   SumRow* slots = nullptr;
   std::uint8_t* slot_used = nullptr;  ///< kSlotUsed or kSlotReached; 0 before

@@ -28,9 +28,6 @@ HWY_INLINE F reciprocal(F a) {
   return guess * neg_mul_add(a, guess, F(2.0f));
 }
 
-/// What a batch has to heed beside the sums: Gaussians that are frozen, or how much each weighs.
-enum class Notes { kNothing, kFrozen, kReached };
-
 /// Adds one block's share to the ten sums h, hx, hy, hxx, hxy, hyy, r, g, b, z. Returns the
 /// Gaussian's weights.
 template <bool kFloaters>
@@ -68,25 +65,13 @@ HWY_INLINE F backward_step(const Staged& q, const float* alphas, int block, int 
   return seen;
 }
 
-/// Passes a frozen Gaussian: what lies behind it is still needed.
-HWY_INLINE void pass_step(const Staged& q, const float* alphas, int part, BlockGradient& g) {
-  const int at = part * kLanes;
-  const F T = load(g.T + at), weight = load(alphas + at) * T;
-  const F value = mul_add(
-      load(g.r + at), F(q.r),
-      mul_add(load(g.g + at), F(q.g),
-              mul_add(load(g.b + at), F(q.b), mul_add(load(g.d + at), F(q.z), load(g.a + at)))));
-  store(neg_mul_add(weight, value, load(g.S + at)), g.S + at);
-  store(T - weight, g.T + at);
-}
-
 /// Backward pass of the Gaussians [begin, end) of one batch whose alphas start at `alpha_start` in
-/// each block: writes their slots and marks those used.
-template <bool kFloaters, Notes kNotes>
+/// each block: writes their slots and marks those used, with `kNoteReached` also those in which the
+/// Gaussian weighs enough.
+template <bool kFloaters, bool kNoteReached>
 HWY_INLINE void backward_batch(const TileJob& job, std::uint32_t begin, std::uint32_t end,
                                const std::uint32_t* alpha_start, TileScratch& scratch) {
   constexpr std::uint32_t kAhead = 6;
-  constexpr bool kFrozen = kNotes == Notes::kFrozen;
   const Staged* staged = scratch.staged.data();
   const std::uint32_t* low = scratch.active[0].data();
   const std::uint32_t* high = scratch.active[1].data();
@@ -96,22 +81,10 @@ HWY_INLINE void backward_batch(const TileJob& job, std::uint32_t begin, std::uin
   std::uint32_t next[kBlocksPerTile];
   std::memcpy(next, alpha_start, sizeof next);
   for (std::uint32_t j = begin; j < end; ++j) {
-    if (j + kAhead < end && !(kFrozen && slots[j + kAhead] == kNoSlot)) {
-      __builtin_prefetch(&job.slots[slots[j + kAhead]], 1);
-    }
+    if (j + kAhead < end) __builtin_prefetch(&job.slots[slots[j + kAhead]], 1);
     std::uint64_t active = low[j] | static_cast<std::uint64_t>(high[j]) << (kBlocksPerTile / 2);
     if (active == 0) continue;
     const std::uint32_t slot = slots[j];
-    if (kFrozen && slot == kNoSlot) {
-      for (; active != 0; active &= active - 1) {
-        const int block = __builtin_ctzll(active);
-        const float* own = alphas + static_cast<std::size_t>(next[block]++) * kBlockPixels;
-        for (int part = 0; part < kParts; ++part) {
-          pass_step(staged[j], own, part, scratch.gradient[block]);
-        }
-      }
-      continue;
-    }
     F sums[10], strongest(0.0f);
     for (F& s : sums) s = F(0.0f);
     do {
@@ -121,11 +94,11 @@ HWY_INLINE void backward_batch(const TileJob& job, std::uint32_t begin, std::uin
       for (int part = 0; part < kParts; ++part) {
         const F weight =
             backward_step<kFloaters>(staged[j], own, block, part, scratch.gradient[block], sums);
-        if constexpr (kNotes == Notes::kReached) strongest = maximum(strongest, weight);
+        if constexpr (kNoteReached) strongest = maximum(strongest, weight);
       }
     } while (active != 0);
     job.slot_used[slot] = kSlotUsed;
-    if constexpr (kNotes == Notes::kReached) {
+    if constexpr (kNoteReached) {
       if (!hn::AllFalse(kF, strongest >= F(job.reached_weight))) {
         job.slot_used[slot] = kSlotReached;
       }
@@ -135,11 +108,11 @@ HWY_INLINE void backward_batch(const TileJob& job, std::uint32_t begin, std::uin
 }
 
 /// Backward pass of the first `visited` Gaussians of a tile.
-template <bool kFloaters, Notes kNotes>
+template <bool kFloaters, bool kNoteReached>
 HWY_INLINE void backward_tile(const TileJob& job, std::uint32_t visited, TileScratch& scratch) {
   for (std::uint32_t begin = 0; begin < visited; begin += kBatch) {
     const std::uint32_t end = visited - begin < kBatch ? visited : begin + kBatch;
-    backward_batch<kFloaters, kNotes>(
+    backward_batch<kFloaters, kNoteReached>(
         job, begin, end, scratch.alpha_start.data() + begin / kBatch * kBlocksPerTile, scratch);
   }
 }

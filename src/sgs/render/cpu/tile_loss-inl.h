@@ -31,13 +31,13 @@ struct RoundedAbs {
 };
 
 /// `inside` tells which pixels belong to the image.
-HWY_INLINE void loss_part(const TileLoss& loss, const BlockState& state, const float* target,
+HWY_INLINE void loss_part(const TileLoss& loss, const BlockState& state, const float* training,
                           const float* color_gradient, Mask inside, int part, BlockGradient& out,
                           LossSums& sums) {
   const int at = part * kLanes;
   const F zero(0.0f);
   const RoundedAbs color_loss(loss.color_knee), depth_loss(loss.depth_knee_m);
-  const F z = load(target + 3 * kBlockPixels + at);
+  const F z = load(training + 3 * kBlockPixels + at);
   const F depth = load(state.d + at), alpha = load(state.a + at);
   const Mask measured = hn::And(inside, z > zero);
   const F color_weight =
@@ -47,7 +47,7 @@ HWY_INLINE void loss_part(const TileLoss& loss, const BlockState& state, const f
   float* const gradient[3] = {out.r, out.g, out.b};
   F behind = zero;
   for (int c = 0; c < 3; ++c) {
-    const F x = load(rendered[c] + at), y = load(target + c * kBlockPixels + at);
+    const F x = load(rendered[c] + at), y = load(training + c * kBlockPixels + at);
     const F gain(loss.gain[c]);
     const F e = gain * x - y;
     F g = color_weight * gain * color_loss.slope(e);

@@ -128,11 +128,9 @@ HWY_INLINE void append_to_lists(VI bits, std::uint32_t first, std::uint32_t* lis
   }
 }
 
-/// Slot of the sums of a Gaussian in this tile: its tiles are numbered row by row. kNoSlot when it
-/// is frozen.
+/// Slot of the sums of a Gaussian in this tile: its tiles are numbered row by row.
 HWY_INLINE std::uint32_t slot_of(const TileJob& job, std::uint32_t id) {
   const Record& r = job.records[id];
-  if (job.any_frozen && r.slot == kNoSlot) return kNoSlot;
   const int ordinal =
       (job.tile_y - r.rect.y0) * (r.rect.x1 - r.rect.x0 + 1) + job.tile_x - r.rect.x0;
   return job.slot_base[id >> kChunkShift] + r.slot + static_cast<std::uint32_t>(ordinal);
@@ -176,7 +174,7 @@ HWY_INLINE void stage_batch(const TileJob& job, const std::uint32_t* entries, st
       }
       to[0] = x0 - rows[l][0];
       to[1] = y0 - rows[l][1];
-      if (job.target != nullptr) scratch.slots.data()[i + l] = slot_of(job, entries[i + l]);
+      if (job.training != nullptr) scratch.slots.data()[i + l] = slot_of(job, entries[i + l]);
     }
   }
 }

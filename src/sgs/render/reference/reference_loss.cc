@@ -87,55 +87,39 @@ double dssim(std::span<const double> x, std::span<const double> y, int width, in
   return value;
 }
 
-std::size_t mask_tile_of(std::size_t i, const PinholeCamera& camera) {
-  const auto width = static_cast<std::size_t>(camera.width);
-  const std::size_t tiles_x = (width + kMaskTile - 1) / kMaskTile;
-  return i / width / kMaskTile * tiles_x + i % width / kMaskTile;
-}
-
-double image_loss(const PixelImage& image, const TrainingImage& target, const LossConfig& loss,
-                  std::span<const std::uint8_t> tiles, PixelImage& gradient,
-                  std::vector<float>& tile_loss) {
+double image_loss(const PixelImage& image, const TrainingImage& training, const LossConfig& loss,
+                  PixelImage& gradient) {
   const std::size_t n = image.size();
   gradient.assign(n, Pixel{});
   double value = 0;
-  std::vector<double> per_tile(mask_tile_of(n - 1, target.camera) + 1);
   std::array<std::vector<double>, 3> x, y;
   for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t tile = mask_tile_of(i, target.camera);
-    if (!tiles.empty() && tiles[tile] == 0) continue;
-    double& own = per_tile[tile];
     const Pixel& p = image[i];
     Pixel& g = gradient[i];
-    const Rgbf& c = target.color.data()[i];
+    const Rgbf& c = training.color.data()[i];
     const std::array<double, 3> measured = {c.r, c.g, c.b};
-    const double z = target.depth.data()[i];
+    const double z = training.depth.data()[i];
     const double w = loss.color_only_where_depth && !(z > 0) ? 0.0 : double{loss.color_weight} / 3;
     for (std::size_t k = 0; k < 3; ++k) {
       const double gain = loss.gain[k], e = gain * p[k] - measured[k];
-      own += w * rounded_abs(e, loss.color_knee);
+      value += w * rounded_abs(e, loss.color_knee);
       g[k] = w * gain * slope(e, loss.color_knee);
       x[k].push_back(gain * p[k]);
       y[k].push_back(measured[k]);
     }
     if (!(z > 0)) continue;
-    const bool relative = loss.depth_form == LossConfig::Depth::kAlphaRelative;
+    const bool relative = loss.depth_form == DepthForm::kAlphaRelative;
     const double e = relative ? p[3] - p[4] * z : p[3] - z;
     const double wd = relative ? loss.depth_weight / std::max(z, 0.3) : double{loss.depth_weight};
-    own += wd * rounded_abs(e, loss.depth_knee_m);
+    value += wd * rounded_abs(e, loss.depth_knee_m);
     g[3] = wd * slope(e, loss.depth_knee_m);
     if (relative) g[4] = -z * g[3];
-  }
-  tile_loss.clear();
-  for (const double own : per_tile) {
-    value += own;
-    tile_loss.push_back(static_cast<float>(own));
   }
   if (loss.dssim_weight == 0.0f) return value;
   const double w = double{loss.dssim_weight} / 3;
   std::vector<double> d;
   for (std::size_t k = 0; k < 3; ++k) {
-    value += w * dssim(x[k], y[k], target.camera.width, target.camera.height, d);
+    value += w * dssim(x[k], y[k], training.camera.width, training.camera.height, d);
     for (std::size_t i = 0; i < n; ++i) gradient[i][k] += w * double{loss.gain[k]} * d[i];
   }
   return value;

@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
+#include "sgs/render/evaluation_check.h"
 #include "sgs/render/rasterizer.h"
 #include "sgs/render/reference/reference_scene.h"
-#include "sgs/render/target_check.h"
 
 namespace sgs::render {
 namespace {
 
-class ReferenceTarget final : public PreparedTarget {
+class ReferenceTrainingView final : public TrainingView {
  public:
-  explicit ReferenceTarget(const TrainingImage& source)
-      : PreparedTarget(source.camera), image(source) {}
+  explicit ReferenceTrainingView(const TrainingImage& source)
+      : TrainingView(source.camera), image(source) {}
   const TrainingImage image;
 };
 
@@ -28,24 +28,24 @@ class ReferenceRasterizer final : public Rasterizer {
           camera, out);
   }
 
-  std::shared_ptr<const PreparedTarget> prepare(const TrainingImage& image) const override {
+  std::shared_ptr<const TrainingView> prepare(const TrainingImage& image) const override {
     check_training_image(image);
-    return std::make_shared<ReferenceTarget>(image);
+    return std::make_shared<ReferenceTrainingView>(image);
   }
 
-  void evaluate(std::span<const map::Gaussian> gaussians, const PreparedTarget& target,
+  void evaluate(std::span<const map::Gaussian> gaussians, const TrainingView& training,
                 const SE3& T_world_camera, const LossConfig& loss, Gradients& out,
                 const EvaluateOptions& options) override {
-    const auto* own = dynamic_cast<const ReferenceTarget*>(&target);
-    SGS_CHECK(own != nullptr, "the target was prepared by another kind of rasterizer");
-    check_options(options, gaussians.size(), target.camera(), loss);
+    const auto* own = dynamic_cast<const ReferenceTrainingView*>(&training);
+    SGS_CHECK(own != nullptr, "the training view was prepared by another kind of rasterizer");
+    check_options(options, gaussians.size());
     const auto rows = convert(gaussians);
     const auto e = reference::evaluate(rows, own->image, T_world_camera, loss, options);
-    if (options.tile_loss != nullptr) *options.tile_loss = e.tile_loss;
-    if (options.reached != nullptr) {
-      options.reached->clear(rows.size());
+    const Capture& capture = options.capture;
+    if (capture.reached != nullptr) {
+      capture.reached->clear(rows.size());
       for (std::size_t i = 0; i < rows.size(); ++i) {
-        if (e.reached[i]) options.reached->insert(i);
+        if (e.reached[i]) capture.reached->insert(i);
       }
     }
     out.visible.clear();
@@ -59,7 +59,7 @@ class ReferenceRasterizer final : public Rasterizer {
     out.loss = e.loss;
     out.exposure_measured = e.exposure_measured;
     out.exposure_rendered = e.exposure_rendered;
-    if (options.rendering != nullptr) store(e.image, target.camera(), *options.rendering);
+    if (capture.rendering != nullptr) store(e.image, training.camera(), *capture.rendering);
     if (options.sink != nullptr) {
       options.sink->accept(out.visible, out.gradient.data());
       out.gradient.clear();

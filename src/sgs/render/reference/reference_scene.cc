@@ -95,12 +95,10 @@ Parameters pack(const scalar::SplatGradient<double>& g, const Sums& sums) {
           g.opacity_logit, sums.rgb[0],   sums.rgb[1],   sums.rgb[2]};
 }
 
-void sum_exposure(const PixelImage& image, const TrainingImage& target,
-                  std::span<const std::uint8_t> tiles, Evaluation& out) {
+void sum_exposure(const PixelImage& image, const TrainingImage& training, Evaluation& out) {
   for (std::size_t i = 0; i < image.size(); ++i) {
-    if (!tiles.empty() && tiles[mask_tile_of(i, target.camera)] == 0) continue;
-    if (!(image[i][4] > 0.9) || !(target.depth.data()[i] > 0)) continue;
-    const Rgbf& c = target.color.data()[i];
+    if (!(image[i][4] > 0.9) || !(training.depth.data()[i] > 0)) continue;
+    const Rgbf& c = training.color.data()[i];
     const std::array<double, 3> measured = {c.r, c.g, c.b};
     for (std::size_t k = 0; k < 3; ++k) {
       if (!(measured[k] > 0.02f && measured[k] < 0.97f)) continue;
@@ -108,22 +106,6 @@ void sum_exposure(const PixelImage& image, const TrainingImage& target,
       out.exposure_rendered[k] += image[i][k];
     }
   }
-}
-
-/// Whether the box of a Gaussian has a pixel in a tile that counts.
-bool reaches_active_tile(const ImageSplat& s, const PinholeCamera& camera,
-                         std::span<const std::uint8_t> tiles) {
-  if (tiles.empty()) return true;
-  const int tiles_x = (camera.width + kMaskTile - 1) / kMaskTile;
-  const auto first = [](double low) { return static_cast<int>(std::ceil(std::max(low, 0.0))); };
-  const int x1 = std::min(camera.width - 1, static_cast<int>(std::floor(s.x + s.extent_x)));
-  const int y1 = std::min(camera.height - 1, static_cast<int>(std::floor(s.y + s.extent_y)));
-  for (int y = first(s.y - s.extent_y) / kMaskTile; y <= y1 / kMaskTile; ++y) {
-    for (int x = first(s.x - s.extent_x) / kMaskTile; x <= x1 / kMaskTile; ++x) {
-      if (tiles[static_cast<std::size_t>(y * tiles_x + x)] != 0) return true;
-    }
-  }
-  return false;
 }
 
 }  // namespace
@@ -196,17 +178,17 @@ PixelImage composite(std::span<const ImageSplat> splats, const PinholeCamera& ca
   return image;
 }
 
-Evaluation evaluate(std::span<const Parameters> gaussians, const TrainingImage& target,
+Evaluation evaluate(std::span<const Parameters> gaussians, const TrainingImage& training,
                     const SE3& T_world_camera, const LossConfig& loss,
                     const EvaluateOptions& options, bool backward) {
   Evaluation out;
-  const PinholeCamera& camera = target.camera;
-  const auto splats = project_all(gaussians, camera, T_world_camera, options.candidates);
-  out.image = composite(splats, camera, options.min_transmittance);
+  const PinholeCamera& camera = training.camera;
+  const auto splats = project_all(gaussians, camera, T_world_camera, options.scope.candidates);
+  out.image = composite(splats, camera, options.scope.min_transmittance);
   PixelImage gradient;
-  out.loss = image_loss(out.image, target, loss, options.tiles, gradient, out.tile_loss);
+  out.loss = image_loss(out.image, training, loss, gradient);
   if (!backward) return out;
-  sum_exposure(out.image, target, options.tiles, out);
+  sum_exposure(out.image, training, out);
 
   std::vector<Sums> sums(splats.size(), Sums{});
   out.reached.assign(gaussians.size(), false);
@@ -215,15 +197,13 @@ Evaluation evaluate(std::span<const Parameters> gaussians, const TrainingImage& 
     for (int x = 0; x < camera.width; ++x) {
       const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(camera.width) +
                      static_cast<std::size_t>(x);
-      const double depth = target.depth.data()[i];
+      const double depth = training.depth.data()[i];
       const double nearest_z =
           loss.floater_margin_m > 0 && depth > 0 ? depth - double{loss.floater_margin_m} : 0.0;
-      collect_hits(splats, x, y, options.min_transmittance, hits);
-      const bool counts =
-          options.tiles.empty() || options.tiles[mask_tile_of(i, target.camera)] != 0;
+      collect_hits(splats, x, y, options.scope.min_transmittance, hits);
       for (const Hit& hit : hits) {
-        const bool weighs = hit.alpha * hit.transmittance >= double{options.reached_weight};
-        if (counts && weighs) out.reached[splats[hit.splat].source] = true;
+        const bool weighs = hit.alpha * hit.transmittance >= double{options.capture.reached_weight};
+        if (weighs) out.reached[splats[hit.splat].source] = true;
       }
       backward_pixel(splats, hits, x, y, gradient[i], nearest_z, sums);
     }
@@ -233,8 +213,6 @@ Evaluation evaluate(std::span<const Parameters> gaussians, const TrainingImage& 
   out.gradient.assign(gaussians.size(), Parameters{});
   out.visible.assign(gaussians.size(), false);
   for (std::size_t k = 0; k < splats.size(); ++k) {
-    if (!options.frozen.empty() && options.frozen[splats[k].source] != 0) continue;
-    if (!reaches_active_tile(splats[k], camera, options.tiles)) continue;
     const auto shape = shape_of(gaussians[splats[k].source]);
     const auto p = scalar::to_camera(view, shape.mean);
     const auto g = scalar::splat_backward(view, p, scalar::project(view, p, shape), sums[k]);

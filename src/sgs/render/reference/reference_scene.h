@@ -35,11 +35,10 @@ using PixelImage = std::vector<Pixel>;  // row-major
 struct Evaluation {
   double loss = 0;
   std::vector<Parameters> gradient;    ///< one row per Gaussian, zero where invisible
-  std::vector<bool> visible, reached;  ///< reached: weighs enough in some pixel that counts
+  std::vector<bool> visible, reached;  ///< reached: weighs enough in some pixel
   Vector6d camera_twist = Vector6d::Zero();
   std::array<double, 3> exposure_measured{}, exposure_rendered{};
   PixelImage image;
-  std::vector<float> tile_loss;  ///< per tile of kMaskTile pixels
 };
 
 /// Visible Gaussians among the candidates (null = all), nearest first.
@@ -48,18 +47,14 @@ std::vector<ImageSplat> project_all(std::span<const Parameters> gaussians,
                                     const map::GaussianSet* candidates = nullptr);
 PixelImage composite(std::span<const ImageSplat> splats, const PinholeCamera& camera,
                      double min_transmittance = kMinTransmittance);
-/// Number of the tile of EvaluateOptions::tiles in which pixel `i` lies.
-std::size_t mask_tile_of(std::size_t i, const PinholeCamera& camera);
-/// Value of the loss over the marked tiles (empty = all), and its gradient with respect to each
-/// pixel into `gradient`; the loss of each tile (without D-SSIM) into `tile_loss`.
-double image_loss(const PixelImage& image, const TrainingImage& target, const LossConfig& loss,
-                  std::span<const std::uint8_t> tiles, PixelImage& gradient,
-                  std::vector<float>& tile_loss);
+/// Value of the loss, and its gradient with respect to each pixel into `gradient`.
+double image_loss(const PixelImage& image, const TrainingImage& training, const LossConfig& loss,
+                  PixelImage& gradient);
 /// Value and gradient of sum over pixels of (1 - SSIM(x, y)) with respect to x for one channel.
 double dssim(std::span<const double> x, std::span<const double> y, int width, int height,
              std::vector<double>& gradient);
 
-Evaluation evaluate(std::span<const Parameters> gaussians, const TrainingImage& target,
+Evaluation evaluate(std::span<const Parameters> gaussians, const TrainingImage& training,
                     const SE3& T_world_camera, const LossConfig& loss,
                     const EvaluateOptions& options = {}, bool backward = true);
 

@@ -17,7 +17,7 @@ struct Scene {
   PinholeCamera camera;
   SE3 pose;
   std::vector<Parameters> gaussians;
-  TrainingImage target;
+  TrainingImage training;
 };
 
 Scene make_scene(std::uint64_t seed, int count = 25) {
@@ -32,13 +32,13 @@ Scene make_scene(std::uint64_t seed, int count = 25) {
   rows = render::testing::random_gaussians(s.camera, s.pose, count, 4.0, again);
   Rendering rendering;
   rasterizer->render(rows, s.camera, s.pose, rendering);
-  s.target = render::testing::target_beside(rendering, s.camera, random);
+  s.training = render::testing::training_image_beside(rendering, s.camera, random);
   return s;
 }
 
 double loss_of(const Scene& s, const std::vector<Parameters>& gaussians, const SE3& pose,
                const LossConfig& loss) {
-  return evaluate(gaussians, s.target, pose, loss, {}, false).loss;
+  return evaluate(gaussians, s.training, pose, loss, {}, false).loss;
 }
 
 /// Central difference, or NaN where two step sizes disagree: there a pixel crossed the 1/255 cut or
@@ -51,7 +51,7 @@ double derivative(const Loss& loss) {
 }
 
 void expect_gradients_match(const Scene& s, const LossConfig& loss) {
-  const Evaluation e = evaluate(s.gaussians, s.target, s.pose, loss);
+  const Evaluation e = evaluate(s.gaussians, s.training, s.pose, loss);
   const char* const names[kParameters] = {"mean",    "mean",     "mean",     "scale",    "scale",
                                           "scale",   "rotation", "rotation", "rotation", "rotation",
                                           "opacity", "rgb",      "rgb",      "rgb"};
@@ -79,7 +79,7 @@ void expect_gradients_match(const Scene& s, const LossConfig& loss) {
 }
 
 void expect_twist_matches(const Scene& s, const LossConfig& loss) {
-  const Evaluation e = evaluate(s.gaussians, s.target, s.pose, loss);
+  const Evaluation e = evaluate(s.gaussians, s.training, s.pose, loss);
   int checked = 0;
   for (int k = 0; k < 6; ++k) {
     const double numeric = derivative([&](double h) {
@@ -102,15 +102,15 @@ TEST(ReferenceGradient, DefaultLoss) {
 
 TEST(ReferenceGradient, AbsoluteDepthOnlyWhereDepthWithGains) {
   LossConfig loss;
-  loss.depth_form = LossConfig::Depth::kAbsolute;
+  loss.depth_form = DepthForm::kAbsolute;
   loss.color_only_where_depth = true;
   loss.gain = {1.2f, 0.9f, 1.05f};
-  // The target keeps away from the kinks of gain 1 only; move it along.
+  // The training keeps away from the kinks of gain 1 only; move it along.
   Scene s = make_scene(2);
-  for (std::size_t i = 0; i < s.target.color.size(); ++i) {
-    Rgbf& c = s.target.color.data()[i];
+  for (std::size_t i = 0; i < s.training.color.size(); ++i) {
+    Rgbf& c = s.training.color.data()[i];
     c = {c.r + 1.0f, c.g - 1.0f, c.b + 1.0f};
-    s.target.depth.data()[i] *= 2;
+    s.training.depth.data()[i] *= 2;
   }
   expect_gradients_match(s, loss);
   expect_twist_matches(s, loss);
@@ -143,16 +143,16 @@ TEST(ReferenceGradient, Dssim) {
 
 TEST(ReferenceGradient, FloatersGetNone) {
   Scene s = make_scene(4);
-  for (std::size_t i = 0; i < s.target.depth.size(); ++i) s.target.depth.data()[i] = 10.0f;
+  for (std::size_t i = 0; i < s.training.depth.size(); ++i) s.training.depth.data()[i] = 10.0f;
   LossConfig loss;
   loss.floater_margin_m = 0.2f;
-  const Evaluation e = evaluate(s.gaussians, s.target, s.pose, loss);
+  const Evaluation e = evaluate(s.gaussians, s.training, s.pose, loss);
   EXPECT_GT(e.loss, 0);
   for (const auto& row : e.gradient) EXPECT_THAT(row, ::testing::Each(0.0));
   loss.floater_margin_m = 20.0f;
-  const Evaluation all = evaluate(s.gaussians, s.target, s.pose, loss);
+  const Evaluation all = evaluate(s.gaussians, s.training, s.pose, loss);
   loss.floater_margin_m = 0.0f;
-  EXPECT_EQ(all.gradient, evaluate(s.gaussians, s.target, s.pose, loss).gradient);
+  EXPECT_EQ(all.gradient, evaluate(s.gaussians, s.training, s.pose, loss).gradient);
 }
 
 /// The projection once more in matrices as the papers write it, so that a mistake shared by all

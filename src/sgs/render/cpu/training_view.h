@@ -12,24 +12,24 @@
 
 namespace sgs::render::cpu {
 
-/// A training image in tiled layout (kTargetChannels, zero outside the image), and on first demand
-/// the window moments that D-SSIM compares with.
-class CpuTarget final : public PreparedTarget {
+/// A training image in tiled layout (kTrainingChannels, zero outside the image), and on first
+/// demand the window moments that D-SSIM compares with.
+class CpuTrainingView final : public TrainingView {
  public:
-  explicit CpuTarget(const TrainingImage& image);
+  explicit CpuTrainingView(const TrainingImage& image);
 
   const TileGrid& grid() const { return grid_; }
   const float* tile(int t) const {
-    return pixels_.data() + static_cast<std::size_t>(t) * tile_floats(kTargetChannels);
+    return pixels_.data() + static_cast<std::size_t>(t) * tile_floats(kTrainingChannels);
   }
   /// One per channel; thread-safe.
-  const std::array<TargetMoments, 3>& moments() const;
+  const std::array<MeasuredMoments, 3>& moments() const;
 
  private:
   TileGrid grid_;
   Buffer<float> pixels_;
   mutable std::once_flag moments_once_;
-  mutable std::array<TargetMoments, 3> moments_;
+  mutable std::array<MeasuredMoments, 3> moments_;
 };
 
 }  // namespace sgs::render::cpu

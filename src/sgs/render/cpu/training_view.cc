@@ -1,19 +1,19 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/render/cpu/target.h"
+#include "sgs/render/cpu/training_view.h"
 
 #include <algorithm>
 
 namespace sgs::render::cpu {
 
-CpuTarget::CpuTarget(const TrainingImage& image)
-    : PreparedTarget(image.camera), grid_(image.camera.width, image.camera.height) {
-  const std::size_t size = static_cast<std::size_t>(grid_.tiles()) * tile_floats(kTargetChannels);
+CpuTrainingView::CpuTrainingView(const TrainingImage& image)
+    : TrainingView(image.camera), grid_(image.camera.width, image.camera.height) {
+  const std::size_t size = static_cast<std::size_t>(grid_.tiles()) * tile_floats(kTrainingChannels);
   pixels_.ensure_exactly(size);
   const bool padded = grid_.width % kTileSide != 0 || grid_.height % kTileSide != 0;
   if (padded) std::fill_n(pixels_.data(), size, 0.0f);
   for (int row = 0; row < grid_.tiles_y; ++row) {
-    for_each_run(grid_, row, kTargetChannels, [&](int x, int y, int n, std::size_t index) {
+    for_each_run(grid_, row, kTrainingChannels, [&](int x, int y, int n, std::size_t index) {
       float* p = pixels_.data() + index;
       const Rgbf* c = image.color.row(y) + x;
       const float* z = image.depth.row(y) + x;
@@ -27,16 +27,16 @@ CpuTarget::CpuTarget(const TrainingImage& image)
   }
 }
 
-const std::array<TargetMoments, 3>& CpuTarget::moments() const {
+const std::array<MeasuredMoments, 3>& CpuTrainingView::moments() const {
   std::call_once(moments_once_, [this] {
     for (std::size_t c = 0; c < 3; ++c) {
       PaddedPlane plane(grid_.width, grid_.height);
       for (int y = 0; y < grid_.height; ++y) {
         for (int x = 0; x < grid_.width; ++x) {
-          plane.row(y)[x] = pixels_[grid_.index(x, y, kTargetChannels) + c * kBlockPixels];
+          plane.row(y)[x] = pixels_[grid_.index(x, y, kTrainingChannels) + c * kBlockPixels];
         }
       }
-      moments_[c] = TargetMoments(std::move(plane));
+      moments_[c] = MeasuredMoments(std::move(plane));
     }
   });
   return moments_;
