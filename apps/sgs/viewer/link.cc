@@ -74,7 +74,7 @@ Result<std::unique_ptr<ViewerLink>> ViewerLink::open(const ViewerRequest& reques
   viewer::RunInfo info;
   info.version = kVersion;
   info.input = input.info.name;
-  info.tracker = config.tracker.type;
+  info.tracker = to_string(config.tracker.type);
   info.preset = config.preset;
   info.live = true;
   info.camera = input.source->camera();
