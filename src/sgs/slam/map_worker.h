@@ -22,7 +22,7 @@ namespace sgs::slam {
 /// What the tracker hands to the mapper for every frame, in frame order.
 struct MapJob {
   std::shared_ptr<const RgbdFrame> keyframe;  ///< null when the frame is no mapping keyframe
-  SE3 T_world_tracked;                        ///< pose of that keyframe
+  SE3 T_odom_camera;                          ///< the tracker's pose of that keyframe
 };
 
 /// Map state that one frame may see.
@@ -46,8 +46,8 @@ class MapWorker {
             Mode mode, int threads);
   ~MapWorker();
 
-  /// Queues the job of frame number `n` (0, 1, 2, ... without gaps). Rethrows a failure of the
-  /// mapping thread.
+  /// Queues the job of the next frame; every frame has one. Rethrows a failure of the mapping
+  /// thread.
   void submit(MapJob job);
   /// The state that frame number `n` is to be tracked against; waits for job n - snapshot_lag
   /// offline, never waits live.
