@@ -20,7 +20,8 @@ struct FrameRecord {
   double timestamp_s = 0;
   bool bad = false;  ///< the frame could not be read; everything below is empty
   std::string bad_reason;
-  SE3 T_world_tracked;  ///< the tracker's pose, before keyframe refinement; not in frames.csv
+  /// The tracker's pose, before keyframe refinement (pose_correction.h); not in frames.csv.
+  SE3 T_odom_camera;
   tracker::TrackingStatus status = tracker::TrackingStatus::kLost;
   tracker::LostReason lost_reason = tracker::LostReason::kNone;
   bool tracking_keyframe = false;
