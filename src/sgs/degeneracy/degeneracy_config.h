@@ -19,7 +19,7 @@ struct DegeneracyConfig {
   double planarity_full_prior = 0.5;  ///< above it the paper adds all of Omega
   bool planarity_alone = false;       ///< that planarity is enough, whatever the eigenvalues say
   bool soft_gate = true;              ///< off: included axes have weight 1
-  double geometry_weight = 0.3;       ///< wg: points share windows and noise (docs/accuracy.md)
+  double geometry_weight = 0.3;       ///< w_g (docs/method.md, section 6)
   double damping = 1e-3;              ///< on the diagonal
 
   void declare(ParameterList& p) {

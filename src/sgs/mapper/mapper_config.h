@@ -96,7 +96,7 @@ struct KeyframeRefinementConfig {
   void declare(ParameterList& p);
 };
 
-/// Settings of the mapper; the defaults are the `default` preset (docs/accuracy.md).
+/// Settings of the mapper; the defaults are the `default` preset (docs/mapping.md).
 struct MapperConfig {
   double iterations_per_frame = 1.5;   ///< offline budget; fractions accumulate
   int first_keyframe_iterations = 30;  ///< spent at once when the map begins
@@ -109,7 +109,7 @@ struct MapperConfig {
   void declare(ParameterList& p);
 };
 
-/// The recipe of the paper and of GS-ICP SLAM (METHOD section 7).
+/// The recipe of the paper and of GS-ICP SLAM (docs/method.md, section 7).
 MapperConfig paper_mapper_config();
 
 }  // namespace sgs::mapper

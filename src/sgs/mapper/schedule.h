@@ -33,9 +33,9 @@ class Random {
 ///
 /// Where all come equally often, the k-th of n keyframes has had s ln(n / k) visits in the end, s
 /// being the steps per keyframe: the newest have next to none. Where the least visited comes first,
-/// the last views win over what others have taught (MAPPING, "Order"). `kBalanced` lies between: a
-/// keyframe comes with a frequency in proportion to (visits + 4)^-bias, spread over time as evenly
-/// as shuffled rounds are.
+/// the last views win over what others have taught (docs/mapping.md, section 5). `kBalanced` lies
+/// between: a keyframe comes with a frequency in proportion to (visits + 4)^-bias, spread over time
+/// as evenly as shuffled rounds are.
 class Schedule {
  public:
   enum class Order {

@@ -10,7 +10,7 @@ namespace sgs::registration {
 
 /// Which points of a depth image take part, and how their normal and noise are estimated.
 struct SamplingConfig {
-  std::string method = "plane_fit";  ///< plane_fit (TRACKING section 2) | neighbours (the paper)
+  std::string method = "plane_fit";  ///< plane_fit | neighbours (the paper)
   int step_px = 8;                   ///< spacing of the sampled pixels
   double min_depth_m = 0.1;
   double max_depth_m = 4.5;

@@ -55,7 +55,7 @@ class PreparedTarget {
   PinholeCamera camera_;
 };
 
-/// The loss of MAPPING.md, summed over pixels (not averaged):
+/// The loss of docs/mapping.md, section 3, summed over pixels (not averaged):
 ///   color_weight / 3 * sum_c |gain_c r_c - y_c|   over all pixels (or those with depth, see below)
 /// + depth_weight * |D - A z| / max(z, 0.3 m)       over pixels with measured depth z (kAlpha), or
 ///   depth_weight * |D - z|                         (kAbsolute: the paper's form)

@@ -27,7 +27,7 @@ struct SessionConfig {
   void declare(ParameterList& list);
 };
 
-/// The named preset: "default" (ours) or "paper" (METHOD.md's reading of the paper).
+/// The named preset: "default" (ours) or "paper" (docs/method.md, column "paper").
 Result<SessionConfig> make_session_config(const std::string& preset);
 
 }  // namespace sgs::slam

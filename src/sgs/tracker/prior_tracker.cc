@@ -141,7 +141,8 @@ bool PriorTracker::register_frame(const PosePrior& prior, SE3& T_map_camera, Dia
          d.inliers >= config_.loss.min_inlier_share * d.source_points && motion_.plausible(T);
 }
 
-// The condition test, planarity and the weights that follow from them; METHOD sections 3, 4 and 6.
+// The condition test, planarity and the weights that follow from them; docs/method.md, sections 3,
+// 4, 6.
 degeneracy::AxisPrior PriorTracker::choose_axes(const Matrix6d& H_icp, const PosePrior& prior,
                                                 Diagnostics& d) {
   const degeneracy::Spectrum spectrum = degeneracy::spectrum(H_icp);

@@ -15,7 +15,7 @@ namespace sgs::tracker {
 /// The tracker of Spectral GS-SLAM (Tan, Lam, Zhang, IROS 2026): registration whose Hessian decides
 /// by its condition numbers which axes are degenerate, with a pose prior from ORB matches to the
 /// last frame added to the cost on those axes, weighted by how planar the matched Gaussians are.
-/// METHOD sections 2 to 6, `paper` columns; `fusion = prior`. What the paper leaves open:
+/// docs/method.md, sections 2 to 6, column "paper"; `fusion = prior`. What the paper leaves open:
 ///  - a rejected prior means no motion, with the identity as its information: nothing is measured,
 ///    so the shape is arbitrary, and its size comes from the registration's trace anyway;
 ///  - "lost" (a pose held, no keyframe) is not in the paper; the limits are GicpTracker's.

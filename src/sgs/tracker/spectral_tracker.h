@@ -15,10 +15,10 @@ namespace sgs::tracker {
 /// The `default` tracker: geometry and photometry in one Gauss-Newton, coarse to fine, with
 /// geometry projected off the axes that the frame's own surfaces do not observe:
 ///     H = w_g K^T H_g K + H_v + damping I,   b = w_g K^T b_g + b_v,   K = I - P
-/// (TRACKING section 2; `fusion = joint` leaves K = I). A frame is lost when an axis is observed by
-/// neither, when the alignment does not explain the picture or when it would jump; then the pose is
-/// carried on at constant velocity for a moment, held after that, and searched for among the
-/// keyframes.
+/// (docs/method.md, section 6; `fusion = joint` leaves K = I). A frame is lost when an axis is
+/// observed by neither, when the alignment does not explain the picture or when it would jump; then
+/// the pose is carried on at constant velocity for a moment, held after that, and searched for
+/// among the keyframes.
 class SpectralTracker : public Tracker {
  public:
   SpectralTracker(const TrackerConfig& config, const PinholeCamera& camera,

@@ -11,7 +11,7 @@
 
 namespace sgs::tracker {
 
-/// The points frames are registered to (METHOD section 7's open question: which ones). Map
+/// The points frames are registered to (which ones: docs/method.md, section 7). Map
 /// coordinates are those of the tracker's first camera.
 class TargetMap {
  public:

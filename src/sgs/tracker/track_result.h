@@ -20,8 +20,8 @@ enum class TrackingStatus {
 };
 std::string to_string(TrackingStatus status);
 
-/// Everything that frames.csv says about one frame's tracking (METHOD section 8). NaN = not
-/// computed by this tracker.
+/// Everything that frames.csv says about one frame's tracking (docs/method.md, section 8). NaN =
+/// not computed by this tracker.
 struct Diagnostics {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::array<double, 6> eigenvalues = {kNone, kNone, kNone, kNone, kNone, kNone};  ///< of H, rising

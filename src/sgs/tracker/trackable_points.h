@@ -13,7 +13,7 @@ namespace sgs::tracker {
 /// Target points the tracker keeps itself: a sparse surfel map on the sampling grid. Each point
 /// belongs to the keyframe that saw it and is stored relative to it, so that it can follow when the
 /// keyframe's pose is refined. Points are never averaged: that gains nothing for tracking
-/// (TRACKING section 1, finding 5).
+/// (docs/method.md, section 7).
 class TrackablePoints {
  public:
   struct Spacing {

@@ -39,7 +39,7 @@ struct LossConfig {
   void declare(ParameterList& p);
 };
 
-/// Which points of the map frames are registered to (METHOD section 7).
+/// Which points of the map frames are registered to (docs/method.md, section 7).
 struct TargetConfig {
   std::string source = "grid";  ///< optimised | anchor | grid
   double min_opacity = 0.09;    ///< of Gaussians that serve as targets
@@ -50,7 +50,7 @@ struct TargetConfig {
   void declare(ParameterList& p);
 };
 
-/// The joint geometric and photometric tracker (TRACKING section 2).
+/// The joint geometric and photometric tracker (docs/method.md, section 6).
 struct SpectralConfig {
   int coarse_stride = 9;               ///< geometry at coarse levels uses every n-th point
   int max_iterations = 10;             ///< per pyramid level
@@ -80,8 +80,8 @@ struct ReadoutConfig {
   void declare(ParameterList& p);
 };
 
-/// The paper's visual prior, `fusion = prior` (METHOD sections 4 to 6); its ablations are here, in
-/// `degeneracy.soft_gate` and in `degeneracy.condition_threshold`.
+/// The paper's visual prior, `fusion = prior` (docs/method.md, sections 4 to 6); its ablations are
+/// here, in `degeneracy.soft_gate` and in `degeneracy.condition_threshold`.
 struct PriorConfig {
   std::string source = "orb";  ///< orb | cvm (constant velocity, an ablation)
   int first_frame = 4;         ///< number, from 0, of the first frame with a prior
@@ -125,7 +125,7 @@ struct TrackerConfig {
   void declare(ParameterList& p);
 };
 
-/// The paper's front end with the released parameters (METHOD section 2).
+/// The paper's front end with the released parameters (docs/method.md, section 2).
 TrackerConfig paper_tracker_config();
 
 }  // namespace sgs::tracker

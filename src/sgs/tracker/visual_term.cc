@@ -41,7 +41,7 @@ void VisualTerm::set_frame(const RgbdFrame& frame) {
 }
 
 // How different the view from `T_map_camera` is from a keyframe's: shift of the view's centre in
-// image widths, change of distance and roll, half each (TRACKING section 1, finding 6).
+// image widths, change of distance and roll, half each (docs/method.md, section 5).
 double VisualTerm::view_distance(const Keyframe& keyframe, const SE3& T_map_camera) const {
   const PinholeCamera& camera = pyramid_.level(0).camera;
   const SE3 T = keyframe.reference.T_world_keyframe().inverse() * T_map_camera;

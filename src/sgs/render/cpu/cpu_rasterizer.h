@@ -16,9 +16,9 @@
 
 namespace sgs::render::cpu {
 
-/// The stages of RASTERIZER in order: project, sort, bin, tiles (forward, loss, backward), then
-/// per-Gaussian backward. Every parallel loop writes to places fixed by its chunk, and sums over
-/// chunks are taken in chunk order: the result does not depend on the number of threads.
+/// The stages of docs/rasterizer.md in order: project, sort, bin, tiles (forward, loss, backward),
+/// then per-Gaussian backward. Every parallel loop writes to places fixed by its chunk, and sums
+/// over chunks are taken in chunk order: the result does not depend on the number of threads.
 class CpuRasterizer final : public Rasterizer {
  public:
   using Rasterizer::evaluate;
