@@ -17,8 +17,8 @@ namespace sgs::bench {
 using FrameOdometry = std::function<std::optional<SE3>(const RgbdFrame& frame)>;
 
 /// Plays a recorded sequence to `odometry` and prints the error of the path (as our own runs are
-/// scored), the failed frames and the CPU time of a frame: the yardsticks of docs/accuracy.md and
-/// docs/performance.md. Returns the exit code. `make` gets the camera.
+/// scored), the failed frames and the CPU time of a frame: the yardsticks of docs/results.md.
+/// Returns the exit code. `make` gets the camera.
 int run_frame_odometry(const std::string& label, const std::string& sequence,
                        const std::function<FrameOdometry(const PinholeCamera& camera)>& make);
 

@@ -31,11 +31,11 @@ struct PublishedRow {
   std::vector<std::pair<std::string, double>> ate_cm;  ///< by sequence name
 };
 
-/// The synthetic suite of EVALUATION section 4, optionally along real TUM motion.
+/// The synthetic suite (docs/results.md, section 1), optionally along real TUM motion.
 const std::vector<SuiteSequence>& tum_synth_suite();
-/// What others reached on the real sequences of the same names (EVALUATION section 5).
+/// What others reached on the real sequences of the same names (docs/results.md, section 1).
 const std::vector<PublishedRow>& published_results();
-/// The trackers, and the paper's method with its ablations (METHOD section 8).
+/// The trackers, and the paper's method with its ablations (docs/method.md, section 8).
 const std::vector<SuiteVariant>& suite_variants();
 /// The variant of that name, or an error that lists the names.
 Result<SuiteVariant> find_variant(const std::string& name);

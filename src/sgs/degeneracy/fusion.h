@@ -14,7 +14,7 @@ struct NormalEquations {
   double cost = 0;
 };
 
-/// Pose prior on chosen axes (the paper's MAP fusion): cost e^T W e / 2, e = log(T_prior^-1 T).
+/// Pose prior on chosen axes, (FUSION) of docs/method.md: cost e^T W e / 2, e = log(T_prior^-1 T).
 /// Chosen once per frame at the first linearisation and frozen.
 struct AxisPrior {
   SE3 T_prior;                         ///< world from camera
@@ -35,7 +35,8 @@ void add_prior(const AxisPrior& prior, const SE3& T_world_camera, NormalEquation
 /// Cost alone, for trial steps.
 double prior_cost(const AxisPrior& prior, const SE3& T_world_camera);
 
-/// `fusion = remove`: H = wg K^T H_g K + H_v + damping I, b = wg K^T b_g + b_v. K = I - P.
+/// `fusion = remove`, (REMOVE) of docs/method.md: H = wg K^T H_g K + H_v + damping I,
+/// b = wg K^T b_g + b_v. K = I - P.
 NormalEquations fuse_removed(const NormalEquations& geometry, const Matrix6d& K,
                              const NormalEquations& vision, const DegeneracyConfig& config);
 /// `fusion = joint`: the same without removal (K = I).

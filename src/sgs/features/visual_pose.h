@@ -62,7 +62,7 @@ struct PnpResult {
 PnpResult pnp_ransac(const std::vector<Observation>& observations, const PinholeCamera& camera,
                      const VisualPoseConfig& config);
 
-/// The paper's prior (section 5 of the method): matches to the previous frame, PnP, reprojection
+/// The paper's prior (docs/method.md, section 5): matches to the previous frame, PnP, reprojection
 /// Hessian over the inliers with sigma 1 px. Implausible motion is rejected, and then (as without
 /// enough matches) the pose is the previous one.
 VisualPose frame_to_frame_prior(const OrbFrame& previous, const SE3& T_world_previous,

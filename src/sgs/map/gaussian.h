@@ -32,7 +32,7 @@ T opacity(const Gaussian& g) {
 }
 
 /// What a Gaussian was born with; photometric optimisation never changes it. The tracker's
-/// geometric target (METHOD section 7) and what moves when its keyframe moves.
+/// geometric target (docs/method.md, section 7) and what moves when its keyframe moves.
 struct Anchor {
   Eigen::Vector3f point = Eigen::Vector3f::Zero();   ///< measured point, world
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit, towards the camera that saw it

@@ -24,16 +24,16 @@ struct SurfacePoint {
   Eigen::Vector3f normal;    ///< camera, unit, towards the camera
 };
 
-/// Adds Gaussians for a keyframe with an image quadtree (MAPPING, "Insertion"): leaves are as large
-/// as colour and depth are flat; a leaf is used only where `rendering`, the present map seen from
-/// the keyframe at full or half resolution, is not opaque or lies behind the measurement. Null
+/// Adds Gaussians for a keyframe with an image quadtree (docs/mapping.md, section 2): leaves are as
+/// large as colour and depth are flat; a leaf is used only where `rendering`, the present map seen
+/// from the keyframe at full or half resolution, is not opaque or lies behind the measurement. Null
 /// `rendering`: the map is empty. Returns how many were added.
 std::size_t insert_quadtree(const MapKeyframe& keyframe, int keyframe_index,
                             const render::Rendering* rendering, const InsertionConfig& config,
                             double max_growth, map::GaussianStore& store);
 
 /// Adds a Gaussian at every n-th pixel with depth, shaped by the covariance of its ten nearest
-/// sampled neighbours and scaled by 1 / max(1, 2 z^1.5) (GS-ICP SLAM; METHOD section 7).
+/// sampled neighbours and scaled by 1 / max(1, 2 z^1.5) (GS-ICP SLAM; docs/method.md, section 7).
 std::size_t insert_grid(const MapKeyframe& keyframe, int keyframe_index,
                         const InsertionConfig& config, map::GaussianStore& store);
 

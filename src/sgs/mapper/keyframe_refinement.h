@@ -12,7 +12,8 @@ namespace sgs::mapper {
 
 /// Moves a keyframe's gains towards those that explain its picture: per channel
 ///   g* = (sum y / sum r + prior) / (1 + prior),
-/// by `step` of the way. Without the pull towards 1 gains drift together (MAPPING, "Exposure").
+/// by `step` of the way. Without the pull towards 1 gains drift together
+/// (docs/mapping.md, section 6).
 /// `measured`, `rendered`: sums over well-exposed explained pixels (render::Gradients).
 void update_gain(MapKeyframe& keyframe, const std::array<double, 3>& measured,
                  const std::array<double, 3>& rendered, double prior, double step);

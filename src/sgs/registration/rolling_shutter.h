@@ -13,7 +13,7 @@ namespace sgs::registration {
 ///
 /// Why it matters: across a plane, turning and shifting differ in the second order of the image
 /// coordinates only, which is where a rolling shutter bends the picture as well. Unmodelled, a 16
-/// ms readout costs centimetres in front of a wall (docs/accuracy.md).
+/// ms readout costs centimetres in front of a wall (docs/decisions/0001-rolling-shutter.md).
 class ReadoutMotion {
  public:
   ReadoutMotion() = default;
