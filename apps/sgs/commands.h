@@ -36,6 +36,5 @@ void add_info(CLI::App& app, Action& action);
 void add_view(CLI::App& app, Action& action);
 void add_bench(CLI::App& app, Action& action);
 void add_sweep(CLI::App& app, Action& action);
-void add_bench_raster(CLI::App& app, Action& action);  ///< below bench: call it afterwards
 
 }  // namespace sgs::app
