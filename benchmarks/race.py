@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 # SPDX-License-Identifier: Apache-2.0
-"""Alternating runs of product and prototype; called by race.sh.
+"""Alternating runs of the product's mapping iteration and a prototype's; called by race.sh.
 
 Each round runs every contestant of a row once, so that whatever else the machine does hits all of
 them; a cell is the median over rounds of a run's median iteration, a ratio the median over rounds
@@ -13,13 +13,13 @@ import statistics
 import subprocess
 import sys
 
-SGS, WORK, ROUNDS = sys.argv[1], sys.argv[2], int(sys.argv[3])
+PRODUCT, WORK, ROUNDS = sys.argv[1], sys.argv[2], int(sys.argv[3])
 
 
 def product(gaussians, width, scene, threads, isa):
     out = subprocess.run(
-        [SGS, "bench", "raster", "--json", "--gaussians", gaussians, "--width", width, "--scene",
-         scene, "--threads", threads, "--isa", isa],
+        [PRODUCT, "--json", "--gaussians", gaussians, "--width", width, "--scene", scene,
+         "--threads", threads, "--isa", isa],
         check=True, capture_output=True, text=True).stdout
     return json.loads(out)["ms_p50"]
 

@@ -5,18 +5,10 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 
+#include "exit_code.h"
 #include "sgs/core/error.h"
 
 namespace sgs::app {
-
-/// Exit codes of the program (docs/quickstart.md).
-enum ExitCode : int {
-  kExitDone = 0,
-  kExitFailed = 1,  ///< something went wrong while running
-  kExitUsage = 2,   ///< the command line or a config value makes no sense
-  kExitLost = 3,    ///< finished, but tracking was lost at the end or for most of the run
-  kExitInterrupted = 130,
-};
 
 /// Exit code for an error that ends the program.
 int exit_code(const Error& error);
@@ -36,6 +28,5 @@ void add_info(CLI::App& app, Action& action);
 void add_view(CLI::App& app, Action& action);
 void add_bench(CLI::App& app, Action& action);
 void add_sweep(CLI::App& app, Action& action);
-void add_bench_raster(CLI::App& app, Action& action);  ///< below bench: call it afterwards
 
 }  // namespace sgs::app

@@ -49,7 +49,6 @@ int main(int argc, char** argv) {
   add_view(app, action);
   add_bench(app, action);
   add_sweep(app, action);
-  add_bench_raster(app, action);
   install_interrupt_handler();
   try {
     app.parse(argc, argv);

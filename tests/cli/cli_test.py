@@ -184,7 +184,7 @@ class Contract(Case):
         first = self.sgs(*command, "--jobs", 2)
         self.assertRegex(first.stdout, r"(?m)^clean gicp( +\d+\.\d\d \(\d+\.\d\d\)){2}$")
         self.assertRegex(first.stdout, r"(?m)^clean spectral( +\d+\.\d\d \(\d+\.\d\d\)){2}$")
-        self.assertRegex(first.stdout, r"(?m)^GS-ICP SLAM +116\.16")
+        self.assertRegex(first.stdout, r"(?m)^GS-ICP SLAM \[1\] +116\.16")
         metrics = self.folder / "suite" / "fold-clean-gicp-1" / "metrics.json"
         self.assertEqual(json.loads(metrics.read_text())["frames"], 6)
         metrics.unlink()
@@ -192,6 +192,24 @@ class Contract(Case):
         self.assertIn("3 of 4 runs were done before", again.stderr)
         self.assertTrue(metrics.exists())
         self.assertEqual(again.stdout, first.stdout)
+        markdown = self.sgs(*command, "--markdown").stdout.splitlines()
+        self.assertRegex(markdown[0], r"^`sgs bench tum-synth --filter '\^\(fold\|nostruct_far\)-' "
+                                      r".*-o suite --markdown`, sgs \d+\.\d+\.\d+.*, \d+ cores, "
+                                      r"\d{4}-\d\d-\d\d$")
+        self.assertIn("|  | nostruct_far | fold |", markdown)
+
+    def test_suite_of_ones_own(self):
+        (self.folder / "mine.toml").write_text(
+            f"[[sequence]]\nname = 'desk'\ninput = '{self.master}'\n"
+            "[[variant]]\nname = 'plain'\narguments = ['--tracker', 'gicp']\n")
+        self.assertIn("joint | paper", self.sgs("bench", "mine.toml", "--variants", "x", code=2).stderr)
+        done = self.sgs("bench", "mine.toml", "--variants", "plain", "--seeds", 1, "--frames", 4)
+        self.assertRegex(done.stdout, r"(?m)^recorded plain +\d+\.\d\d")
+        self.assertTrue((self.folder / "runs/bench-mine/desk-recorded-plain-1/map.ply").exists())
+        (self.folder / "mine.toml").write_text("[[sequence]]\nname = 'desk'\nfolder = 'x'\n")
+        self.assertIn("mine.toml:3: unknown key 'folder'",
+                      self.sgs("bench", "mine.toml", code=1).stderr)
+        self.assertIn("Allowed: tum-synth", self.sgs("bench", "tum", code=2).stderr)
 
     def test_interrupted_suite_goes_on(self):
         command = [str(SGS), "bench", "tum-synth", "--filter", "^fold-", "--levels", "clean",
@@ -211,8 +229,8 @@ class Contract(Case):
     def test_sweep_draws_a_plot(self):
         done = self.sgs("sweep", "geometry_weight=0.2:0.4", "--filter", "^fold-", "--levels", "clean",
                         "--seeds", 1, "--frames", 4, "--variant", "spectral", "-o", "sweep")
-        self.assertRegex(done.stdout, r"(?m)^ +0\.2 +\d+\.\d\d")
-        self.assertRegex(done.stdout, r"(?m)^ +0\.4 +\d+\.\d\d")
+        self.assertRegex(done.stdout, r"(?m)^0\.2 +\d+\.\d\d")
+        self.assertRegex(done.stdout, r"(?m)^0\.4 +\d+\.\d\d")
         self.assertIn("<svg", (self.folder / "sweep" / "sweep.svg").read_text())
 
     def test_suite_reports_failed_runs_and_bad_options(self):
@@ -230,7 +248,7 @@ class Contract(Case):
 
     def test_every_subcommand_has_help(self):
         self.sgs("--help")
-        for name in ("run", "eval", "render", "synth", "export", "info", "bench"):
+        for name in ("run", "eval", "render", "synth", "export", "info", "bench", "sweep"):
             self.assertIn("--help", self.sgs(name, "--help").stdout)
         self.assertRegex(self.sgs("--version").stdout, r"\d+\.\d+\.\d+")
 

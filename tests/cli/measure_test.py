@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the sgs executable measures about itself: bench raster, --trace, --preload, timings.json.
+"""What the sgs executable measures about itself: --trace, --preload, timings.json.
 
 Usage: measure_test.py SGS_EXECUTABLE [unittest arguments]
 """
@@ -17,24 +17,6 @@ SGS = pathlib.Path(sys.argv.pop(1)).resolve()
 def sgs(*arguments):
     return subprocess.run([str(SGS), *map(str, arguments)], capture_output=True, text=True,
                           timeout=240)
-
-
-class BenchRaster(unittest.TestCase):
-    SMALL = ("bench", "raster", "--gaussians", 2000, "--width", 96, "--iterations", 3)
-
-    def test_prints_one_line_of_json(self):
-        for scene, share in (("room", (0.2, 0.6)), ("dense", (0.9, 1.0))):
-            done = sgs(*self.SMALL, "--scene", scene, "--threads", 2, "--json")
-            self.assertEqual(done.returncode, 0, done.stderr)
-            result = json.loads(done.stdout)
-            self.assertGreater(result["ms_p50"], 0)
-            visible = result["visible"] / result["gaussians"]
-            self.assertTrue(share[0] <= visible <= share[1], visible)
-
-    def test_refuses_unknown_instruction_sets(self):
-        done = sgs(*self.SMALL, "--isa", "mmx")
-        self.assertEqual(done.returncode, 2)
-        self.assertIn("choose best or one of", done.stderr)
 
 
 class TimeLine(unittest.TestCase):

@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace sgs::app {
+
+/// Exit codes of the program (docs/quickstart.md).
+enum ExitCode : int {
+  kExitDone = 0,
+  kExitFailed = 1,  ///< something went wrong while running
+  kExitUsage = 2,   ///< the command line or a config value makes no sense
+  kExitLost = 3,    ///< finished, but tracking was lost at the end or for most of the run
+  kExitInterrupted = 130,
+};
+
+}  // namespace sgs::app

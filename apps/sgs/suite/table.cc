@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "table.h"
+
+#include <algorithm>
+
+namespace sgs::suite {
+namespace {
+
+constexpr std::string_view kPublished = "published, on the real sequences";
+
+void add_once(std::vector<std::string>& names, const std::string& name) {
+  if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+}
+
+/// Width of each column, that of the names first.
+std::vector<std::size_t> widths(const std::vector<Table::Row>& rows) {
+  std::vector<std::size_t> out(rows[0].cells.size() + 1, 0);
+  for (const Table::Row& row : rows) {
+    out[0] = std::max(out[0], row.name.size());
+    for (std::size_t i = 1; i < out.size(); ++i) {
+      out[i] = std::max(out[i], row.cells[i - 1].size());
+    }
+  }
+  return out;
+}
+
+/// Names to the left, cells to the right.
+std::string line(const Table::Row& row, const std::vector<std::size_t>& widths) {
+  std::string text = fmt::format("{:<{}}", row.name, widths[0]);
+  for (std::size_t i = 1; i < widths.size(); ++i) {
+    text += fmt::format("  {:>{}}", row.cells[i - 1], widths[i]);
+  }
+  return text.erase(text.find_last_not_of(' ') + 1) + "\n";
+}
+
+std::string published_cell(const Publication::Row& row, const std::string& sequence) {
+  const auto found = row.ate_cm.find(sequence);
+  if (found == row.ate_cm.end()) return "";
+  return found->second ? fmt::format("{:.2f}", *found->second) : "lost";
+}
+
+std::string source_lines(const Table& table, std::string_view bullet) {
+  std::string text;
+  for (std::size_t i = 0; i < table.sources.size(); ++i) {
+    text += fmt::format("{}[{}] {}\n", bullet, i + 1, table.sources[i]);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::span<const eval::Metrics> Grid::at(const std::string& row, const std::string& column) const {
+  const auto found = runs.find({row, column});
+  return found == runs.end() ? std::span<const eval::Metrics>() : found->second;
+}
+
+Grid collect(std::span<const Job> jobs, const NameOf& row, const NameOf& column) {
+  Grid grid;
+  for (const Job& job : jobs) {
+    add_once(grid.rows, row(job));
+    add_once(grid.columns, column(job));
+    if (auto scores = job_metrics(job)) grid.runs[{row(job), column(job)}].push_back(*scores);
+  }
+  return grid;
+}
+
+Table ate_table(const Grid& grid, std::string title) {
+  Table table{std::move(title), grid.columns, {}, {}, {}};
+  for (const std::string& name : grid.rows) {
+    Table::Row& row = table.rows.emplace_back(Table::Row{name, {}});
+    for (const std::string& column : grid.columns)
+      row.cells.push_back(ate_cell(grid.at(name, column)));
+  }
+  return table;
+}
+
+void add_publications(const std::vector<Publication>& publications, Table& table) {
+  for (const Publication& publication : publications) {
+    const std::size_t number = table.sources.size() + 1, before = table.published.size();
+    for (const Publication::Row& result : publication.results) {
+      Table::Row row{fmt::format("{} [{}]", result.system, number), {}};
+      for (const std::string& name : table.columns)
+        row.cells.push_back(published_cell(result, name));
+      const bool any = std::any_of(row.cells.begin(), row.cells.end(),
+                                   [](const std::string& cell) { return !cell.empty(); });
+      if (any) table.published.push_back(std::move(row));
+    }
+    if (table.published.size() > before) table.sources.push_back(publication.source);
+  }
+}
+
+std::string ate_cell(std::span<const eval::Metrics> runs) {
+  double sum = 0, worst = 0, tracked = 100;
+  int count = 0;
+  for (const eval::Metrics& m : runs) {
+    if (m.frames && m.frames_tracked && *m.frames > 0) {
+      tracked = std::min(
+          tracked, 100.0 * static_cast<double>(*m.frames_tracked) / static_cast<double>(*m.frames));
+    }
+    if (!m.ate_rmse_m) continue;
+    sum += 100 * *m.ate_rmse_m;
+    worst = std::max(worst, 100 * *m.ate_rmse_m);
+    ++count;
+  }
+  if (count == 0) return "-";
+  std::string text = fmt::format("{:.2f} ({:.2f})", sum / count, worst);
+  if (tracked < 99.95) text += fmt::format(" {:.0f}%", tracked);
+  return text;
+}
+
+std::string as_text(const Table& table) {
+  std::vector<Table::Row> all = {{"", table.columns}};
+  all.insert(all.end(), table.rows.begin(), table.rows.end());
+  all.insert(all.end(), table.published.begin(), table.published.end());
+  const auto aligned = widths(all);
+  std::string text = table.title + "\n";
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (i == 1 + table.rows.size()) text += fmt::format("{}\n", kPublished);
+    text += line(all[i], aligned);
+  }
+  return text + source_lines(table, "");
+}
+
+std::string as_markdown(const Table& table) {
+  std::string text = table.title + "\n\n";
+  const auto add = [&](const Table::Row& row) {
+    text += fmt::format("| {} | {} |\n", row.name, fmt::join(row.cells, " | "));
+  };
+  add({"", table.columns});
+  text += "|";
+  for (std::size_t i = 0; i <= table.columns.size(); ++i) text += "---|";
+  text += "\n";
+  for (const Table::Row& row : table.rows) add(row);
+  for (const Table::Row& row : table.published) add(row);
+  if (table.published.empty()) return text;
+  return text + fmt::format("\nNumbered rows: {}.\n\n", kPublished) + source_lines(table, "- ");
+}
+
+}  // namespace sgs::suite

@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "jobs.h"
+
+namespace sgs::suite {
+
+/// Scores of runs over two of their properties; names in order of appearance.
+struct Grid {
+  std::vector<std::string> rows, columns;
+  /// By row and column; what has no scores is left out.
+  std::map<std::pair<std::string, std::string>, std::vector<eval::Metrics>> runs;
+
+  std::span<const eval::Metrics> at(const std::string& row, const std::string& column) const;
+};
+
+using NameOf = std::function<std::string(const Job&)>;
+Grid collect(std::span<const Job> jobs, const NameOf& row, const NameOf& column);
+
+/// A table to be printed.
+struct Table {
+  struct Row {
+    std::string name;
+    std::vector<std::string> cells;  ///< one per column
+  };
+  std::string title;
+  std::vector<std::string> columns;
+  std::vector<Row> rows;
+  std::vector<Row> published;        ///< of others; the names end in the number of a source
+  std::vector<std::string> sources;  ///< of the published rows
+};
+
+/// Trajectory errors over seeds.
+Table ate_table(const Grid& grid, std::string title);
+/// Adds what others published of the table's columns.
+void add_publications(const std::vector<Publication>& publications, Table& table);
+
+/// "mean (worst)" of the trajectory error in cm over seeds, with the lowest share of frames with a
+/// pose within 1 m of the truth when it is not all of them; "-" without runs.
+std::string ate_cell(std::span<const eval::Metrics> runs);
+
+/// Aligned columns for a terminal.
+std::string as_text(const Table& table);
+/// Markdown, the title and the sources around the table.
+std::string as_markdown(const Table& table);
+
+}  // namespace sgs::suite

@@ -1,0 +1,114 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+# SPDX-License-Identifier: Apache-2.0
+"""Runs the commands named in a Markdown page and puts what they print in their place.
+
+update_results.py NAME... [--with WORD=VALUE]... [--page docs/results.md] [--programs FOLDER]
+update_results.py --list
+
+A block of the page says what makes it, and everything between its two lines is replaced:
+
+    <!-- begin NAME: COMMAND -->
+    ...
+    <!-- end NAME -->
+
+COMMAND is run by bash in the repository's root, with --programs (that of the release preset) first
+in PATH, so that `sgs bench tum-synth --markdown` is one. `--with DIR=../data` runs the command with
+../data where it says DIR; the page goes on to say DIR. A command that fails or prints nothing leaves
+the page as it is.
+"""
+import argparse
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+BEGIN = re.compile(r"<!-- begin (?P<name>[\w.-]+): (?P<command>.+) -->")
+END = re.compile(r"<!-- end (?P<name>[\w.-]+) -->")
+
+
+class Wrong(Exception):
+    """What is wrong with the page, the names or a command."""
+
+
+def blocks(lines):
+    """(name, command, index of the begin line, index of the end line) of each block."""
+    found, names, opened = [], set(), None
+    for index, line in enumerate(lines):
+        begin, end = BEGIN.fullmatch(line.strip()), END.fullmatch(line.strip())
+        if begin and opened is None:
+            opened = (begin["name"], begin["command"], index)
+            if opened[0] in names:
+                raise Wrong(f"line {index + 1}: there are two blocks '{opened[0]}'")
+        elif end and opened and end["name"] == opened[0]:
+            found.append((*opened, index))
+            names.add(opened[0])
+            opened = None
+        elif begin or end:
+            raise Wrong(f"line {index + 1}: '{(begin or end)['name']}' where "
+                        + (f"'{opened[0]}' has not ended" if opened else "no block has begun"))
+    if opened:
+        raise Wrong(f"line {opened[2] + 1}: '{opened[0]}' does not end")
+    return found
+
+
+def output(name, command, programs, values):
+    for word, value in values.items():
+        command = re.sub(rf"\b{re.escape(word)}\b", lambda _, value=value: value, command)
+    print(f"{name}: {command}", file=sys.stderr, flush=True)
+    environment = dict(os.environ, PATH=f"{programs}:{os.environ['PATH']}")
+    done = subprocess.run(["bash", "-o", "pipefail", "-c", command], cwd=ROOT, env=environment,
+                          stdout=subprocess.PIPE, text=True, check=False)
+    if done.returncode != 0:
+        raise Wrong(f"'{name}' ended with exit code {done.returncode}")
+    if not done.stdout.strip():
+        raise Wrong(f"'{name}' printed nothing")
+    text = done.stdout
+    for word, value in values.items():
+        text = text.replace(value, word)
+    return text.strip("\n").split("\n")
+
+
+def renew(page, names, programs, values):
+    """Renews the named blocks one by one: what is done is kept when a later command fails."""
+    known = [block[0] for block in blocks(page.read_text().split("\n"))]
+    for name in names:
+        if name not in known:
+            raise Wrong(f"no block '{name}': there are {', '.join(known)}")
+    for name in names:
+        lines = page.read_text().split("\n")
+        _, command, begin, end = next(b for b in blocks(lines) if b[0] == name)
+        lines[begin + 1:end] = output(name, command, programs, values)
+        page.write_text("\n".join(lines))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*", metavar="NAME")
+    parser.add_argument("--page", type=pathlib.Path, default=ROOT / "docs" / "results.md")
+    parser.add_argument("--programs", type=pathlib.Path,
+                        default=ROOT / "build" / "release" / "apps" / "sgs")
+    parser.add_argument("--list", action="store_true", help="only print names and commands")
+    parser.add_argument("--with", action="append", default=[], metavar="WORD=VALUE", dest="values")
+    arguments = parser.parse_args()
+    if not arguments.names and not arguments.list:
+        parser.error("name the blocks to renew; --list shows them")
+    if not all(re.fullmatch(r"\w+=.+", value) for value in arguments.values):
+        parser.error("write --with WORD=VALUE")
+    try:
+        if arguments.list:
+            for name, command, *_ in blocks(arguments.page.read_text().split("\n")):
+                print(f"{name}: {command}")
+        else:
+            renew(arguments.page, arguments.names, arguments.programs.resolve(),
+                  dict(value.split("=", 1) for value in arguments.values))
+    except (Wrong, OSError) as error:
+        print(f"{arguments.page}: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

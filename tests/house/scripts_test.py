@@ -1,0 +1,156 @@
+# SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+# SPDX-License-Identifier: Apache-2.0
+"""The scripts that keep the house in order: that they find what they are there to find.
+
+Usage: scripts_test.py [unittest arguments]
+"""
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SCRIPTS = pathlib.Path(__file__).resolve().parent.parent.parent / "scripts"
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def write(self, name, *lines):
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("\n".join(lines) + "\n")
+        return path
+
+    def script(self, name, *arguments, code=0):
+        done = subprocess.run([sys.executable, str(SCRIPTS / name), *map(str, arguments)],
+                              capture_output=True, text=True, timeout=60, check=False)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done
+
+
+class CheckLayers(Case):
+    """On a small project without a fault, to which each test adds one."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("src/sgs/CMakeLists.txt", "sgs_add_module(core)",
+                   "sgs_add_module(map DEPS core LIBS fmt::fmt)", "sgs_add_module(other)")
+        self.write("src/sgs/map/map.cc", '#include "sgs/map/map.h"', '#include "sgs/core/error.h"',
+                   "#include <opencv2/core.hpp>")
+        self.write("apps/one/CMakeLists.txt", "add_executable(one main.cc)",
+                   "target_link_libraries(one PRIVATE sgs_map)  # sgs_scenes")
+        self.write("apps/one/main.cc", '#include "commands.h"', '#include "sgs/core/error.h"')
+        self.write("apps/one/commands.h")
+        self.write("benchmarks/CMakeLists.txt", "add_library(sgs_scenes STATIC scene.cc)",
+                   "target_link_libraries(sgs_scenes PUBLIC sgs_other)")
+        self.write("benchmarks/scene.cc", '#include "scene.h"', '#include "sgs/other/other.h"')
+        self.write("benchmarks/scene.h")
+
+    def faults(self):
+        return self.script("check_layers.py", self.folder, code=1).stdout
+
+    def test_without_fault(self):
+        self.assertIn("3 modules, 0 problems", self.script("check_layers.py", self.folder).stdout)
+
+    def test_a_module_that_includes_what_its_row_does_not_reach(self):
+        self.write("src/sgs/core/core.h", "", '#include "sgs/map/map.h"')
+        self.assertIn("src/sgs/core/core.h:2: 'core' may not include 'map'", self.faults())
+
+    def test_a_circle_of_modules(self):
+        self.write("src/sgs/CMakeLists.txt", "sgs_add_module(core DEPS map)",
+                   "sgs_add_module(map DEPS core)", "sgs_add_module(other)")
+        self.assertIn("module 'core' depends on itself", self.faults())
+
+    def test_a_module_that_reaches_out_of_src(self):
+        for include in ("commands.h", "../../../apps/one/commands.h", "scene.h"):
+            self.write("src/sgs/core/core.cc", f'#include "{include}"')
+            self.assertIn(f"core.cc:1: '{include}' is not below src", self.faults())
+
+    def test_opencv_in_a_header(self):
+        self.write("src/sgs/map/map.h", "#include <opencv2/core.hpp>")
+        self.assertIn("map.h:1: OpenCV in a public header", self.faults())
+
+    def test_a_program_that_includes_a_module_it_does_not_link(self):
+        self.write("apps/one/main.cc", '#include "sgs/other/other.h"')
+        self.assertIn("apps/one/main.cc:1: 'apps' may not include 'other'", self.faults())
+        self.write("apps/one/main.cc")
+        self.write("benchmarks/scene.cc", '#include "sgs/map/map.h"')
+        self.assertIn("benchmarks/scene.cc:1: 'benchmarks' may not include 'map'", self.faults())
+
+    def test_a_program_that_uses_benchmark_code(self):
+        self.write("apps/one/main.cc", '#include "scene.h"')
+        self.assertIn("main.cc:1: 'scene.h' belongs to benchmarks/", self.faults())
+        self.write("apps/one/main.cc", '#include "../../benchmarks/scene.h"')
+        self.assertIn("belongs to benchmarks/", self.faults())
+        self.write("apps/one/main.cc")
+        self.write("apps/one/CMakeLists.txt", "target_link_libraries(one PRIVATE sgs_scenes)")
+        self.assertIn("links 'sgs_scenes' of benchmarks/", self.faults())
+
+    def test_a_benchmark_that_uses_the_program(self):
+        self.write("benchmarks/scene.cc", '#include "commands.h"')
+        self.assertIn("scene.cc:1: 'commands.h' belongs to apps/", self.faults())
+
+
+class UpdateResults(Case):
+    def setUp(self):
+        super().setUp()
+        self.page = self.write("page.md", "# Page", "<!-- begin one: tool 1 -->", "old",
+                               "<!-- end one -->", "between", "<!-- begin two: tool 2 -->",
+                               "<!-- end two -->", "after")
+        self.tool("echo; echo new $1; echo")
+
+    def tool(self, script):
+        self.write("bin/tool", "#!/bin/sh", script).chmod(0o755)
+
+    def update(self, *names, code=0):
+        done = self.script("update_results.py", "--page", self.page, "--programs",
+                           self.folder / "bin", *names, code=code)
+        return done.stderr + done.stdout
+
+    def test_replaces_the_named_blocks(self):
+        self.update("two")
+        self.assertEqual(self.page.read_text().splitlines(), [
+            "# Page", "<!-- begin one: tool 1 -->", "old", "<!-- end one -->", "between",
+            "<!-- begin two: tool 2 -->", "new 2", "<!-- end two -->", "after"])
+        self.update("one", "two")
+        self.assertIn("tool 1 -->\nnew 1\n<!-- end one", self.page.read_text())
+        before = self.page.read_text()
+        self.update("one", "two")
+        self.assertEqual(self.page.read_text(), before)
+        self.assertIn("one: tool 1\ntwo: tool 2\n", self.update("--list"))
+        self.assertIn("name the blocks", self.update(code=2))
+
+    def test_fills_in_words_and_keeps_them_on_the_page(self):
+        self.write("page.md", "<!-- begin one: tool DIR NODIR -->", "<!-- end one -->")
+        self.tool('echo "from $1 and $2"')
+        self.assertIn("tool ../data NODIR", self.update("one", "--with", "DIR=../data"))
+        self.assertIn("\nfrom DIR and NODIR\n", self.page.read_text())
+        self.update("one", "--with", "DIR", code=2)
+
+    def test_leaves_the_page_where_a_command_fails(self):
+        before = self.page.read_text()
+        for script, message in (("echo half; exit 3", "'one' ended with exit code 3"),
+                                ("true", "'one' printed nothing")):
+            self.tool(script)
+            self.assertIn(message, self.update("one", code=1))
+            self.assertEqual(self.page.read_text(), before)
+
+    def test_says_what_is_wrong_with_the_page(self):
+        self.assertIn("no block 'three': there are one, two", self.update("three", code=1))
+        for lines, message in (
+                (["<!-- begin a: x -->"], "line 1: 'a' does not end"),
+                (["<!-- end a -->"], "line 1: 'a' where no block has begun"),
+                (["<!-- begin a: x -->", "<!-- begin b: x -->"], "'a' has not ended"),
+                (["<!-- begin a: x -->", "<!-- end a -->"] * 2, "line 3: there are two blocks 'a'")):
+            self.write("page.md", *lines)
+            self.assertIn(message, self.update("a", code=1))
+        self.page.unlink()
+        self.assertIn("page.md", self.update("a", code=1))
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
