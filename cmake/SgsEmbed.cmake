@@ -1,90 +1,82 @@
 # SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 # SPDX-License-Identifier: Apache-2.0
 
-# sgs_embed_web(TARGET)
+# sgs_embed(TARGET FUNCTION namespace::name FILES file... )
+# sgs_embed(TARGET FUNCTION namespace::name FOLDER folder DEPENDS stamp...)
 #
-# Adds a generated source to TARGET that holds the files below the folder SGS_WEB_DIST, which the
-# target `sgs_web` fills at build time (see web/CMakeLists.txt). The assembler copies the bytes (.incbin): megabytes of array
-# literals would take the compiler minutes. Without `sgs_web` the table is empty.
+# Adds a generated source to TARGET that defines
+#   std::span<const sgs::EmbeddedFile> namespace::name();
+# (sgs/core/embedded_file.h; whoever calls the function declares it). Its rows are FILES, each under
+# its name without folders, or all that lies below FOLDER when TARGET is built, each under its path
+# from there; without a FOLDER ("") the table is empty. The assembler copies the bytes (.incbin):
+# megabytes of array literals would take the compiler minutes.
 #
-# Run as a script (cmake -D SGS_EMBED_DIST=... -D SGS_EMBED_OUTPUT=... -P SgsEmbed.cmake) it writes
-# that source. Names and checksums are in it, so that it changes exactly when a file does.
+# Run as a script (cmake -D SGS_EMBED_... -P SgsEmbed.cmake) it writes that source. Names and
+# checksums are in it, so that it changes exactly when a file does.
 
-function(sgs_embed_web target)
-  set(output "${CMAKE_CURRENT_BINARY_DIR}/${target}_embedded.cc")
-  set(depends "${CMAKE_CURRENT_FUNCTION_LIST_FILE}")
-  if(TARGET sgs_web)
-    list(APPEND depends sgs_web "${SGS_WEB_STAMP}")
-    set(dist "${SGS_WEB_DIST}")
-  else()
-    set(dist "")
-  endif()
+function(sgs_embed target)
+  cmake_parse_arguments(ARG "" "FUNCTION;FOLDER" "FILES;DEPENDS" ${ARGN})
+  string(REGEX REPLACE "[^A-Za-z0-9]+" "_" symbol "${target}_${ARG_FUNCTION}")
+  set(output "${CMAKE_CURRENT_BINARY_DIR}/${symbol}.cc")
+  set(files "")
+  foreach(file IN LISTS ARG_FILES)
+    get_filename_component(file "${file}" ABSOLUTE)
+    list(APPEND files "${file}")
+  endforeach()
+  string(REPLACE ";" "|" list "${files}")
   add_custom_command(
     OUTPUT "${output}"
-    COMMAND "${CMAKE_COMMAND}" -D "SGS_EMBED_DIST=${dist}" -D "SGS_EMBED_OUTPUT=${output}"
-            -P "${CMAKE_CURRENT_FUNCTION_LIST_FILE}"
-    DEPENDS ${depends}
-    COMMENT "Embedding the viewer page")
+    COMMAND "${CMAKE_COMMAND}" -D "SGS_EMBED_FUNCTION=${ARG_FUNCTION}" -D "SGS_EMBED_SYMBOL=${symbol}"
+            -D "SGS_EMBED_FOLDER=${ARG_FOLDER}" -D "SGS_EMBED_FILES=${list}"
+            -D "SGS_EMBED_OUTPUT=${output}" -P "${CMAKE_CURRENT_FUNCTION_LIST_FILE}"
+    DEPENDS "${CMAKE_CURRENT_FUNCTION_LIST_FILE}" ${files} ${ARG_DEPENDS}
+    COMMENT "Embedding ${ARG_FUNCTION}"
+    VERBATIM)
   target_sources(${target} PRIVATE "${output}")
 endfunction()
 
-function(sgs_content_type name result)
-  set(types
-      html text/html js text/javascript css text/css txt text/plain json application/json
-      map application/json svg image/svg+xml png image/png jpg image/jpeg webp image/webp
-      ico image/x-icon wasm application/wasm woff2 font/woff2)
-  get_filename_component(extension "${name}" LAST_EXT)
-  string(REPLACE "." "" extension "${extension}")
-  list(FIND types "${extension}" position)
-  set(${result} "application/octet-stream" PARENT_SCOPE)
-  if(position GREATER_EQUAL 0)
-    math(EXPR position "${position} + 1")
-    list(GET types ${position} type)
-    if(type MATCHES "^text/")
-      string(APPEND type "; charset=utf-8")
-    endif()
-    set(${result} "${type}" PARENT_SCOPE)
-  endif()
-endfunction()
-
-function(sgs_write_embedded dist output)
-  set(files "")
-  if(dist)
-    file(GLOB_RECURSE files RELATIVE "${dist}" "${dist}/*")
-    list(SORT files)
+function(sgs_write_embedded)
+  if(SGS_EMBED_FOLDER)
+    file(GLOB_RECURSE names RELATIVE "${SGS_EMBED_FOLDER}" "${SGS_EMBED_FOLDER}/*")
+    list(SORT names)
+    list(TRANSFORM names PREPEND "${SGS_EMBED_FOLDER}/" OUTPUT_VARIABLE files)
+  else()
+    string(REPLACE "|" ";" files "${SGS_EMBED_FILES}")
+    list(TRANSFORM files REPLACE "^.*/" "" OUTPUT_VARIABLE names)
   endif()
   set(symbols "")
   set(rows "")
   set(count 0)
-  foreach(name IN LISTS files)
-    file(SHA256 "${dist}/${name}" checksum)
-    sgs_content_type("${name}" type)
-    set(symbol "sgs_embedded_${count}")
+  foreach(file name IN ZIP_LISTS files names)
+    file(SHA256 "${file}" checksum)
+    set(symbol "${SGS_EMBED_SYMBOL}_${count}")
     string(APPEND symbols
            "// ${checksum}\n"
            "asm(\".pushsection .rodata,\\\"a\\\"\\n\"\n"
-           "    \"${symbol}:\\n.incbin \\\"${dist}/${name}\\\"\\n\"\n"
+           "    \"${symbol}:\\n.incbin \\\"${file}\\\"\\n\"\n"
            "    \"${symbol}_end:\\n.byte 0\\n.popsection\\n\");\n"
            "extern \"C\" const char ${symbol}[], ${symbol}_end[];\n")
-    string(APPEND rows "      {\"${name}\", \"${type}\", bytes(${symbol}, ${symbol}_end)},\n")
+    string(APPEND rows "      {\"${name}\", bytes(${symbol}, ${symbol}_end)},\n")
     math(EXPR count "${count} + 1")
   endforeach()
-  set(text "// Generated by SgsEmbed.cmake.\n#include \"sgs/viewer/embedded_files.h\"\n\n")
+  set(text "// Generated by SgsEmbed.cmake.\n#include \"sgs/core/embedded_file.h\"\n\n${symbols}\n")
+  string(REGEX REPLACE "::[^:]*$" "" namespace "${SGS_EMBED_FUNCTION}")
+  string(REGEX REPLACE "^.*::" "" function "${SGS_EMBED_FUNCTION}")
+  string(APPEND text "namespace ${namespace} {\n"
+         "std::span<const sgs::EmbeddedFile> ${function}();\n"
+         "std::span<const sgs::EmbeddedFile> ${function}() {\n")
   if(count EQUAL 0)
-    string(APPEND text "namespace sgs::viewer {\n"
-           "std::span<const EmbeddedFile> generated_files() { return {}; }\n"
-           "}  // namespace sgs::viewer\n")
+    string(APPEND text "  return {};\n")
   else()
-    string(APPEND text "${symbols}\nnamespace sgs::viewer {\n"
-           "std::span<const EmbeddedFile> generated_files() {\n"
+    string(APPEND text
            "  const auto bytes = [](const char* first, const char* last) {\n"
            "    return std::string_view(first, static_cast<std::size_t>(last - first));\n  };\n"
-           "  static const EmbeddedFile files[] = {\n${rows}  };\n  return files;\n}\n"
-           "}  // namespace sgs::viewer\n")
+           "  static const sgs::EmbeddedFile files[] = {\n${rows}  };\n  return files;\n")
   endif()
-  file(WRITE "${output}" "${text}")
+  string(APPEND text "}\n}  // namespace ${namespace}\n")
+  file(WRITE "${SGS_EMBED_OUTPUT}" "${text}")
 endfunction()
 
 if(CMAKE_SCRIPT_MODE_FILE AND DEFINED SGS_EMBED_OUTPUT)
-  sgs_write_embedded("${SGS_EMBED_DIST}" "${SGS_EMBED_OUTPUT}")
+  sgs_write_embedded()
 endif()

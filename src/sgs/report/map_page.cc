@@ -11,27 +11,13 @@
 #include "sgs/io/splat_check.h"
 #include "sgs/io/splat_file.h"
 #include "sgs/report/html.h"
-#include "sgs/report/map_page_script.h"
+#include "sgs/report/page_files.h"
 #include "sgs/report/plot/canvas.h"
 
 namespace sgs::report {
 namespace {
 
 using Json = nlohmann::json;
-
-constexpr std::string_view kCss = R"css(
-*{box-sizing:border-box}html,body{margin:0;height:100%;overflow:hidden;background:#000}
-body{color:var(--ink);font:14px/1.4 system-ui,sans-serif}
-canvas{position:fixed;inset:0;width:100%;height:100%;touch-action:none;cursor:grab;outline:none}
-header,footer{position:fixed;left:12px;background:var(--card);border:1px solid var(--line);
-border-radius:10px;padding:6px 12px;max-width:calc(100% - 24px)}
-header{top:12px}footer{bottom:12px;display:flex;flex-wrap:wrap;gap:6px 12px;align-items:center}
-h1{font-size:1rem;margin:0}small{color:var(--soft)}
-button{font:inherit;color:var(--ink);background:var(--bg);border:1px solid var(--line);
-border-radius:6px;padding:2px 10px;cursor:pointer}
-button:focus-visible,canvas:focus-visible{outline:3px solid var(--accent);outline-offset:-3px}
-body.bare header,body.bare footer{display:none}
-)css";
 
 constexpr std::string_view kPolicy =
     "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
@@ -72,7 +58,7 @@ std::string map_page_html(std::span<const map::Gaussian> gaussians, const MapPag
   html += "\"><link rel='icon' href='data:,'><title>" + html_escaped(page.title) +
           " · Spectral GS-SLAM</title><style>";
   html += palette_css();
-  html += kCss;
+  html += page_text("map.css");
   html += "</style></head><body><canvas tabindex='0' role='img' aria-label='Map of " +
           html_escaped(page.title) +
           " in three dimensions; arrow keys turn it, plus and minus zoom, n and p change the "
@@ -85,7 +71,7 @@ std::string map_page_html(std::span<const map::Gaussian> gaussians, const MapPag
           page_json(page).dump() + "</script><script type='text/plain' id='splats'>";
   html += base64(io::splat_records(gaussians));
   html += "</script><script>";
-  html += map_page_script();
+  html += page_text("map.js");
   return html + "</script></body></html>\n";
 }
 

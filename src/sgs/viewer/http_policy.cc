@@ -41,9 +41,7 @@ const EmbeddedFile* find_file(std::span<const EmbeddedFile> files, std::string_v
   if (target.empty() || target.front() != '/') return nullptr;
   target.remove_prefix(1);
   if (target.empty()) target = "index.html";
-  const auto it = std::find_if(files.begin(), files.end(),
-                               [&](const EmbeddedFile& file) { return file.path == target; });
-  return it == files.end() ? nullptr : &*it;
+  return find_embedded(files, target);
 }
 
 }  // namespace
@@ -104,6 +102,25 @@ std::span<const std::pair<std::string_view, std::string_view>> security_headers(
       {"Cache-Control", "no-cache"},
   }};
   return kHeaders;
+}
+
+std::string_view content_type(std::string_view path) {
+  using Row = std::pair<std::string_view, std::string_view>;
+  constexpr std::array<Row, 12> kTypes = {{{".html", "text/html; charset=utf-8"},
+                                           {".js", "text/javascript; charset=utf-8"},
+                                           {".css", "text/css; charset=utf-8"},
+                                           {".txt", "text/plain; charset=utf-8"},
+                                           {".json", "application/json"},
+                                           {".svg", "image/svg+xml"},
+                                           {".png", "image/png"},
+                                           {".jpg", "image/jpeg"},
+                                           {".webp", "image/webp"},
+                                           {".ico", "image/x-icon"},
+                                           {".wasm", "application/wasm"},
+                                           {".woff2", "font/woff2"}}};
+  const auto row = std::find_if(kTypes.begin(), kTypes.end(),
+                                [&](const Row& type) { return path.ends_with(type.first); });
+  return row == kTypes.end() ? "application/octet-stream" : row->second;
 }
 
 }  // namespace sgs::viewer

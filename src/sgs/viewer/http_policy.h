@@ -48,6 +48,9 @@ bool origin_allowed(std::optional<std::string_view> origin, std::string_view hos
 Verdict judge(const RequestFacts& request, const HostPolicy& policy, std::string_view local_address,
               std::span<const EmbeddedFile> files);
 
+/// Value of the header of that name for a file called `path`, by its ending.
+std::string_view content_type(std::string_view path);
+
 /// Headers that go with every response, "Name: value".
 std::span<const std::pair<std::string_view, std::string_view>> security_headers();
 

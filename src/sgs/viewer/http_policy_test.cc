@@ -7,8 +7,7 @@
 namespace sgs::viewer {
 namespace {
 
-constexpr EmbeddedFile kFiles[] = {{"index.html", "text/html", "page"},
-                                   {"assets/app.js", "text/javascript", "code"}};
+constexpr EmbeddedFile kFiles[] = {{"index.html", "page"}, {"assets/app.js", "code"}};
 
 Verdict get(std::string_view target, std::string_view host = "localhost:8765",
             std::string_view method = "GET") {
@@ -82,8 +81,14 @@ TEST(EmbeddedFiles, AlwaysHaveAPage) {
   EXPECT_NE(verdict.file->bytes.find("<html"), std::string_view::npos);
   for (const EmbeddedFile& file : files) {
     EXPECT_FALSE(file.bytes.empty()) << file.path;
-    EXPECT_NE(file.content_type.find('/'), std::string_view::npos) << file.path;
+    EXPECT_NE(content_type(file.path), "application/octet-stream") << file.path;
   }
+}
+
+TEST(HttpPolicy, ContentTypeByEnding) {
+  EXPECT_EQ(content_type("assets/app-1a2b.js"), "text/javascript; charset=utf-8");
+  EXPECT_EQ(content_type("index.html"), "text/html; charset=utf-8");
+  EXPECT_EQ(content_type("js"), "application/octet-stream");
 }
 
 }  // namespace

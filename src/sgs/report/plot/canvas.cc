@@ -9,42 +9,10 @@
 
 #include "sgs/core/error.h"
 #include "sgs/report/html.h"
+#include "sgs/report/page_files.h"
 
 namespace sgs::report {
 namespace {
-
-constexpr std::string_view kPalette = R"css(
-:root{color-scheme:light dark;--bg:#f5f6f8;--card:#fff;--ink:#1b2430;--soft:#566171;--line:#e1e5ea;
---accent:#0072b2;--c0:#0072b2;--c1:#d55e00;--c2:#009e73;--c3:#b0608f;--c4:#b98a00;--c5:#5a6472;
---h0:#0d0887;--h1:#47039f;--h2:#7301a8;--h3:#9c179e;--h4:#bd3786;--h5:#d8576b;--h6:#ed7953;
---h7:#f2892f;--h8:#e8a400}
-@media (prefers-color-scheme:dark){:root{--bg:#12161c;--card:#1a2029;--ink:#e7ebf0;--soft:#a3aebb;
---line:#2f3844;--accent:#56b4e9;--c0:#56b4e9;--c1:#f0813a;--c2:#2dc49a;--c3:#d98fbe;--c4:#f0d442;
---c5:#aab4c2;--h0:#8f4ed0;--h1:#a848b8;--h2:#bd3f9f;--h3:#cf4a84;--h4:#de6066;--h5:#ec7a50;
---h6:#f6973c;--h7:#fbb92f;--h8:#f5e626}}
-)css";
-
-constexpr std::string_view kSvgCss = R"css(
-svg text{fill:var(--soft);font-size:11px;font-family:inherit}
-svg .label{fill:var(--ink);font-size:12px}
-svg .head{fill:var(--ink);font-size:12px;font-weight:600}
-.grid{stroke:var(--line);stroke-width:1}
-.line{fill:none;stroke:currentColor;stroke-width:1.6;stroke-linejoin:round;stroke-linecap:round}
-.line.dashed{stroke-dasharray:5 4}.line.heavy{stroke-width:2.6}
-.area{fill:currentColor;fill-opacity:.3;stroke:currentColor;stroke-width:1}
-.stack{fill:currentColor;fill-opacity:.8;stroke:none}
-.bar{fill:currentColor}
-.paper{fill:var(--card)}.row{fill:var(--line);fill-opacity:.45}
-.line.band{stroke-width:6;stroke-opacity:.35}
-.threshold{stroke:var(--c1);stroke-width:1.3;stroke-dasharray:6 4}
-svg .threshold-name{fill:var(--c1);paint-order:stroke;stroke:var(--card);stroke-width:3px}
-.c0{color:var(--c0)}.c1{color:var(--c1)}.c2{color:var(--c2)}.c3{color:var(--c3)}.c4{color:var(--c4)}
-.c5{color:var(--c5)}
-.h0{color:var(--h0)}.h1{color:var(--h1)}.h2{color:var(--h2)}.h3{color:var(--h3)}.h4{color:var(--h4)}
-.h5{color:var(--h5)}.h6{color:var(--h6)}.h7{color:var(--h7)}.h8{color:var(--h8)}
-.st-ok{color:var(--c2)}.st-degenerate{color:var(--c4)}.st-lost{color:var(--c1)}.st-bad{color:var(--c5)}
-.st-on{color:var(--c0)}.st-off{color:var(--line)}
-)css";
 
 std::string_view anchor_name(TextAnchor anchor) {
   return anchor == TextAnchor::kStart ? "start" : anchor == TextAnchor::kMiddle ? "middle" : "end";
@@ -102,8 +70,8 @@ int heat_step(double share) {
   return std::clamp(static_cast<int>(share * kHeatSteps), 0, kHeatSteps - 1);
 }
 
-std::string_view palette_css() { return kPalette; }
-std::string_view svg_css() { return kSvgCss; }
+std::string_view palette_css() { return page_text("palette.css"); }
+std::string_view svg_css() { return page_text("svg.css"); }
 
 std::string standalone_svg(const Drawing& drawing) {
   SGS_CHECK(drawing.svg.starts_with("<svg "), "an empty drawing has no file");

@@ -59,7 +59,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (verdict.websocket) return become_client();
     if (verdict.status != 200) return refuse(verdict.status, verdict.reason);
     if (verdict.file == nullptr) return answer(200, "text/plain; charset=utf-8", "ok\n");
-    answer(200, verdict.file->content_type, verdict.file->bytes);
+    answer(200, content_type(verdict.file->path), verdict.file->bytes);
   }
 
   void become_client() {

@@ -1,11 +1,5 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/report/map_page_script.h"
-
-namespace sgs::report {
-namespace {
-
-constexpr std::string_view kScript = R"js(
 'use strict';
 const byId = id => document.getElementById(id);
 const page = JSON.parse(byId('page').textContent);
@@ -259,10 +253,3 @@ byId('previous').addEventListener('click', () => openView(current - 1));
 document.body.classList.toggle('bare', location.hash.includes('bare'));
 new ResizeObserver(() => view && redraw()).observe(canvas);
 openView(Number((location.hash.match(/view=(\d+)/) || [0, 0])[1]));
-)js";
-
-}  // namespace
-
-std::string_view map_page_script() { return kScript; }
-
-}  // namespace sgs::report

@@ -1,11 +1,5 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/report/report_script.h"
-
-namespace sgs::report {
-namespace {
-
-constexpr std::string_view kScript = R"js(
 'use strict';
 for (const input of document.querySelectorAll('.slide input[type=range]'))
   input.addEventListener('input', () =>
@@ -225,10 +219,3 @@ function makeScene(box) {
   new ResizeObserver(redraw).observe(canvas);
 }
 document.querySelectorAll('.scene').forEach(makeScene);
-)js";
-
-}  // namespace
-
-std::string_view report_script() { return kScript; }
-
-}  // namespace sgs::report

@@ -1,11 +1,5 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/report/surface_script.h"
-
-namespace sgs::report {
-namespace {
-
-constexpr std::string_view kScript = R"js(
 'use strict';
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) =>
@@ -124,10 +118,3 @@ function makeSurface(encoded, path, size) {
 
   return {count: points.count, image};
 }
-)js";
-
-}  // namespace
-
-std::string_view report_surface_script() { return kScript; }
-
-}  // namespace sgs::report
