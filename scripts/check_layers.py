@@ -53,7 +53,8 @@ def main():
             match = re.match(r'\s*#\s*include\s+"sgs/([^/"]+)/', line)
             if match and match.group(1) not in allowed:
                 problems.append(
-                    f"{path.relative_to(ROOT)}:{number}: '{module}' may not include '{match.group(1)}'")
+                    f"{path.relative_to(ROOT)}:{number}: '{module}' may not include '{match.group(1)}'"
+                )
             if "opencv2" in line and path.suffix == ".h" and module != "features":
                 problems.append(f"{path.relative_to(ROOT)}:{number}: OpenCV in a public header")
     for problem in problems:
