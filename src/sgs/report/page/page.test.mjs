@@ -18,7 +18,13 @@ function assertNear(actual, expected, tolerance = 1e-9) {
   );
 }
 
-const kSubject = { up: [0, 0, 1], across: [0, 1, 0], away: [-1, 0, 0], centre: [1, 2, 3], radius: 2 };
+const kSubject = {
+  up: [0, 0, 1],
+  across: [0, 1, 0],
+  away: [-1, 0, 0],
+  centre: [1, 2, 3],
+  radius: 2,
+};
 const kLevel = { yaw: 0, pitch: 0, zoom: 1, pan: [0, 0, 0] };
 
 test("vectors", () => {
@@ -120,7 +126,12 @@ function packed({ centre, color, length, axes }) {
 
 test("discs are unpacked, and face the cameras that saw them", () => {
   const discs = unpackDiscs(
-    packed({ centre: [0, 1000, 2000], color: [1, 2, 3], length: 30, axes: [127, 0, 0, 0, -127, 0] }),
+    packed({
+      centre: [0, 1000, 2000],
+      color: [1, 2, 3],
+      length: 30,
+      axes: [127, 0, 0, 0, -127, 0],
+    }),
   );
   assertNear(discs.xyz, [1, 3, 5], 1e-6);
   assertNear(discs.axes, [0.01 * Math.E, 0, 0, 0, -0.01 * Math.E, 0], 1e-6);
@@ -138,7 +149,15 @@ test("a disc on the screen: round from the front, a pixel's line from the side, 
   const edge = [...cam.right, ...cam.back].map((v) => v * size);
   const line = screenDisc(cam, kSubject.centre, Float32Array.from(edge), 1);
   assertNear([line.dx, line.dy], [10, 0.4], 1e-3);
-  assert.equal(screenDisc(cam, mix([1, cam.eye], [1, cam.back]), Float32Array.from(front), 1), null);
-  const clipped = screenDisc(cam, kSubject.centre, Float32Array.from(front), Math.SQRT2 * size * 0.5);
+  assert.equal(
+    screenDisc(cam, mix([1, cam.eye], [1, cam.back]), Float32Array.from(front), 1),
+    null,
+  );
+  const clipped = screenDisc(
+    cam,
+    kSubject.centre,
+    Float32Array.from(front),
+    Math.SQRT2 * size * 0.5,
+  );
   assertNear([clipped.dx], [5], 1e-3);
 });
