@@ -34,7 +34,7 @@ def upgrade_request(port, host=None, origin=None, path="/ws"):
 
 
 class Client:
-    def __init__(self, port, host=None, origin=None, timeout=20, receive_buffer=None):
+    def __init__(self, port, host=None, origin=None, timeout=120, receive_buffer=None):
         self.passed = set()
         self.socket = socket.socket()
         if receive_buffer:
