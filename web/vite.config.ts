@@ -31,7 +31,12 @@ export default defineConfig({
   server: {
     proxy: {
       // The viewer talks only to its own page: the proxy speaks in its name.
-      "/ws": { target: `http://${backend}`, ws: true, changeOrigin: true, headers: { Origin: `http://${backend}` } },
+      "/ws": {
+        target: `http://${backend}`,
+        ws: true,
+        changeOrigin: true,
+        headers: { Origin: `http://${backend}` },
+      },
     },
   },
   build: {

@@ -20,15 +20,18 @@ import zlib
 
 SGS = pathlib.Path(sys.argv.pop(1)).resolve()
 FRAMES = 16
-RUN_FILES = ("config.toml trajectory.txt keyframes.txt groundtruth.txt map.ply metrics.json "
-             "frames.csv timings.json report.html log.txt").split()
+RUN_FILES = (
+    "config.toml trajectory.txt keyframes.txt groundtruth.txt map.ply metrics.json "
+    "frames.csv timings.json report.html log.txt"
+).split()
 METRIC_KEYS = (
     "frames frames_tracked frames_lost tracked_percent ate_rmse_m ate_mean_m ate_median_m ate_max_m "
     "rpe_trans_1s_m rpe_rot_1s_deg psnr_db ssim lpips psnr_db_full ssim_full lpips_full "
     "psnr_db_heldout ssim_heldout lpips_heldout depth_l1_m gaussians map_bytes keyframes "
     "mapping_iterations fps_system fps_wall track_ms_p50 track_ms_p95 map_iteration_ms_p50 "
     "peak_rss_bytes degenerate_percent prior_percent frames_dropped seed threads preset tracker "
-    "version").split()
+    "version"
+).split()
 
 
 def write_png(path, width, height, value, bits=16, channels=1):
@@ -36,9 +39,13 @@ def write_png(path, width, height, value, bits=16, channels=1):
     row = b"\0" + value.to_bytes(bits // 8, "big") * (width * channels)
     header = struct.pack(">IIBBBBB", width, height, bits, 0 if channels == 1 else 2, 0, 0, 0)
     chunks = (b"IHDR", header), (b"IDAT", zlib.compress(row * height)), (b"IEND", b"")
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + b"".join(
-        struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-        for kind, data in chunks))
+    path.write_bytes(
+        b"\x89PNG\r\n\x1a\n"
+        + b"".join(
+            struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+            for kind, data in chunks
+        )
+    )
 
 
 class Case(unittest.TestCase):
@@ -46,8 +53,11 @@ class Case(unittest.TestCase):
     def setUpClass(cls):
         cls.shared_folder = pathlib.Path(tempfile.mkdtemp(prefix="sgs-cli-"))
         cls.master = cls.shared_folder / "master"
-        subprocess.run([SGS, "synth", "room_desk", cls.master, "--frames", str(FRAMES), "--quiet"],
-                       check=True, capture_output=True)
+        subprocess.run(
+            [SGS, "synth", "room_desk", cls.master, "--frames", str(FRAMES), "--quiet"],
+            check=True,
+            capture_output=True,
+        )
 
     @classmethod
     def tearDownClass(cls):
@@ -57,8 +67,14 @@ class Case(unittest.TestCase):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="case-", dir=self.shared_folder))
 
     def sgs(self, *arguments, code=0, **options):
-        done = subprocess.run([str(SGS), *map(str, arguments)], capture_output=True, text=True,
-                              cwd=self.folder, timeout=240, **options)
+        done = subprocess.run(
+            [str(SGS), *map(str, arguments)],
+            capture_output=True,
+            text=True,
+            cwd=self.folder,
+            timeout=240,
+            **options,
+        )
         self.assertEqual(done.returncode, code, f"{arguments}\n{done.stdout}\n{done.stderr}")
         return done
 
@@ -73,8 +89,11 @@ class Case(unittest.TestCase):
         return out, done
 
     def lists(self, sequence, name):
-        return [line for line in (sequence / name).read_text().splitlines()
-                if line and not line.startswith("#")]
+        return [
+            line
+            for line in (sequence / name).read_text().splitlines()
+            if line and not line.startswith("#")
+        ]
 
 
 class Contract(Case):
@@ -111,18 +130,41 @@ class Contract(Case):
 
     def test_config_can_be_run_again(self):
         out, _ = self.run_folder(self.master, "--set", "slam.keyframe_interval=7")
-        self.sgs("run", "--config", out / "config.toml", "-o", self.folder / "again", "--quiet", "--no-eval")
-        self.assertEqual((out / "trajectory.txt").read_bytes(),
-                         (self.folder / "again" / "trajectory.txt").read_bytes())
+        self.sgs(
+            "run",
+            "--config",
+            out / "config.toml",
+            "-o",
+            self.folder / "again",
+            "--quiet",
+            "--no-eval",
+        )
+        self.assertEqual(
+            (out / "trajectory.txt").read_bytes(),
+            (self.folder / "again" / "trajectory.txt").read_bytes(),
+        )
 
     def test_same_bits_for_any_number_of_threads(self):
         for name, threads in (("a", 1), ("b", 2), ("c", 2)):
-            self.sgs("run", self.master, "-o", self.folder / name, "--threads", threads, "--seed", 5,
-                     "--quiet", "--no-eval")
+            self.sgs(
+                "run",
+                self.master,
+                "-o",
+                self.folder / name,
+                "--threads",
+                threads,
+                "--seed",
+                5,
+                "--quiet",
+                "--no-eval",
+            )
         for name in ("b", "c"):
             for file in ("trajectory.txt", "map.ply"):
-                self.assertEqual((self.folder / "a" / file).read_bytes(),
-                                 (self.folder / name / file).read_bytes(), f"{name}/{file}")
+                self.assertEqual(
+                    (self.folder / "a" / file).read_bytes(),
+                    (self.folder / name / file).read_bytes(),
+                    f"{name}/{file}",
+                )
 
     def test_realtime_run_completes(self):
         out, _ = self.run_folder(self.master, "--realtime", "--no-eval")
@@ -139,10 +181,27 @@ class Contract(Case):
 
     def test_compare_and_plots_draw_from_what_is_there(self):
         out, _ = self.run_folder(self.master)
-        self.sgs("run", self.master, "-o", self.folder / "gicp", "--tracker", "gicp", "--quiet", "--no-eval")
+        self.sgs(
+            "run",
+            self.master,
+            "-o",
+            self.folder / "gicp",
+            "--tracker",
+            "gicp",
+            "--quiet",
+            "--no-eval",
+        )
         before = {path: path.stat().st_mtime_ns for path in out.rglob("*")}
-        self.sgs("eval", out, self.folder / "gicp", "--compare", "-o", self.folder / "both.html",
-                 "--plots", self.folder / "plots")
+        self.sgs(
+            "eval",
+            out,
+            self.folder / "gicp",
+            "--compare",
+            "-o",
+            self.folder / "both.html",
+            "--plots",
+            self.folder / "plots",
+        )
         page = (self.folder / "both.html").read_text()
         self.assertIn("★", page)
         self.assertIn("tracker.type", page)
@@ -160,8 +219,9 @@ class Contract(Case):
             ours, theirs = pty.openpty()
         except OSError as error:  # a bare chroot has none
             self.skipTest(f"no pseudo-terminals here: {error}")
-        process = subprocess.Popen([*command, "terminal"], cwd=self.folder, stderr=theirs,
-                                   stdout=subprocess.DEVNULL)
+        process = subprocess.Popen(
+            [*command, "terminal"], cwd=self.folder, stderr=theirs, stdout=subprocess.DEVNULL
+        )
         os.close(theirs)
         shown = b""
         try:
@@ -171,16 +231,33 @@ class Contract(Case):
             pass
         os.close(ours)
         self.assertEqual(process.wait(timeout=240), 0)
-        self.assertRegex(shown.decode(), r"\r\x1b\[K\[#+\.*\] \d+/16 frames +[\d.]+/s +ETA \d+ s +"
-                                         r"ok +\d+ Gaussians")
+        self.assertRegex(
+            shown.decode(),
+            r"\r\x1b\[K\[#+\.*\] \d+/16 frames +[\d.]+/s +ETA \d+ s +" r"ok +\d+ Gaussians",
+        )
         self.assertIn("16/16 frames", shown.decode())
         plain = self.sgs(*command[1:], "plain").stderr
         self.assertIn("16/16 frames", plain)
         self.assertNotRegex(plain, r"[\r\x1b]")
 
     def test_suite_makes_a_table_and_resumes(self):
-        command = ["bench", "tum-synth", "--filter", "^(fold|nostruct_far)-", "--levels", "clean",
-                   "--variants", "gicp", "spectral", "--seeds", 1, "--frames", 6, "-o", "suite"]
+        command = [
+            "bench",
+            "tum-synth",
+            "--filter",
+            "^(fold|nostruct_far)-",
+            "--levels",
+            "clean",
+            "--variants",
+            "gicp",
+            "spectral",
+            "--seeds",
+            1,
+            "--frames",
+            6,
+            "-o",
+            "suite",
+        ]
         first = self.sgs(*command, "--jobs", 2)
         self.assertRegex(first.stdout, r"(?m)^clean gicp( +\d+\.\d\d \(\d+\.\d\d\)){2}$")
         self.assertRegex(first.stdout, r"(?m)^clean spectral( +\d+\.\d\d \(\d+\.\d\d\)){2}$")
@@ -212,10 +289,29 @@ class Contract(Case):
         self.assertIn("Allowed: tum-synth", self.sgs("bench", "tum", code=2).stderr)
 
     def test_interrupted_suite_goes_on(self):
-        command = [str(SGS), "bench", "tum-synth", "--filter", "^fold-", "--levels", "clean",
-                   "--seeds", "1", "--frames", "40", "-o", "suite"]
-        process = subprocess.Popen(command, cwd=self.folder, stdout=subprocess.PIPE,
-                                   stderr=subprocess.PIPE, text=True, start_new_session=True)
+        command = [
+            str(SGS),
+            "bench",
+            "tum-synth",
+            "--filter",
+            "^fold-",
+            "--levels",
+            "clean",
+            "--seeds",
+            "1",
+            "--frames",
+            "40",
+            "-o",
+            "suite",
+        ]
+        process = subprocess.Popen(
+            command,
+            cwd=self.folder,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
         folder = self.folder / "suite" / "fold-clean-spectral-1"
         while not (folder / "log.txt").exists() and process.poll() is None:
             time.sleep(0.02)
@@ -234,15 +330,32 @@ class Contract(Case):
         self.assertIn("<svg", (self.folder / "sweep" / "sweep.svg").read_text())
 
     def test_suite_reports_failed_runs_and_bad_options(self):
-        command = ["bench", "tum-synth", "--filter", "^fold-", "--levels", "clean", "--seeds", 1,
-                   "--frames", 2, "-o", "suite"]
+        command = [
+            "bench",
+            "tum-synth",
+            "--filter",
+            "^fold-",
+            "--levels",
+            "clean",
+            "--seeds",
+            1,
+            "--frames",
+            2,
+            "-o",
+            "suite",
+        ]
         done = self.sgs(*command, "--set", "tracker.nonsense=1", code=1)
         self.assertRegex(done.stderr, r"fold-clean-spectral-1 exit 2: .*nonsense")
         self.assertRegex(done.stdout, r"(?m)^clean spectral +-$")
         self.assertNotIn("published", done.stdout)
         self.assertIn("--filter '('", self.sgs("bench", "--filter", "(", "-o", "x", code=2).stderr)
-        for option, value in (("--levels", "rough"), ("--seeds", "-1"), ("--frames", "-1"),
-                              ("--variants", "magic"), ("--jobs", "0")):
+        for option, value in (
+            ("--levels", "rough"),
+            ("--seeds", "-1"),
+            ("--frames", "-1"),
+            ("--variants", "magic"),
+            ("--jobs", "0"),
+        ):
             self.assertIn(value, self.sgs(*command, option, value, code=2).stderr)
         self.sgs("sweep", "geometry_weight=a:b", code=2)
 
@@ -255,19 +368,35 @@ class Contract(Case):
     def test_info(self):
         self.assertIn("room_desk", self.sgs("info", "--scenes").stdout)
         self.assertIn("keyframe_interval", self.sgs("info", "--config").stdout)
-        self.assertEqual(json.loads(self.sgs("info", self.master, "--json").stdout)["frames"], FRAMES)
+        self.assertEqual(
+            json.loads(self.sgs("info", self.master, "--json").stdout)["frames"], FRAMES
+        )
 
     def test_record_can_be_run_again(self):
-        self.sgs("run", "synth:room_desk", "--frames", "0:6", "--record", self.folder / "kept", "-o",
-                 self.folder / "out", "--quiet", "--no-eval")
+        self.sgs(
+            "run",
+            "synth:room_desk",
+            "--frames",
+            "0:6",
+            "--record",
+            self.folder / "kept",
+            "-o",
+            self.folder / "out",
+            "--quiet",
+            "--no-eval",
+        )
         self.sgs("run", self.folder / "kept", "-o", self.folder / "again", "--quiet", "--no-eval")
-        self.assertEqual((self.folder / "out" / "trajectory.txt").read_text().split()[1:8],
-                         (self.folder / "again" / "trajectory.txt").read_text().split()[1:8])
+        self.assertEqual(
+            (self.folder / "out" / "trajectory.txt").read_text().split()[1:8],
+            (self.folder / "again" / "trajectory.txt").read_text().split()[1:8],
+        )
 
 
 class BadInput(Case):
     def fails(self, *arguments, code, saying):
-        done = self.sgs("run", *arguments, "-o", self.folder / "out", "--quiet", "--no-eval", code=code)
+        done = self.sgs(
+            "run", *arguments, "-o", self.folder / "out", "--quiet", "--no-eval", code=code
+        )
         for words in saying:
             self.assertIn(words.lower(), done.stderr.lower())
         return done
@@ -288,18 +417,40 @@ class BadInput(Case):
         (sequence / "camera.txt").unlink()
         (sequence / "sgs.toml").unlink(missing_ok=True)
         self.fails(sequence, code=1, saying=["calibration", "--camera", "sgs.toml"])
-        self.sgs("run", sequence, "--camera", "535.4,539.2,320.1,247.6", "--depth-scale", "5000", "-o",
-                 self.folder / "given", "--quiet", "--no-eval")
+        self.sgs(
+            "run",
+            sequence,
+            "--camera",
+            "535.4,539.2,320.1,247.6",
+            "--depth-scale",
+            "5000",
+            "-o",
+            self.folder / "given",
+            "--quiet",
+            "--no-eval",
+        )
 
     def test_damaged_calibration(self):
         sequence = self.sequence()
         (sequence / "sgs.toml").unlink(missing_ok=True)
-        for line in ("nan 539 320 247 640 480 5000", "535 539 320 247 640 480", "0 0 0 0 0 0 0", ""):
+        for line in (
+            "nan 539 320 247 640 480 5000",
+            "535 539 320 247 640 480",
+            "0 0 0 0 0 0 0",
+            "",
+        ):
             (sequence / "camera.txt").write_text(line + "\n")
             self.fails(sequence, code=1, saying=["camera.txt", "fx"])
         self.fails(sequence, "--camera", "535,nan,320,247", code=2, saying=["--camera"])
-        self.fails(sequence, "--camera", "535,535,320,247", "--depth-scale", "-1", code=2,
-                   saying=["depth-scale"])
+        self.fails(
+            sequence,
+            "--camera",
+            "535,535,320,247",
+            "--depth-scale",
+            "-1",
+            code=2,
+            saying=["depth-scale"],
+        )
 
     def test_missing_image(self):
         sequence = self.sequence()
@@ -352,8 +503,10 @@ class BadInput(Case):
 
     def test_size_changes_on_the_way(self):
         sequence = self.sequence()
-        small = [sequence / self.lists(sequence, name)[row].split()[1]
-                 for name, row in (("depth.txt", 5), ("rgb.txt", 9), ("depth.txt", 9))]
+        small = [
+            sequence / self.lists(sequence, name)[row].split()[1]
+            for name, row in (("depth.txt", 5), ("rgb.txt", 9), ("depth.txt", 9))
+        ]
         write_png(small[0], 320, 240, 5000)
         write_png(small[1], 320, 240, 90, bits=8, channels=3)
         write_png(small[2], 320, 240, 5000)
@@ -399,14 +552,19 @@ class BadInput(Case):
 
     def test_no_overlap_in_time(self):
         sequence = self.sequence()
-        rows = [f"{float(r.split()[0]) + 500:.6f} {r.split()[1]}" for r in self.lists(sequence, "depth.txt")]
+        rows = [
+            f"{float(r.split()[0]) + 500:.6f} {r.split()[1]}"
+            for r in self.lists(sequence, "depth.txt")
+        ]
         (sequence / "depth.txt").write_text("\n".join(rows) + "\n")
         self.fails(sequence, code=1, saying=["clock", "depth.txt"])
 
     def test_no_overlap_with_truth(self):
         sequence = self.sequence()
-        rows = [f"{float(r.split()[0]) + 500:.6f} {r.split(maxsplit=1)[1]}"
-                for r in self.lists(sequence, "groundtruth.txt")]
+        rows = [
+            f"{float(r.split()[0]) + 500:.6f} {r.split(maxsplit=1)[1]}"
+            for r in self.lists(sequence, "groundtruth.txt")
+        ]
         (sequence / "groundtruth.txt").write_text("\n".join(rows) + "\n")
         metrics = self.survives(sequence, "--no-eval")
         self.assertIsNone(metrics["ate_rmse_m"])
@@ -417,11 +575,17 @@ class BadInput(Case):
         self.assertEqual(metrics["frames"], 1)
 
     def test_unknown_key_and_bad_values(self):
-        self.fails(self.master, "--set", "slam.keyframe_intervall=3", code=2,
-                   saying=["keyframe_interval"])
+        self.fails(
+            self.master, "--set", "slam.keyframe_intervall=3", code=2, saying=["keyframe_interval"]
+        )
         self.fails(self.master, "--set", "slam.keyframe_interval=0", code=2, saying=["1 .. 1000"])
-        self.fails(self.master, "--set", "slam.keyframe_interval=nan", code=2,
-                   saying=["slam.keyframe_interval"])
+        self.fails(
+            self.master,
+            "--set",
+            "slam.keyframe_interval=nan",
+            code=2,
+            saying=["slam.keyframe_interval"],
+        )
         self.fails(self.master, "--set", "nonsense", code=2, saying=["key=value"])
         self.fails(self.master, "--set", "mapper.schedule.freeze_after_steps=9", code=2,
                    saying=["mapper.schedule.freeze_after_steps", "removed"])
@@ -437,8 +601,13 @@ class BadInput(Case):
         self.sgs("run", code=2)
         self.sgs("run", self.master, "--no-such-flag", code=2)
         (self.folder / "c.toml").write_text("[slam]\nkeyframe_interval = 3\nkeyframe_inteval = 4\n")
-        self.fails(self.master, "--config", self.folder / "c.toml", code=2,
-                   saying=["c.toml", "3", "keyframe_interval"])
+        self.fails(
+            self.master,
+            "--config",
+            self.folder / "c.toml",
+            code=2,
+            saying=["c.toml", "3", "keyframe_interval"],
+        )
 
     def test_unwritable_output(self):
         (self.folder / "file").write_text("x")
@@ -449,8 +618,17 @@ class BadInput(Case):
         # A file size limit fails large writes as a full disk does; map.ply is the largest file.
         environment = dict(os.environ, TMPDIR=str(self.folder))
         done = subprocess.run(
-            ["bash", "-c", f"trap '' XFSZ; ulimit -f 64; exec '{SGS}' run '{self.master}' -o out --quiet --no-eval"],
-            capture_output=True, text=True, cwd=self.folder, env=environment, timeout=240)
+            [
+                "bash",
+                "-c",
+                f"trap '' XFSZ; ulimit -f 64; exec '{SGS}' run '{self.master}' -o out --quiet --no-eval",
+            ],
+            capture_output=True,
+            text=True,
+            cwd=self.folder,
+            env=environment,
+            timeout=240,
+        )
         self.assertEqual(done.returncode, 1, done.stderr)
         self.assertIn("map.ply", done.stderr)
         self.assertEqual(len(self.lists(self.folder / "out", "trajectory.txt")), FRAMES)
@@ -459,12 +637,19 @@ class BadInput(Case):
         # A private file system with room for the small files; the others go to TMPDIR.
         (self.folder / "out").mkdir()
         (self.folder / "elsewhere").mkdir()
-        script = (f"mount -t tmpfs -o size=128k none out || exit 77; '{SGS}' run '{self.master}' -o "
-                  "out --quiet --no-eval; code=$?; cp -r out seen; exit $code")
+        script = (
+            f"mount -t tmpfs -o size=128k none out || exit 77; '{SGS}' run '{self.master}' -o "
+            "out --quiet --no-eval; code=$?; cp -r out seen; exit $code"
+        )
         as_root = [] if os.geteuid() == 0 else ["--map-root-user"]
-        done = subprocess.run(["unshare", *as_root, "--mount", "bash", "-c", script],
-                              capture_output=True, text=True, cwd=self.folder, timeout=240,
-                              env=dict(os.environ, TMPDIR=str(self.folder / "elsewhere")))
+        done = subprocess.run(
+            ["unshare", *as_root, "--mount", "bash", "-c", script],
+            capture_output=True,
+            text=True,
+            cwd=self.folder,
+            timeout=240,
+            env=dict(os.environ, TMPDIR=str(self.folder / "elsewhere")),
+        )
         if done.returncode == 77 or "unshare" in done.stderr:
             self.skipTest("mounting in a private name space is not allowed here")
         self.assertEqual(done.returncode, 1, done.stderr)
@@ -475,9 +660,13 @@ class BadInput(Case):
         self.assertEqual(len(self.lists(self.folder / "seen", "trajectory.txt")), FRAMES)
 
     def test_second_interrupt_ends_at_once(self):
-        process = subprocess.Popen([SGS, "run", "synth:room_desk", "-o", self.folder / "out"],
-                                   cwd=self.folder, stderr=subprocess.PIPE,
-                                   stdout=subprocess.DEVNULL, text=True)
+        process = subprocess.Popen(
+            [SGS, "run", "synth:room_desk", "-o", self.folder / "out"],
+            cwd=self.folder,
+            stderr=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            text=True,
+        )
         self.assertTrue(process.stderr.readline())
         # Both requests are pending when the program wakes up, so neither can win a race.
         for request in (signal.SIGSTOP, signal.SIGINT, signal.SIGTERM, signal.SIGCONT):
@@ -487,8 +676,13 @@ class BadInput(Case):
 
     def test_interrupt_keeps_what_was_done(self):
         out = self.folder / "out"
-        process = subprocess.Popen([SGS, "run", "synth:room_desk", "-o", out], cwd=self.folder,
-                                   stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        process = subprocess.Popen(
+            [SGS, "run", "synth:room_desk", "-o", out],
+            cwd=self.folder,
+            stderr=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
         self.assertTrue(process.stderr.readline())  # the first progress line: frames are coming
         process.send_signal(signal.SIGINT)
         process.communicate(timeout=120)

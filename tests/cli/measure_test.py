@@ -15,8 +15,9 @@ SGS = pathlib.Path(sys.argv.pop(1)).resolve()
 
 
 def sgs(*arguments):
-    return subprocess.run([str(SGS), *map(str, arguments)], capture_output=True, text=True,
-                          timeout=240)
+    return subprocess.run(
+        [str(SGS), *map(str, arguments)], capture_output=True, text=True, timeout=240
+    )
 
 
 class TimeLine(unittest.TestCase):
@@ -26,8 +27,17 @@ class TimeLine(unittest.TestCase):
             maps = []
             for extra in ((), ("--preload", "--trace", folder / "trace.json")):
                 out = folder / f"run{len(maps)}"
-                done = sgs("run", "synth:room_desk", "--frames", "0:10", "--no-eval", "--quiet",
-                           "-o", out, *extra)
+                done = sgs(
+                    "run",
+                    "synth:room_desk",
+                    "--frames",
+                    "0:10",
+                    "--no-eval",
+                    "--quiet",
+                    "-o",
+                    out,
+                    *extra,
+                )
                 self.assertEqual(done.returncode, 0, done.stderr)
                 maps.append((out / "map.ply").read_bytes())
             self.assertEqual(maps[0], maps[1])

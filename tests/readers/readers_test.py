@@ -21,10 +21,11 @@ SGS = pathlib.Path(sys.argv.pop(1)).resolve()
 NODE_FOLDER = pathlib.Path(sys.argv.pop(1))
 HERE = pathlib.Path(__file__).resolve().parent
 TYPES = {"float": "<f4", "uchar": "u1", "double": "<f8", "int": "<i4", "uint": "<u4"}
-CHROMIUM_FLAGS = ("--headless --no-sandbox --use-angle=swiftshader --enable-unsafe-swiftshader "
-                  "--ignore-gpu-blocklist --disable-background-networking --disable-component-update "
-                  "--disable-sync --no-first-run --hide-scrollbars --force-device-scale-factor=1"
-                  ).split()
+CHROMIUM_FLAGS = (
+    "--headless --no-sandbox --use-angle=swiftshader --enable-unsafe-swiftshader "
+    "--ignore-gpu-blocklist --disable-background-networking --disable-component-update "
+    "--disable-sync --no-first-run --hide-scrollbars --force-device-scale-factor=1"
+).split()
 
 
 def read_ply(path):
@@ -42,8 +43,9 @@ def read_ply(path):
     vertices = np.frombuffer(data, np.dtype(fields), counts["vertex"], end)
     if "face" not in counts:
         return vertices, None
-    faces = np.frombuffer(data, np.dtype([("n", "u1"), ("v", "<u4", 3)]), counts["face"],
-                          end + vertices.nbytes)
+    faces = np.frombuffer(
+        data, np.dtype([("n", "u1"), ("v", "<u4", 3)]), counts["face"], end + vertices.nbytes
+    )
     assert (faces["n"] == 3).all() and end + vertices.nbytes + faces.nbytes == len(data)
     return vertices, faces["v"]
 
@@ -55,10 +57,20 @@ def columns(vertices, *names):
 def rotations(wxyz):
     """Rotation matrices of quaternions, normalised here."""
     w, x, y, z = (wxyz / np.linalg.norm(wxyz, axis=1, keepdims=True)).T
-    return np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
-                     2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
-                     2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-                    axis=1).reshape(-1, 3, 3)
+    return np.stack(
+        [
+            1 - 2 * (y * y + z * z),
+            2 * (x * y - w * z),
+            2 * (x * z + w * y),
+            2 * (x * y + w * z),
+            1 - 2 * (x * x + z * z),
+            2 * (y * z - w * x),
+            2 * (x * z - w * y),
+            2 * (y * z + w * x),
+            1 - 2 * (x * x + y * y),
+        ],
+        axis=1,
+    ).reshape(-1, 3, 3)
 
 
 def covariances(vertices):
@@ -68,8 +80,14 @@ def covariances(vertices):
 
 
 def tum(path):
-    return np.array([line.split() for line in path.read_text().splitlines()
-                     if line and not line.startswith("#")], float)
+    return np.array(
+        [
+            line.split()
+            for line in path.read_text().splitlines()
+            if line and not line.startswith("#")
+        ],
+        float,
+    )
 
 
 class Readers(unittest.TestCase):
@@ -77,8 +95,16 @@ class Readers(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="sgs-readers-"))
         cls.run_folder = cls.folder / "run"
-        cls.sgs("run", "synth:room_desk", "--frames", "0:20", "-o", cls.run_folder, "--quiet",
-                "--no-eval")
+        cls.sgs(
+            "run",
+            "synth:room_desk",
+            "--frames",
+            "0:20",
+            "-o",
+            cls.run_folder,
+            "--quiet",
+            "--no-eval",
+        )
         cls.map, _ = read_ply(cls.run_folder / "map.ply")
 
     @classmethod
@@ -87,8 +113,14 @@ class Readers(unittest.TestCase):
 
     @classmethod
     def sgs(cls, *arguments, check=True):
-        return subprocess.run([str(SGS), *map(str, arguments)], capture_output=True, text=True,
-                              cwd=cls.folder, timeout=300, check=check)
+        return subprocess.run(
+            [str(SGS), *map(str, arguments)],
+            capture_output=True,
+            text=True,
+            cwd=cls.folder,
+            timeout=300,
+            check=check,
+        )
 
     def export(self, form, name):
         self.sgs("export", self.run_folder, f"--{form}", self.folder / name)
@@ -105,13 +137,19 @@ class Readers(unittest.TestCase):
             NODE_FOLDER.mkdir(parents=True, exist_ok=True)
             for name in ("package.json", "package-lock.json"):
                 shutil.copy(HERE / name, NODE_FOLDER)
-            done = subprocess.run(["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund"],
-                                  cwd=NODE_FOLDER, capture_output=True, text=True, timeout=600)
+            done = subprocess.run(
+                ["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund"],
+                cwd=NODE_FOLDER,
+                capture_output=True,
+                text=True,
+                timeout=600,
+            )
             if done.returncode != 0:
                 self.skipTest(f"npm could not install splat-transform: {done.stderr[-300:]}")
         target = self.folder / (source.name + ".read.ply")
-        done = subprocess.run(["node", tool, "-w", source, target], capture_output=True, text=True,
-                              timeout=300)
+        done = subprocess.run(
+            ["node", tool, "-w", source, target], capture_output=True, text=True, timeout=300
+        )
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return read_ply(target)[0]
 
@@ -135,17 +173,20 @@ class Readers(unittest.TestCase):
         self.check_splats(self.splat_transform(self.export("ply", "a.ply")), 1e-6, 1e-5, 1e-5, 1e-4)
 
     def test_splat(self):
-        self.check_splats(self.splat_transform(self.export("splat", "a.splat")), 1e-6, 0.003, 0.003,
-                          0.06)
+        self.check_splats(
+            self.splat_transform(self.export("splat", "a.splat")), 1e-6, 0.003, 0.003, 0.06
+        )
 
     def test_spz(self):
-        self.check_splats(self.splat_transform(self.export("spz", "a.spz")), 1e-4, 0.006, 0.003,
-                          0.13)
+        self.check_splats(
+            self.splat_transform(self.export("spz", "a.spz")), 1e-4, 0.006, 0.003, 0.13
+        )
 
     def test_map_without_a_run(self):
         self.sgs("export", self.run_folder / "map.ply", "spz", self.folder / "b.spz")
-        self.assertEqual((self.folder / "b.spz").read_bytes(),
-                         self.export("spz", "c.spz").read_bytes())
+        self.assertEqual(
+            (self.folder / "b.spz").read_bytes(), self.export("spz", "c.spz").read_bytes()
+        )
         done = self.sgs("export", self.run_folder / "map.ply", "mesh", "no.ply", check=False)
         self.assertIn(done.returncode, (1, 2))
 
@@ -158,19 +199,27 @@ class Readers(unittest.TestCase):
 
     def test_trajectories(self):
         poses = tum(self.run_folder / "trajectory.txt")
-        self.assertEqual(self.export("tum", "t.txt").read_bytes(),
-                         (self.run_folder / "trajectory.txt").read_bytes())
+        self.assertEqual(
+            self.export("tum", "t.txt").read_bytes(),
+            (self.run_folder / "trajectory.txt").read_bytes(),
+        )
         kitti = np.loadtxt(self.export("kitti", "k.txt")).reshape(-1, 3, 4)
         np.testing.assert_allclose(kitti[:, :, 3], poses[:, 1:4], atol=1e-8)
         np.testing.assert_allclose(kitti[:, :, :3], rotations(poses[:, [7, 4, 5, 6]]), atol=1e-7)
 
     def test_colmap(self):
         from skimage.io import imread
+
         model = self.export("colmap", "colmap")
-        lines = {name: [line.split() for line in (model / f"sparse/0/{name}.txt").read_text()
-                        .splitlines() if line and not line.startswith("#")]
-                 for name in ("cameras", "images", "points3D")}
-        (_, kind, width, height, *lens), = lines["cameras"]
+        lines = {
+            name: [
+                line.split()
+                for line in (model / f"sparse/0/{name}.txt").read_text().splitlines()
+                if line and not line.startswith("#")
+            ]
+            for name in ("cameras", "images", "points3D")
+        }
+        ((_, kind, width, height, *lens),) = lines["cameras"]
         self.assertEqual((kind, width, height), ("PINHOLE", "640", "480"))
         fx, fy, cx, cy = map(float, lens)
         points = np.array(lines["points3D"], float)
@@ -190,8 +239,15 @@ class Readers(unittest.TestCase):
             self.assertLess(np.median(error.mean(axis=1)), 25)
 
     def test_mesh(self):
-        done = self.sgs("export", self.run_folder, "--mesh", self.folder / "mesh.ply", "--voxel",
-                        "0.03", check=False)
+        done = self.sgs(
+            "export",
+            self.run_folder,
+            "--mesh",
+            self.folder / "mesh.ply",
+            "--voxel",
+            "0.03",
+            check=False,
+        )
         if "cannot make meshes" in done.stderr:
             self.skipTest("built without OpenVDB")
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -210,12 +266,24 @@ class Readers(unittest.TestCase):
         if not chromium:
             self.skipTest("chromium is not installed")
         from skimage.io import imread
+
         shot = self.folder / "page.png"
-        done = subprocess.run([chromium, *CHROMIUM_FLAGS, f"--virtual-time-budget={budget_ms}",
-                               "--enable-logging=stderr", f"--user-data-dir={self.folder / 'profile'}",
-                               f"--window-size={size}", f"--screenshot={shot}",
-                               page.as_uri() + anchor],
-                              capture_output=True, text=True, timeout=240, check=True)
+        done = subprocess.run(
+            [
+                chromium,
+                *CHROMIUM_FLAGS,
+                f"--virtual-time-budget={budget_ms}",
+                "--enable-logging=stderr",
+                f"--user-data-dir={self.folder / 'profile'}",
+                f"--window-size={size}",
+                f"--screenshot={shot}",
+                page.as_uri() + anchor,
+            ],
+            capture_output=True,
+            text=True,
+            timeout=240,
+            check=True,
+        )
         return imread(shot)[:, :, :3].astype(float), done.stderr
 
     def test_report(self):
@@ -239,9 +307,19 @@ class Readers(unittest.TestCase):
     def test_html(self):
         page = self.export("html", "map.html")
         self.assertNotRegex(page.read_text(), r"(?i)(src|href)\s*=\s*['\"]?\s*(https?:)?//")
-        self.sgs("render", self.run_folder, "--trajectory", self.run_folder / "keyframes.txt",
-                 "--every", "1000", "-o", self.folder / "rendered", "--quiet")
+        self.sgs(
+            "render",
+            self.run_folder,
+            "--trajectory",
+            self.run_folder / "keyframes.txt",
+            "--every",
+            "1000",
+            "-o",
+            self.folder / "rendered",
+            "--quiet",
+        )
         from skimage.io import imread
+
         ours = imread(self.folder / "rendered/render_000000.png").astype(float)
         # On a busy machine the picture has been seen without the map (cause unknown): give it more
         # time then.

@@ -20,16 +20,21 @@ class Closed(Exception):
 
 
 def upgrade_request(port, host=None, origin=None, path="/ws"):
-    lines = [f"GET {path} HTTP/1.1", f"Host: {host or f'127.0.0.1:{port}'}", "Upgrade: websocket",
-             "Connection: Upgrade", "Sec-WebSocket-Version: 13",
-             "Sec-WebSocket-Key: " + base64.b64encode(os.urandom(16)).decode()]
+    lines = [
+        f"GET {path} HTTP/1.1",
+        f"Host: {host or f'127.0.0.1:{port}'}",
+        "Upgrade: websocket",
+        "Connection: Upgrade",
+        "Sec-WebSocket-Version: 13",
+        "Sec-WebSocket-Key: " + base64.b64encode(os.urandom(16)).decode(),
+    ]
     if origin is not None:
         lines.append(f"Origin: {origin}")
     return ("\r\n".join(lines) + "\r\n\r\n").encode()
 
 
 class Client:
-    def __init__(self, port, host=None, origin=None, timeout=20, receive_buffer=None):
+    def __init__(self, port, host=None, origin=None, timeout=120, receive_buffer=None):
         self.passed = set()
         self.socket = socket.socket()
         if receive_buffer:
@@ -139,7 +144,7 @@ class MapView:
         for i in range(changed):
             record = RECORD.unpack_from(message, 24 + RECORD.size * i)
             self.records[record[0]] = record[1:]
-        for (gone,) in struct.iter_unpack("<I", message[24 + RECORD.size * changed:]):
+        for (gone,) in struct.iter_unpack("<I", message[24 + RECORD.size * changed :]):
             del self.records[gone]
         self.version, self.complete = version, bool(flags & 2)
 

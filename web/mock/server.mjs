@@ -23,7 +23,8 @@ function mapDiff(version, from, to, reset) {
     const values = gaussian(id);
     out.writeUInt32LE(id, at);
     for (let i = 0; i < 10; ++i) out.writeFloatLE(values[i], at + 4 + 4 * i);
-    for (let i = 0; i < 4; ++i) out.writeUInt8(Math.max(0, Math.round(values[10 + i])), at + 44 + i);
+    for (let i = 0; i < 4; ++i)
+      out.writeUInt8(Math.max(0, Math.round(values[10 + i])), at + 44 + i);
   }
   return out;
 }
@@ -31,7 +32,10 @@ function mapDiff(version, from, to, reset) {
 function pathChunk(frames) {
   const states = Array.from({ length: frames }, (_, i) => state(i, false));
   return {
-    type: "path", first: 0, estimate: states.map((s) => s.pose), truth: states.map((_, i) => pose(i)),
+    type: "path",
+    first: 0,
+    estimate: states.map((s) => s.pose),
+    truth: states.map((_, i) => pose(i)),
     status: states.map((s) => kStatuses.indexOf(s.status)),
   };
 }
@@ -53,11 +57,21 @@ class Run {
   }
 
   greet(client) {
-    client.send(JSON.stringify({
-      type: "hello", protocol: 1, version: "mock", input: "mock:boxes", tracker: "spectral", preset: "default",
-      live: true, camera: { fx: 525, fy: 525, cx: 319.5, cy: 239.5, width: 640, height: 480 }, up: [0, -1, 0],
-      frames_total: kFrames, picture_above: 150000,
-    }));
+    client.send(
+      JSON.stringify({
+        type: "hello",
+        protocol: 1,
+        version: "mock",
+        input: "mock:boxes",
+        tracker: "spectral",
+        preset: "default",
+        live: true,
+        camera: { fx: 525, fy: 525, cx: 319.5, cy: 239.5, width: 640, height: 480 },
+        up: [0, -1, 0],
+        frames_total: kFrames,
+        picture_above: 150000,
+      }),
+    );
     client.send(JSON.stringify(pathChunk(this.frame)));
     this.update(client);
   }
@@ -70,7 +84,14 @@ class Run {
       client.held = wanted;
     }
     if (this.frame === kFrames - 1) {
-      client.send(JSON.stringify({ type: "metrics", ate_rmse_m: 0.0124, frames_tracked: kFrames, psnr_db: 27.31 }));
+      client.send(
+        JSON.stringify({
+          type: "metrics",
+          ate_rmse_m: 0.0124,
+          frames_tracked: kFrames,
+          psnr_db: 27.31,
+        }),
+      );
     }
   }
 

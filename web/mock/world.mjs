@@ -34,7 +34,11 @@ function quaternion(r, d, f) {
   return [(f[0] + r[2]) / s, (f[1] + d[2]) / s, s / 4, (r[1] - d[0]) / s];
 }
 
-const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const cross = (a, b) => [
+  a[1] * b[2] - a[2] * b[1],
+  a[2] * b[0] - a[0] * b[2],
+  a[0] * b[1] - a[1] * b[0],
+];
 const unit = (v) => v.map((x) => x / Math.hypot(...v));
 
 export function isPlain(frame) {
@@ -68,7 +72,13 @@ export function gaussian(id) {
   const side = Math.floor(w * 3);
   const p = [u - 0.5, v - 0.5, w * 3 - side > 0.5 ? 0.5 : -0.5].map((x) => 2 * half * x);
   const [x, y, z] = side === 0 ? p : side === 1 ? [p[2], p[0], p[1]] : [p[1], -half, p[0]];
-  const color = [[86, 180, 233], [230, 159, 0], [0, 158, 115], [204, 121, 167], [213, 94, 0]][box];
+  const color = [
+    [86, 180, 233],
+    [230, 159, 0],
+    [0, 158, 115],
+    [204, 121, 167],
+    [213, 94, 0],
+  ][box];
   return [cx + x, 1 - half + y, cz + z, 0.02, 0.02, 0.02, 1, 0, 0, 0, ...color, 240];
 }
 
@@ -82,18 +92,39 @@ export function state(frame, paused) {
   // Seen least first; the three weak axes of a plane are mixed, as eigenvectors do.
   const s = Math.SQRT1_2;
   const axes = [
-    [0, 0, s, s, 0, 0], [0, 0, -s, s, 0, 0], [0, 0, 0, 0, 1, 0],
-    [1, 0, 0, 0, 0, 0], [0, 1, 0, 0, 0, 0], [0, 0, 0, 0, 0, 1],
+    [0, 0, s, s, 0, 0],
+    [0, 0, -s, s, 0, 0],
+    [0, 0, 0, 0, 1, 0],
+    [1, 0, 0, 0, 0, 0],
+    [0, 1, 0, 0, 0, 0],
+    [0, 0, 0, 0, 0, 1],
   ];
   return {
-    type: "state", frame, time: frame / 30, status: lost ? "lost" : weak > 0.5 ? "degenerate" : "ok",
-    pose: pose(frame, 0.012), truth: pose(frame), keyframe: frame % 8 === 0,
-    map_version: Math.floor(frame / 8) + 1, gaussians: gaussiansAt(frame),
+    type: "state",
+    frame,
+    time: frame / 30,
+    status: lost ? "lost" : weak > 0.5 ? "degenerate" : "ok",
+    pose: pose(frame, 0.012),
+    truth: pose(frame),
+    keyframe: frame % 8 === 0,
+    map_version: Math.floor(frame / 8) + 1,
+    gaussians: gaussiansAt(frame),
     snr: plain ? [0.9, 1.6, 2.4, 800, 1500, 4200] : [38 * noise, 60, 95, 800, 1500, 4200],
-    weights: [weak, weak, 0.97 * weak, 0, 0, 0], axes, mask: weak > 0.5 ? 7 : 0,
-    eigenvalues: null, condition: (plain ? 9000 : 45) * noise, planarity: plain ? 0.97 : 0.25 * noise,
-    prior_active: weak > 0.5 && !lost, prior_source: "photometric", inliers: 2400, visual_inliers: 1800,
-    overlap: 0.9, ms: { track: 6.5 * noise, map: 22 }, fps: 29.5, iterations: frame * 2, paused,
+    weights: [weak, weak, 0.97 * weak, 0, 0, 0],
+    axes,
+    mask: weak > 0.5 ? 7 : 0,
+    eigenvalues: null,
+    condition: (plain ? 9000 : 45) * noise,
+    planarity: plain ? 0.97 : 0.25 * noise,
+    prior_active: weak > 0.5 && !lost,
+    prior_source: "photometric",
+    inliers: 2400,
+    visual_inliers: 1800,
+    overlap: 0.9,
+    ms: { track: 6.5 * noise, map: 22 },
+    fps: 29.5,
+    iterations: frame * 2,
+    paused,
     finished: frame === kFrames - 1,
   };
 }

@@ -129,7 +129,9 @@ export class App {
       this.stage.start(hello);
     }
     if (hello.protocol !== kProtocol) {
-      this.notice.show(`The viewer speaks protocol ${hello.protocol}, this page ${kProtocol}: reload it.`);
+      this.notice.show(
+        `The viewer speaks protocol ${hello.protocol}, this page ${kProtocol}: reload it.`,
+      );
     }
     need("transport").hidden = false;
     void this.applyMode();
@@ -142,7 +144,8 @@ export class App {
     this.panel.setState(state);
     this.stage.setState(state);
     this.showTransport(state);
-    if (this.wanted_mode === null && this.automaticMode() !== this.stage.mode) void this.applyMode();
+    if (this.wanted_mode === null && this.automaticMode() !== this.stage.mode)
+      void this.applyMode();
   }
 
   /// Pictures where the browser would have to draw splats on the processor, or too many of them.

@@ -22,7 +22,8 @@ export class Notice {
     const end_ms = performance.now() + 1000 * seconds;
     const tick = () => {
       const left_s = Math.max(0, Math.ceil((end_ms - performance.now()) / 1000));
-      this.box.textContent = left_s > 0 ? `${text} Next attempt in ${left_s} s.` : `${text} Connecting…`;
+      this.box.textContent =
+        left_s > 0 ? `${text} Next attempt in ${left_s} s.` : `${text} Connecting…`;
     };
     this.show(text);
     tick();

@@ -17,7 +17,15 @@ export interface Theme {
 }
 
 const kNames: (keyof Theme)[] = [
-  "ink", "muted", "line", "stage", "ok", "degenerate", "lost", "truth", "planarity",
+  "ink",
+  "muted",
+  "line",
+  "stage",
+  "ok",
+  "degenerate",
+  "lost",
+  "truth",
+  "planarity",
 ];
 
 /// Colours as they are for `element`.

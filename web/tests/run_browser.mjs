@@ -24,8 +24,12 @@ if (!help.includes("--viewer")) skip(`${sgs} is built without the viewer`);
 
 const folder = join(here, "browser");
 const tests = readdirSync(folder).filter((name) => name.endsWith(".test.mjs"));
-const { status } = spawnSync(process.execPath, ["--test", ...tests.map((name) => join(folder, name))], {
-  stdio: "inherit",
-  env: { ...process.env, SGS: sgs, SGS_CHROMIUM: chromium },
-});
+const { status } = spawnSync(
+  process.execPath,
+  ["--test", ...tests.map((name) => join(folder, name))],
+  {
+    stdio: "inherit",
+    env: { ...process.env, SGS: sgs, SGS_CHROMIUM: chromium },
+  },
+);
 process.exit(status ?? 1);

@@ -70,9 +70,9 @@ std::string map_page_html(std::span<const map::Gaussian> gaussians, const MapPag
           "<script type='application/json' id='page'>" +
           page_json(page).dump() + "</script><script type='text/plain' id='splats'>";
   html += base64(io::splat_records(gaussians));
-  html += "</script><script>";
-  html += page_text("map.js");
-  return html + "</script></body></html>\n";
+  html += "</script>";
+  html += script_html({"vec.mjs", "splats.mjs", "splat_shaders.mjs", "map.mjs"});
+  return html + "</body></html>\n";
 }
 
 Status save_map_page(const std::filesystem::path& path, std::span<const map::Gaussian> gaussians,

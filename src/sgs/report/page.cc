@@ -63,10 +63,8 @@ std::string page_html(std::string_view title, std::string_view body) {
   // A page without anything to move needs no script.
   if (body.find("<svg") != std::string_view::npos ||
       body.find("class='slide'") != std::string_view::npos) {
-    html += "<script>";
-    html += page_text("surface.js");
-    html += page_text("report.js");
-    html += "</script>";
+    html += script_html(
+        {"vec.mjs", "moment.mjs", "orbit_camera.mjs", "surface.mjs", "scene.mjs", "report.mjs"});
   }
   return html + "</body></html>\n";
 }

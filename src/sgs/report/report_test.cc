@@ -13,12 +13,14 @@
 #include "sgs/report/comparison.h"
 #include "sgs/report/drawings.h"
 #include "sgs/report/html.h"
+#include "sgs/report/page_files.h"
 
 namespace sgs::report {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
@@ -260,6 +262,20 @@ TEST(Comparison, ConfigDifferences) {
   EXPECT_THAT(differences[0].values, ::testing::ElementsAre("\"s\"", "\"t\""));
   EXPECT_EQ(differences[1].key, "b.x");
   EXPECT_THAT(differences[1].values, ::testing::ElementsAre("2", ""));
+}
+
+TEST(PageFiles, ModulesBecomeOneScript) {
+  EXPECT_EQ(without_imports("\n"
+                            "import { a } from \"./a.mjs\";\n"
+                            "import {\n  b,\n} from \"./b.mjs\";\n"
+                            "export const c = a + b;\n"
+                            "  // export and import are kept here\n"
+                            "export function d() {}"),
+            "\nconst c = a + b;\n  // export and import are kept here\nfunction d() {}");
+  const std::string html = script_html({"vec.mjs", "splats.mjs"});
+  EXPECT_THAT(html, StartsWith("<script type='module'>"));
+  EXPECT_THAT(html, HasSubstr("\nconst dot ="));
+  EXPECT_THAT(html, Not(HasSubstr("SPDX")));
 }
 
 }  // namespace

@@ -90,9 +90,16 @@ function members(spectrum: Spectrum, unseen: boolean): Member[] {
 
 /// Weight and signal-to-noise of a twist: means over the axes of its group that it is made of.
 function measures(twist: Vector, group: readonly Member[]): { weight: number; snr: number | null } {
-  const shares = coefficients(twist, group.map((m) => m.axis)).map((c) => c * c);
+  const shares = coefficients(
+    twist,
+    group.map((m) => m.axis),
+  ).map((c) => c * c);
   const total = shares.reduce((a, b) => a + b, 0) || 1;
-  const weight = dot(shares, group.map((m) => m.weight)) / total;
+  const weight =
+    dot(
+      shares,
+      group.map((m) => m.weight),
+    ) / total;
   if (group.some((m) => m.snr === null)) return { weight, snr: null };
   // Means of logarithms: ratios lie decades apart. A share below a thousandth says nothing.
   const logs = group.map((m, k) =>
@@ -121,7 +128,10 @@ function alignWithAxes(span: Vector[], offset: number): Vector[] {
   while (rest.length > 0) {
     const reach = [0, 1, 2].map((i) => rest.reduce((sum, v) => sum + v[offset + i]! ** 2, 0));
     const letter = reach.indexOf(Math.max(...reach));
-    const projection = combine(rest, rest.map((v) => v[offset + letter]!));
+    const projection = combine(
+      rest,
+      rest.map((v) => v[offset + letter]!),
+    );
     const [chosen] = orthonormalise([projection]);
     if (!chosen) return [...out, ...rest];
     out.push(chosen);

@@ -20,7 +20,10 @@ export function combine(vectors: readonly Vector[], coefficients: readonly numbe
 
 /// Gram-Schmidt; vectors that add no new direction are left out. Directions already in `basis` count
 /// as taken.
-export function orthonormalise(vectors: readonly Vector[], basis: readonly Vector[] = []): Vector[] {
+export function orthonormalise(
+  vectors: readonly Vector[],
+  basis: readonly Vector[] = [],
+): Vector[] {
   const out: Vector[] = [];
   for (const vector of vectors) {
     let v = [...vector];
@@ -63,7 +66,10 @@ export function eigenSymmetric(matrix: readonly Vector[]): { values: number[]; v
     for (let p = 0; p < n; ++p) for (let q = p + 1; q < n; ++q) rotate(a, v, p, q);
   }
   const order = a.map((_, i) => i).sort((i, j) => a[i]![i]! - a[j]![j]!);
-  return { values: order.map((i) => a[i]![i]!), vectors: order.map((i) => v.map((row) => row[i]!)) };
+  return {
+    values: order.map((i) => a[i]![i]!),
+    vectors: order.map((i) => v.map((row) => row[i]!)),
+  };
 }
 
 function rotate(a: number[][], v: number[][], p: number, q: number): void {

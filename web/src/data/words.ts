@@ -37,7 +37,11 @@ export function filler(state: Pick<State, "status" | "prior_active" | "prior_sou
 }
 
 function countWords(count: number): string {
-  return ["no axis", "one axis", "two axes", "three axes", "four axes", "five axes", "six axes"][count] ?? "";
+  return (
+    ["no axis", "one axis", "two axes", "three axes", "four axes", "five axes", "six axes"][
+      count
+    ] ?? ""
+  );
 }
 
 /// The frame's observability in one sentence. `axes` null: directions are not known.

@@ -96,7 +96,9 @@ class AxisGlyph {
     for (let i = 0; i <= 28; ++i) {
       const angle = -0.6 + (1.62 * Math.PI * i) / 28;
       const [c, s] = [kTurnRadius * Math.cos(angle), kTurnRadius * Math.sin(angle)];
-      points.push(project([0, 1, 2].map((k) => kTurnAt * d[k]! + c * a[k]! + s * b[k]!) as unknown as Point3));
+      points.push(
+        project([0, 1, 2].map((k) => kTurnAt * d[k]! + c * a[k]! + s * b[k]!) as unknown as Point3),
+      );
     }
     const last = points[points.length - 1]!;
     this.shaft.setAttribute("d", pathOf(points.slice(0, -2)));
@@ -127,9 +129,33 @@ function drawBody(parent: SVGElement): void {
   const [w, h, d] = [0.2, 0.14, 0.1];
   const face = (points: Point3[], className: string) =>
     parent.append(makeSvg("path", { d: pathOf(points.map(project), true), class: className }));
-  face([[-w, -h, -d], [w, -h, -d], [w, h, -d], [-w, h, -d]], "body");
-  face([[-w, -h, -d], [w, -h, -d], [w, -h, d], [-w, -h, d]], "body top");
-  face([[w, -h, -d], [w, h, -d], [w, h, d], [w, -h, d]], "body side");
+  face(
+    [
+      [-w, -h, -d],
+      [w, -h, -d],
+      [w, h, -d],
+      [-w, h, -d],
+    ],
+    "body",
+  );
+  face(
+    [
+      [-w, -h, -d],
+      [w, -h, -d],
+      [w, -h, d],
+      [-w, -h, d],
+    ],
+    "body top",
+  );
+  face(
+    [
+      [w, -h, -d],
+      [w, h, -d],
+      [w, h, d],
+      [w, -h, d],
+    ],
+    "body side",
+  );
 }
 
 /// The camera with its six axes.
@@ -142,7 +168,11 @@ export class CameraIcon {
     // Light lines mark where the axes run; arrows lie on them.
     const guides = makeSvg("g", { class: "guides" });
     svg.append(guides);
-    for (const axis of [[1, 0, 0], [0, 1, 0], [0, 0, 1]] as Point3[]) {
+    for (const axis of [
+      [1, 0, 0],
+      [0, 1, 0],
+      [0, 0, 1],
+    ] as Point3[]) {
       const [a, b] = [project([-axis[0], -axis[1], -axis[2]]), project(axis)];
       guides.append(makeSvg("path", { d: pathOf([a, b]) }));
     }

@@ -20,7 +20,8 @@ class Samples {
   status: Status[] = [];
 
   clear(): void {
-    for (const column of [this.time_s, this.condition, this.planarity, this.status]) column.length = 0;
+    for (const column of [this.time_s, this.condition, this.planarity, this.status])
+      column.length = 0;
   }
 
   add(state: State): void {
@@ -130,7 +131,13 @@ export class Charts {
       cursor: { y: false, drag: { x: false, y: false }, sync: { key: kSync.key } },
       scales: { x: { time: false }, y: scale },
       axes: [
-        { ...common, size: 24, gap: 6, space: 48, values: (_, ticks) => ticks.map((t) => `${t} s`) },
+        {
+          ...common,
+          size: 24,
+          gap: 6,
+          space: 48,
+          values: (_, ticks) => ticks.map((t) => `${t} s`),
+        },
         { ...common, size: 40, gap: 3, splits, values: (_, ticks) => ticks.map(tickText) },
       ],
       series: [{}, { stroke: color, width: 1.5, points: { show: false } }],
@@ -167,15 +174,22 @@ export class Charts {
   private showValue(u: uPlot, id: string): void {
     const index = u.cursor.idx;
     const value = index === null || index === undefined ? u.data[1]?.at(-1) : u.data[1]?.[index];
-    const text = typeof value !== "number" ? "–" : id === "planarity-chart" ? value.toFixed(2) : tickText(value);
+    const text =
+      typeof value !== "number"
+        ? "–"
+        : id === "planarity-chart"
+          ? value.toFixed(2)
+          : tickText(value);
     need(`${id}-value`).textContent = text;
   }
 
   /// Latest values beside the titles, unless the cursor points at others.
   showLatest(state: State): void {
     if (this.condition.cursor.idx !== null && this.condition.cursor.idx !== undefined) return;
-    need("condition-chart-value").textContent = state.condition === null ? "–" : tickText(state.condition);
-    need("planarity-chart-value").textContent = state.planarity === null ? "–" : state.planarity.toFixed(2);
+    need("condition-chart-value").textContent =
+      state.condition === null ? "–" : tickText(state.condition);
+    need("planarity-chart-value").textContent =
+      state.planarity === null ? "–" : state.planarity.toFixed(2);
   }
 }
 

@@ -5,8 +5,10 @@ import { make, need } from "../dom";
 
 type Row = [key: string, label: string, text: (value: number) => string];
 
-const fixed = (digits: number, unit: string, factor = 1) => (value: number) =>
-  `${(value * factor).toFixed(digits)}${unit}`;
+const fixed =
+  (digits: number, unit: string, factor = 1) =>
+  (value: number) =>
+    `${(value * factor).toFixed(digits)}${unit}`;
 const count = (value: number) => Math.round(value).toLocaleString("en");
 
 /// The keys of metrics.json worth showing, in the order of interest.

@@ -113,7 +113,10 @@ export class Overlay {
 
   private drawEstimate(path: Path): void {
     const c = this.context;
-    const points = thinned(path).map((p) => ({ at: this.project(position(p.pose)), status: p.status }));
+    const points = thinned(path).map((p) => ({
+      at: this.project(position(p.pose)),
+      status: p.status,
+    }));
     for (const status of ["ok", "degenerate", "lost"] as const) {
       c.beginPath();
       let drawing = false; // one line per stretch, for dashes to run on
@@ -203,5 +206,7 @@ export class Overlay {
 function thinned(path: Path) {
   const step = Math.max(1, Math.ceil(path.points.length / kMostPathPoints));
   const last = path.points.length - 1;
-  return path.points.flatMap((point, i) => (point && (i % step === 0 || i === last) ? [point] : []));
+  return path.points.flatMap((point, i) =>
+    point && (i % step === 0 || i === last) ? [point] : [],
+  );
 }

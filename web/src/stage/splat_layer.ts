@@ -6,7 +6,6 @@ import type { GaussianStore } from "../data/gaussians";
 import { kRecordWords } from "../data/protocol";
 import type { MapLayer } from "./layer";
 
-
 /// The map as Gaussian splats, sorted and drawn by spark.
 export class SplatLayer implements MapLayer {
   readonly object = new Group();
@@ -72,12 +71,21 @@ function pack(out: Uint32Array, store: GaussianStore, i: number): void {
   const rgba = store.words[at + 11]!;
   // Records hold w x y z, spark wants x y z w.
   setPackedSplat(
-    out, i,
-    f[at + 1]!, f[at + 2]!, f[at + 3]!,
-    f[at + 4]!, f[at + 5]!, f[at + 6]!,
-    f[at + 8]!, f[at + 9]!, f[at + 10]!, f[at + 7]!,
+    out,
+    i,
+    f[at + 1]!,
+    f[at + 2]!,
+    f[at + 3]!,
+    f[at + 4]!,
+    f[at + 5]!,
+    f[at + 6]!,
+    f[at + 8]!,
+    f[at + 9]!,
+    f[at + 10]!,
+    f[at + 7]!,
     (rgba >>> 24) / 255,
-    (rgba & 255) / 255, ((rgba >>> 8) & 255) / 255, ((rgba >>> 16) & 255) / 255,
+    (rgba & 255) / 255,
+    ((rgba >>> 8) & 255) / 255,
+    ((rgba >>> 16) & 255) / 255,
   );
 }
-

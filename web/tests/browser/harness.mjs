@@ -5,48 +5,53 @@ import { spawn } from "node:child_process";
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import { after } from "node:test";
 import { chromium } from "playwright-core";
+import WebSocket from "ws";
 
 const kFlags = [
-  "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
-  "--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run",
+  "--no-sandbox",
+  "--use-angle=swiftshader",
+  "--enable-unsafe-swiftshader",
+  "--ignore-gpu-blocklist",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+  "--no-first-run",
 ];
-const kPatience_ms = 90_000;
-
-export const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+/// The one limit: a broken page fails after it; a busy machine never reaches it.
+const kPatience_ms = 240_000;
 
 /// Waits until `condition` gives something true; fails with `what` otherwise.
-export async function until(what, condition, patience_ms = kPatience_ms) {
-  const end = performance.now() + patience_ms;
+export async function until(what, condition) {
+  const end = performance.now() + kPatience_ms;
   for (;;) {
     const value = await condition();
     if (value) return value;
-    assert.ok(performance.now() < end, `in ${patience_ms} ms it did not happen that ${what}`);
-    await pause(50);
+    assert.ok(performance.now() < end, `in ${kPatience_ms} ms it did not happen that ${what}`);
+    await new Promise((resolve) => setTimeout(resolve, 50));
   }
 }
 
-/// What `promise` gives, or null where it takes longer.
-export async function within(patience_ms, promise) {
-  let timer;
-  const late = new Promise((resolve) => (timer = setTimeout(resolve, patience_ms, null)));
-  try {
-    return await Promise.race([promise, late]);
-  } finally {
-    clearTimeout(timer);
-  }
-}
+const folders = [];
+after(() => folders.forEach((folder) => rmSync(folder, { recursive: true, force: true })));
 
-/// A folder that is gone after the test.
-export function temporaryFolder(t) {
-  const folder = mkdtempSync(join(tmpdir(), "sgs-browser-"));
-  t.after(() => rmSync(folder, { recursive: true, force: true }));
-  return folder;
+/// A folder that is gone after all tests: then nobody writes into it any more.
+export function temporaryFolder() {
+  folders.push(mkdtempSync(join(tmpdir(), "sgs-browser-")));
+  return folders.at(-1);
 }
 
 /// `sgs run ... --viewer PORT`, stopped after the test. Resolves when the address is printed.
-export async function startRun(t, args, { port = 0, folder = temporaryFolder(t) } = {}) {
-  const common = ["--viewer", String(port), "--viewer-stay", "--no-eval", "--output", join(folder, `run-${Date.now()}`)];
+export async function startRun(t, args, { port = 0, folder = temporaryFolder() } = {}) {
+  const common = [
+    "--viewer",
+    String(port),
+    "--viewer-stay",
+    "--no-eval",
+    "--output",
+    join(folder, `run-${Date.now()}`),
+  ];
   const child = spawn(process.env.SGS, ["run", ...args, ...common], {
     cwd: folder, // where `runs/latest` is then written
     stdio: ["ignore", "ignore", "pipe"],
@@ -68,17 +73,40 @@ export async function startRun(t, args, { port = 0, folder = temporaryFolder(t) 
   return { url, port: Number(new URL(url).port), stop };
 }
 
-/// Headless Chromium, closed after the test.
-export async function startBrowser(t) {
-  const browser = await chromium.launch({ executablePath: process.env.SGS_CHROMIUM, args: kFlags });
-  t.after(() => browser.close());
-  return browser;
+/// A second viewer of the run, without a page, that pauses it at once and until `resume()`: the page
+/// is then there from (nearly) the first frame on, however long the browser takes. `step()` lets one
+/// frame pass.
+export async function hold(t, { port }) {
+  const socket = new WebSocket(`ws://127.0.0.1:${port}/ws`);
+  t.after(() => socket.terminate());
+  const paused = new Promise((resolve, reject) => {
+    socket.on("error", reject);
+    socket.on("message", (data, binary) => {
+      if (!binary && JSON.parse(data).paused) resolve();
+    });
+  });
+  const ask = (action) => socket.send(JSON.stringify({ type: "control", action }));
+  // A step, not a pause: before the first frame there is no state to tell of it.
+  socket.on("open", () => ask("step"));
+  await paused;
+  return { step: () => ask("step"), resume: () => ask("resume") };
+}
+
+/// Headless Chromium, to be closed by the caller.
+export function startBrowser() {
+  return chromium.launch({
+    executablePath: process.env.SGS_CHROMIUM,
+    args: kFlags,
+    timeout: kPatience_ms,
+  });
 }
 
 /// The page of a viewer. `complaints` collects console errors, exceptions and requests to elsewhere.
-export async function openPage(browser, url, options = {}) {
-  const page = await browser.newPage({ viewport: { width: 1280, height: 800 }, ...options });
-  page.setDefaultTimeout(2 * kPatience_ms);
+export async function openPage(t, browser, url, options = {}) {
+  // Small, because the processor draws it, but wide enough for the panel beside the map.
+  const page = await browser.newPage({ viewport: { width: 900, height: 560 }, ...options });
+  t.after(() => page.close());
+  page.setDefaultTimeout(kPatience_ms);
   const complaints = [];
   const own = new URL(url).host;
   page.on("console", (message) => {
@@ -87,15 +115,16 @@ export async function openPage(browser, url, options = {}) {
   page.on("pageerror", (error) => complaints.push(`exception: ${error.stack}`));
   page.on("request", (request) => {
     const { protocol, host } = new URL(request.url());
-    if (!["data:", "blob:"].includes(protocol) && host !== own) complaints.push(`outside: ${request.url()}`);
+    if (!["data:", "blob:"].includes(protocol) && host !== own)
+      complaints.push(`outside: ${request.url()}`);
   });
   await page.goto(url);
   const state = () => page.evaluate(() => window.sgs_state);
-  const whenever = (what, condition, patience_ms) =>
+  const whenever = (what, condition) =>
     until(what, async () => {
       const now = await state();
       return now && condition(now) ? now : null;
-    }, patience_ms);
+    });
   return { page, state, whenever, complaints };
 }
 
@@ -119,17 +148,32 @@ export function contrast(page, id) {
   }, id);
 }
 
-/// The PNG that the page's screenshot button downloads.
-export async function screenshot(page) {
-  const waiting = page.waitForEvent("download");
-  await page.locator("#screenshot").click();
-  const chunks = [];
-  for await (const chunk of await (await waiting).createReadStream()) chunks.push(chunk);
-  return Buffer.concat(chunks);
+/// The PNG that the page's screenshot button offers as a download, in base64. It is taken where the
+/// page hands it over: what Chromium does with downloads is not the page's, and does not always end.
+export function screenshot(page) {
+  return page.evaluate(
+    () =>
+      new Promise((resolve, reject) => {
+        const offer = URL.createObjectURL;
+        URL.createObjectURL = (blob) => {
+          URL.createObjectURL = offer;
+          const reader = new FileReader();
+          reader.onload = () => resolve(reader.result.split(",")[1]);
+          reader.onerror = () => reject(reader.error);
+          reader.readAsDataURL(blob);
+          return "#";
+        };
+        HTMLAnchorElement.prototype.click = function () {
+          delete HTMLAnchorElement.prototype.click;
+          if (!this.download.endsWith(".png")) reject(new Error(`saved as "${this.download}"`));
+        };
+        document.getElementById("screenshot").click();
+      }),
+  );
 }
 
 /// Grey-value deviation of a PNG, decoded by the browser.
-export function pngContrast(page, png) {
+export function pngContrast(page, png_base64) {
   return page.evaluate(async (base64) => {
     const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
     const bitmap = await createImageBitmap(new Blob([bytes], { type: "image/png" }));
@@ -137,8 +181,11 @@ export function pngContrast(page, png) {
     const context = canvas.getContext("2d");
     context.drawImage(bitmap, 0, 0, 160, 100);
     const { data } = context.getImageData(0, 0, 160, 100);
-    const greys = Array.from({ length: data.length / 4 }, (_, i) => (data[4 * i] + data[4 * i + 1] + data[4 * i + 2]) / 3);
+    const greys = Array.from(
+      { length: data.length / 4 },
+      (_, i) => (data[4 * i] + data[4 * i + 1] + data[4 * i + 2]) / 3,
+    );
     const mean = greys.reduce((a, b) => a + b) / greys.length;
     return Math.sqrt(greys.reduce((a, g) => a + (g - mean) ** 2, 0) / greys.length);
-  }, png.toString("base64"));
+  }, png_base64);
 }

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 const kFrameRate = 30;
-const kTurnStart = 45;
-const kTurnFrames = 60;
+const kTurnStart = 12;
+const kTurnFrames = 45;
 
 function multiply([ax, ay, az, aw], [bx, by, bz, bw]) {
   return [

@@ -22,11 +22,25 @@ function twist(...parts: [index: number, value: number][]): Six {
 /// A spectrum whose first `weak.length` axes are unseen.
 function spectrum(weak: Six[], seen: Six[], weight = 1) {
   const weights = [...weak.map(() => weight), ...seen.map(() => 0)] as Six;
-  return { axes: [...weak, ...seen] as Six<Six>, weights, snr: kSeenSnr, mask: (1 << weak.length) - 1 };
+  return {
+    axes: [...weak, ...seen] as Six<Six>,
+    weights,
+    snr: kSeenSnr,
+    mask: (1 << weak.length) - 1,
+  };
 }
 
-function words(s: ReturnType<typeof spectrum>, status: State["status"], source = "photometric"): string {
-  const state = { status, mask: s.mask, prior_active: status === "degenerate", prior_source: source };
+function words(
+  s: ReturnType<typeof spectrum>,
+  status: State["status"],
+  source = "photometric",
+): string {
+  const state = {
+    status,
+    mask: s.mask,
+    prior_active: status === "degenerate",
+    prior_source: source,
+  };
   return statusWords(state, shownAxes(s));
 }
 
@@ -34,20 +48,34 @@ const units = [0, 1, 2, 3, 4, 5].map((i) => twist([i, 1]));
 const others = (...taken: number[]) => units.filter((_, i) => !taken.includes(i));
 
 test("eigenvectors of a symmetric matrix", () => {
-  const { values, vectors } = eigenSymmetric([[2, 1, 0], [1, 2, 0], [0, 0, 5]]);
+  const { values, vectors } = eigenSymmetric([
+    [2, 1, 0],
+    [1, 2, 0],
+    [0, 0, 5],
+  ]);
   [1, 3, 5].forEach((value, i) => assert.ok(Math.abs(values[i]! - value) < 1e-12));
   assert.ok(Math.abs(vectors[0]![0]! + vectors[0]![1]!) < 1e-12);
 });
 
 test("orthonormalising leaves out what adds nothing", () => {
-  const basis = orthonormalise([[1, 1, 0], [2, 2, 0], [1, 0, 0]]);
+  const basis = orthonormalise([
+    [1, 1, 0],
+    [2, 2, 0],
+    [1, 0, 0],
+  ]);
   assert.equal(basis.length, 2);
   assert.ok(Math.abs(dot(basis[0]!, basis[1]!)) < 1e-12);
 });
 
 test("coefficients in a skew basis", () => {
   const h = Math.SQRT1_2;
-  const [a, b] = coefficients([3, 2], [[1, 0], [h, h]]);
+  const [a, b] = coefficients(
+    [3, 2],
+    [
+      [1, 0],
+      [h, h],
+    ],
+  );
   assert.ok(Math.abs(a! - 1) < 1e-12 && Math.abs(b! - 2 / h) < 1e-12);
 });
 
@@ -56,7 +84,10 @@ test("a corridor: one sliding", () => {
   assert.equal(words(s, "degenerate"), "sliding along z is unobservable: vision fills it");
   const shown = shownAxes(s);
   assert.deepEqual(shown[2]!.direction.map(Math.round), [0, 0, 1]);
-  assert.deepEqual(shown.map((axis) => axis.unseen), [false, false, true, false, false, false]);
+  assert.deepEqual(
+    shown.map((axis) => axis.unseen),
+    [false, false, true, false, false, false],
+  );
 });
 
 test("a plane whose eigenvectors are mixed still reads x, y and z", () => {
@@ -137,7 +168,10 @@ test("weights of axes about a far centroid stay apart", () => {
     assert.ok(Math.abs(axis.weight - (axis.unseen ? 1 : 0)) < 1e-9);
     assert.ok(Math.abs(axis.snr! / (axis.unseen ? 1 : 5000) - 1) < 1e-6);
   }
-  assert.deepEqual(shownAxes(plane).map((axis) => axis.unseen), [true, true, false, false, false, true]);
+  assert.deepEqual(
+    shownAxes(plane).map((axis) => axis.unseen),
+    [true, true, false, false, false, true],
+  );
 });
 
 test("words for the other states", () => {
@@ -151,12 +185,19 @@ test("words for the other states", () => {
   );
   assert.match(words(spectrum(units, []), "degenerate"), /^geometry sees no axis: vision/);
   const unfilled = { status: "ok" as const, mask: 3, prior_active: false, prior_source: "none" };
-  assert.equal(statusWords(unfilled, shownAxes(plane)), "sliding along x and y are unobservable: nothing fills them");
+  assert.equal(
+    statusWords(unfilled, shownAxes(plane)),
+    "sliding along x and y are unobservable: nothing fills them",
+  );
   assert.equal(statusWords(unfilled, null), "two axes are unobservable: nothing fills them");
 });
 
 test("without directions the table shows axes by number", () => {
-  const state = { weights: [1, 0.2, 0, 0, 0, 0], snr: [1, null, 3, 4, 5, 6], mask: 1 } as unknown as State;
+  const state = {
+    weights: [1, 0.2, 0, 0, 0, 0],
+    snr: [1, null, 3, 4, 5, 6],
+    mask: 1,
+  } as unknown as State;
   const rows = axisReadings(state, null);
   assert.deepEqual(rows[0], { name: "axis 0", weight: 1, snr: 1, unseen: true });
   assert.equal(rows[1]!.snr, Infinity);

@@ -36,7 +36,12 @@ test("poses survive the way through three's camera", () => {
 });
 
 test("metrics that were not measured have no row", () => {
-  const metrics: Metrics = { type: "metrics", ate_rmse_m: 0.0153, psnr_db: null, preset: "default" };
+  const metrics: Metrics = {
+    type: "metrics",
+    ate_rmse_m: 0.0153,
+    psnr_db: null,
+    preset: "default",
+  };
   assert.deepEqual(metricRows(metrics), [["ATE RMSE", "15.3 mm"]]);
 });
 

@@ -5,7 +5,13 @@ import { test } from "node:test";
 import { kLongestRetry_s, retryDelay } from "../../src/data/connection";
 import { GaussianStore } from "../../src/data/gaussians";
 import { Path } from "../../src/data/path";
-import { decodeBinary, parseText, type MapDiff, type Pose, type State } from "../../src/data/protocol";
+import {
+  decodeBinary,
+  parseText,
+  type MapDiff,
+  type Pose,
+  type State,
+} from "../../src/data/protocol";
 
 interface Sketch {
   flags?: number;
@@ -79,10 +85,34 @@ test("malformed messages are refused", () => {
 
 test("the store follows diffs", () => {
   const store = new GaussianStore();
-  store.apply(decode({ put: [[1, 1], [2, 2], [3, 3]] }));
+  store.apply(
+    decode({
+      put: [
+        [1, 1],
+        [2, 2],
+        [3, 3],
+      ],
+    }),
+  );
   assert.deepEqual(store.takeDirty(), [0, 3]);
-  store.apply(decode({ version: 2, put: [[2, 20], [9, 9]], removed: [1, 77] }));
-  assert.deepEqual(contents(store), new Map([[9, 9], [2, 20], [3, 3]]));
+  store.apply(
+    decode({
+      version: 2,
+      put: [
+        [2, 20],
+        [9, 9],
+      ],
+      removed: [1, 77],
+    }),
+  );
+  assert.deepEqual(
+    contents(store),
+    new Map([
+      [9, 9],
+      [2, 20],
+      [3, 3],
+    ]),
+  );
   assert.equal(store.version, 2);
   assert.deepEqual(store.takeDirty(), [0, 3]);
   assert.ok(store.takeDirty()[0] >= store.takeDirty()[1]);
@@ -114,7 +144,10 @@ test("random diffs leave what a plain map would hold", () => {
   let seed = 1;
   const random = (n: number) => (seed = (seed * 48271) % 2147483647) % n;
   for (let round = 0; round < 200; ++round) {
-    const put = Array.from({ length: random(20) }, (): [number, number] => [random(60), random(1000)]);
+    const put = Array.from({ length: random(20) }, (): [number, number] => [
+      random(60),
+      random(1000),
+    ]);
     const removed = Array.from({ length: random(20) }, () => random(60));
     store.apply(decode({ put, removed }));
     for (const [id, x] of put) truth.set(id, x);
@@ -136,7 +169,10 @@ test("a chunk replaces the path from its first frame on", () => {
     });
   chunk(0, [0, 0, 0, 0]);
   chunk(2, [1, 3]); // 3: no such frame
-  assert.deepEqual(path.points.map((p) => p?.status), ["ok", "ok", "degenerate"]);
+  assert.deepEqual(
+    path.points.map((p) => p?.status),
+    ["ok", "ok", "degenerate"],
+  );
   path.addState({ frame: 5, pose: pose(5), truth: null, status: "lost" } as State);
   assert.equal(path.points[4], undefined);
   assert.equal(path.points[5]?.status, "lost");

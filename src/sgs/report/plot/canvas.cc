@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "sgs/core/error.h"
 #include "sgs/report/html.h"
@@ -16,6 +17,35 @@ namespace {
 
 std::string_view anchor_name(TextAnchor anchor) {
   return anchor == TextAnchor::kStart ? "start" : anchor == TextAnchor::kMiddle ? "middle" : "end";
+}
+
+/// The style of a drawing's file: the palette's light values put in, because what reads SVG files
+/// (Inkscape, librsvg) knows neither custom properties nor media queries.
+std::string light_svg_css() {
+  std::map<std::string_view, std::string> values;
+  const auto resolved = [&](std::string_view css) {
+    constexpr std::string_view kOpen = "var(--";
+    std::string out;
+    for (std::size_t at; (at = css.find(kOpen)) != std::string_view::npos;) {
+      const std::size_t end = css.find(')', at);
+      out += css.substr(0, at);
+      out += values.at(css.substr(at + kOpen.size(), end - at - kOpen.size()));
+      css.remove_prefix(end + 1);
+    }
+    return out.append(css);
+  };
+  // Later declarations win: the palette's light block comes after the dark one.
+  std::string_view palette = palette_css();
+  for (std::size_t at; (at = palette.find("\n  ")) != std::string_view::npos;) {
+    palette.remove_prefix(at + 1);
+    const std::string_view line = palette.substr(0, palette.find('\n'));
+    const std::size_t name = line.find("--"), colon = line.find(": "), end = line.find(';');
+    if (name == line.find_first_not_of(' ') && colon < end && end != std::string_view::npos) {
+      values[line.substr(name + 2, colon - name - 2)] =
+          resolved(line.substr(colon + 2, end - colon - 2));
+    }
+  }
+  return resolved(svg_css());
 }
 
 /// Width of a text at the legend's size, roughly: nobody measures fonts here.
@@ -79,9 +109,7 @@ std::string standalone_svg(const Drawing& drawing) {
   std::string file = "<svg xmlns='http://www.w3.org/2000/svg' font-family='system-ui,sans-serif' ";
   file += drawing.svg.substr(5, head_end - 5);
   file += "<style>";
-  // Custom properties live on :root, which is the svg element here.
-  file += palette_css();
-  file += svg_css();
+  file += light_svg_css();
   file += "</style><rect class='paper' width='100%' height='100%'/>";
   return file + drawing.svg.substr(head_end) + "\n";
 }

@@ -44,14 +44,12 @@ std::string svg_legend(const std::vector<LegendEntry>& entries, double u, double
 /// Index of the colour step of `share` (0..1, clamped); share must be finite.
 int heat_step(double share);
 
-/// CSS of the palette (custom properties for light and dark) and of the classes the drawings use.
-/// Palette: Okabe and Ito, Color Universal Design (2008), darker or lighter where the background
-/// asks for it; the sequential scale is a cut of "plasma" that keeps its contrast to the
-/// background.
+/// CSS of the palette (web/src/palette.css: custom properties for light and dark) and of the
+/// classes the drawings use.
 std::string_view palette_css();
 std::string_view svg_css();
 
-/// The drawing as a file of its own: style and background inside.
+/// The drawing as a file of its own: light colours and a background inside.
 std::string standalone_svg(const Drawing& drawing);
 
 }  // namespace sgs::report

@@ -154,5 +154,12 @@ TEST(Canvas, HeatSteps) {
   EXPECT_THROW(standalone_svg({}), ContractViolation);
 }
 
+TEST(Canvas, FilesNeedNoCustomProperties) {
+  const std::string file = standalone_svg({"name", "", "<svg viewBox='0 0 1 1'><g/></svg>"});
+  EXPECT_EQ(file.find("var("), std::string::npos);
+  EXPECT_NE(file.find("color: #0072b2;"), std::string::npos) << "light blue";
+  EXPECT_EQ(file.find("#56b4e9"), std::string::npos) << "dark blue";
+}
+
 }  // namespace
 }  // namespace sgs::report
