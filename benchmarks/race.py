@@ -18,9 +18,24 @@ PRODUCT, WORK, ROUNDS = sys.argv[1], sys.argv[2], int(sys.argv[3])
 
 def product(gaussians, width, scene, threads, isa):
     out = subprocess.run(
-        [PRODUCT, "--json", "--gaussians", gaussians, "--width", width, "--scene", scene,
-         "--threads", threads, "--isa", isa],
-        check=True, capture_output=True, text=True).stdout
+        [
+            PRODUCT,
+            "--json",
+            "--gaussians",
+            gaussians,
+            "--width",
+            width,
+            "--scene",
+            scene,
+            "--threads",
+            threads,
+            "--isa",
+            isa,
+        ],
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout
     return json.loads(out)["ms_p50"]
 
 

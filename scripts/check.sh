@@ -12,7 +12,7 @@
 #   spdx         every source file names its licence
 #   layers       every #include obeys the layer table
 #   references   what comments and documents refer to exists
-#   parameters   docs/parameters.md is up to date (needs an executable)
+#   generated    pages and tables written from declarations are up to date (needs an executable)
 # --fix formats instead of complaining. Prettier and tsc come from FOLDER, by default the one in which
 # a build of the viewer's page has put its packages. What a part needs and does not find, it says.
 # Exit code: 0 fine, 1 something is wrong, 77 nothing was checked.
@@ -33,7 +33,7 @@ while [[ $# -gt 0 ]]; do
   esac
   shift
 done
-[[ ${#parts[@]} -gt 0 ]] || parts=(format prettier black types spdx layers references parameters)
+[[ ${#parts[@]} -gt 0 ]] || parts=(format prettier black types spdx layers references generated)
 for folder in web build/*/web/page; do
   [[ -z "$modules" && -d "$folder/node_modules" ]] && modules="$folder/node_modules"
 done
@@ -103,9 +103,9 @@ check_references() {
   python3 scripts/check_references.py
 }
 
-check_parameters() {
+check_generated() {
   [[ -n "$sgs" ]] || { skip "no executable given (--sgs)"; return; }
-  scripts/update_parameters.sh --check "$sgs"
+  python3 scripts/update_generated.py --check "$sgs"
 }
 
 worst=$kSkipped

@@ -92,13 +92,21 @@ class Checker:
 
     def targets(self, area):
         """The targets that the CMake files below a folder define."""
-        return {words[0] for cmake in area.rglob("CMakeLists.txt")
-                for kind in ("add_library", "add_executable") for words in commands(cmake, kind)}
+        return {
+            words[0]
+            for cmake in area.rglob("CMakeLists.txt")
+            for kind in ("add_library", "add_executable")
+            for words in commands(cmake, kind)
+        }
 
     def linked(self, cmake):
         """The targets of ours that a CMake file links."""
-        return {word for words in commands(cmake, "target_link_libraries") for word in words[1:]
-                if word.startswith("sgs_")}
+        return {
+            word
+            for words in commands(cmake, "target_link_libraries")
+            for word in words[1:]
+            if word.startswith("sgs_")
+        }
 
     def check_programs(self, area, other):
         """A folder of programs, and one whose code is none of its business."""

@@ -47,8 +47,10 @@ def blocks(lines):
             names.add(opened[0])
             opened = None
         elif begin or end:
-            raise Wrong(f"line {index + 1}: '{(begin or end)['name']}' where "
-                        + (f"'{opened[0]}' has not ended" if opened else "no block has begun"))
+            raise Wrong(
+                f"line {index + 1}: '{(begin or end)['name']}' where "
+                + (f"'{opened[0]}' has not ended" if opened else "no block has begun")
+            )
     if opened:
         raise Wrong(f"line {opened[2] + 1}: '{opened[0]}' does not end")
     return found
@@ -59,8 +61,14 @@ def output(name, command, programs, values):
         command = re.sub(rf"\b{re.escape(word)}\b", lambda _, value=value: value, command)
     print(f"{name}: {command}", file=sys.stderr, flush=True)
     environment = dict(os.environ, PATH=f"{programs}:{os.environ['PATH']}")
-    done = subprocess.run(["bash", "-o", "pipefail", "-c", command], cwd=ROOT, env=environment,
-                          stdout=subprocess.PIPE, text=True, check=False)
+    done = subprocess.run(
+        ["bash", "-o", "pipefail", "-c", command],
+        cwd=ROOT,
+        env=environment,
+        stdout=subprocess.PIPE,
+        text=True,
+        check=False,
+    )
     if done.returncode != 0:
         raise Wrong(f"'{name}' ended with exit code {done.returncode}")
     if not done.stdout.strip():
@@ -80,7 +88,7 @@ def renew(page, names, programs, values):
     for name in names:
         lines = page.read_text().split("\n")
         _, command, begin, end = next(b for b in blocks(lines) if b[0] == name)
-        lines[begin + 1:end] = output(name, command, programs, values)
+        lines[begin + 1 : end] = output(name, command, programs, values)
         page.write_text("\n".join(lines))
 
 
@@ -88,8 +96,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("names", nargs="*", metavar="NAME")
     parser.add_argument("--page", type=pathlib.Path, default=ROOT / "docs" / "results.md")
-    parser.add_argument("--programs", type=pathlib.Path,
-                        default=ROOT / "build" / "release" / "apps" / "sgs")
+    parser.add_argument(
+        "--programs", type=pathlib.Path, default=ROOT / "build" / "release" / "apps" / "sgs"
+    )
     parser.add_argument("--list", action="store_true", help="only print names and commands")
     parser.add_argument("--with", action="append", default=[], metavar="WORD=VALUE", dest="values")
     arguments = parser.parse_args()
@@ -102,8 +111,12 @@ def main():
             for name, command, *_ in blocks(arguments.page.read_text().split("\n")):
                 print(f"{name}: {command}")
         else:
-            renew(arguments.page, arguments.names, arguments.programs.resolve(),
-                  dict(value.split("=", 1) for value in arguments.values))
+            renew(
+                arguments.page,
+                arguments.names,
+                arguments.programs.resolve(),
+                dict(value.split("=", 1) for value in arguments.values),
+            )
     except (Wrong, OSError) as error:
         print(f"{arguments.page}: {error}", file=sys.stderr)
         return 1

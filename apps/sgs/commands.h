@@ -5,10 +5,12 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 
-#include "exit_code.h"
 #include "sgs/core/error.h"
+#include "sgs/run/exit_code.h"
 
 namespace sgs::app {
+
+using enum run::ExitCode;
 
 /// Exit code for an error that ends the program.
 int exit_code(const Error& error);

@@ -39,10 +39,12 @@ class MappingBenchmark(unittest.TestCase):
 
 class Race(unittest.TestCase):
     def test_asks_for_what_it_needs(self):
-        for arguments, message in (((), "usage: race.sh"),
-                                   ((BENCHMARK,), "name the source to race against"),
-                                   ((BENCHMARK, "/none.cpp"), "there is no file /none.cpp"),
-                                   (("/none", __file__), "/none is no program")):
+        for arguments, message in (
+            ((), "usage: race.sh"),
+            ((BENCHMARK,), "name the source to race against"),
+            ((BENCHMARK, "/none.cpp"), "there is no file /none.cpp"),
+            (("/none", __file__), "/none is no program"),
+        ):
             done = call(RACE, *arguments)
             self.assertNotEqual(done.returncode, 0)
             self.assertIn(message, done.stderr)
@@ -53,7 +55,9 @@ class Race(unittest.TestCase):
             product, prototype = pathlib.Path(name) / "product", pathlib.Path(name) / "p.cpp"
             product.write_text("#!/bin/sh\necho '{\"ms_p50\": 2}'\n")
             product.chmod(0o755)
-            prototype.write_text('#include <cstdio>\nint main() { std::puts("TOTAL 4.0 (min 3.9)"); }')
+            prototype.write_text(
+                '#include <cstdio>\nint main() { std::puts("TOTAL 4.0 (min 3.9)"); }'
+            )
             done = call(RACE, product, prototype, 1)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn("| 100k room, AVX-512 | 2.00 | 4.00 | 0.50 |", done.stdout)

@@ -270,22 +270,29 @@ class Contract(Case):
         self.assertTrue(metrics.exists())
         self.assertEqual(again.stdout, first.stdout)
         markdown = self.sgs(*command, "--markdown").stdout.splitlines()
-        self.assertRegex(markdown[0], r"^`sgs bench tum-synth --filter '\^\(fold\|nostruct_far\)-' "
-                                      r".*-o suite --markdown`, sgs \d+\.\d+\.\d+.*, \d+ cores, "
-                                      r"\d{4}-\d\d-\d\d$")
+        self.assertRegex(
+            markdown[0],
+            r"^`sgs bench tum-synth --filter '\^\(fold\|nostruct_far\)-' "
+            r".*-o suite --markdown`, sgs \d+\.\d+\.\d+.*, \d+ cores, "
+            r"\d{4}-\d\d-\d\d$",
+        )
         self.assertIn("|  | nostruct_far | fold |", markdown)
 
     def test_suite_of_ones_own(self):
         (self.folder / "mine.toml").write_text(
             f"[[sequence]]\nname = 'desk'\ninput = '{self.master}'\n"
-            "[[variant]]\nname = 'plain'\narguments = ['--tracker', 'gicp']\n")
-        self.assertIn("joint | paper", self.sgs("bench", "mine.toml", "--variants", "x", code=2).stderr)
+            "[[variant]]\nname = 'plain'\narguments = ['--tracker', 'gicp']\n"
+        )
+        self.assertIn(
+            "joint | paper", self.sgs("bench", "mine.toml", "--variants", "x", code=2).stderr
+        )
         done = self.sgs("bench", "mine.toml", "--variants", "plain", "--seeds", 1, "--frames", 4)
         self.assertRegex(done.stdout, r"(?m)^recorded plain +\d+\.\d\d")
         self.assertTrue((self.folder / "runs/bench-mine/desk-recorded-plain-1/map.ply").exists())
         (self.folder / "mine.toml").write_text("[[sequence]]\nname = 'desk'\nfolder = 'x'\n")
-        self.assertIn("mine.toml:3: unknown key 'folder'",
-                      self.sgs("bench", "mine.toml", code=1).stderr)
+        self.assertIn(
+            "mine.toml:3: unknown key 'folder'", self.sgs("bench", "mine.toml", code=1).stderr
+        )
         self.assertIn("Allowed: tum-synth", self.sgs("bench", "tum", code=2).stderr)
 
     def test_interrupted_suite_goes_on(self):
@@ -323,8 +330,22 @@ class Contract(Case):
         self.assertEqual(json.loads((folder / "metrics.json").read_text())["frames"], 40)
 
     def test_sweep_draws_a_plot(self):
-        done = self.sgs("sweep", "geometry_weight=0.2:0.4", "--filter", "^fold-", "--levels", "clean",
-                        "--seeds", 1, "--frames", 4, "--variant", "spectral", "-o", "sweep")
+        done = self.sgs(
+            "sweep",
+            "geometry_weight=0.2:0.4",
+            "--filter",
+            "^fold-",
+            "--levels",
+            "clean",
+            "--seeds",
+            1,
+            "--frames",
+            4,
+            "--variant",
+            "spectral",
+            "-o",
+            "sweep",
+        )
         self.assertRegex(done.stdout, r"(?m)^0\.2 +\d+\.\d\d")
         self.assertRegex(done.stdout, r"(?m)^0\.4 +\d+\.\d\d")
         self.assertIn("<svg", (self.folder / "sweep" / "sweep.svg").read_text())
@@ -587,11 +608,23 @@ class BadInput(Case):
             saying=["slam.keyframe_interval"],
         )
         self.fails(self.master, "--set", "nonsense", code=2, saying=["key=value"])
-        self.fails(self.master, "--set", "mapper.schedule.freeze_after_steps=9", code=2,
-                   saying=["mapper.schedule.freeze_after_steps", "removed"])
-        self.fails(self.master, "--set", "mapper.insertion.method=quatdree", code=2,
-                   saying=["mean 'quadtree'", "quadtree | grid"])
-        self.fails(self.master, "--set", 9999 * "nonsense" + "=1", code=2, saying=["unknown config key"])
+        self.fails(
+            self.master,
+            "--set",
+            "mapper.schedule.freeze_after_steps=9",
+            code=2,
+            saying=["mapper.schedule.freeze_after_steps", "removed"],
+        )
+        self.fails(
+            self.master,
+            "--set",
+            "mapper.insertion.method=quatdree",
+            code=2,
+            saying=["mean 'quadtree'", "quadtree | grid"],
+        )
+        self.fails(
+            self.master, "--set", 9999 * "nonsense" + "=1", code=2, saying=["unknown config key"]
+        )
         self.fails(self.master, "--frames", "9:3", code=2, saying=["a:b"])
         self.fails("synth:no_such_scene", code=2, saying=["room_desk"])
         self.fails("synth:room_desk:kinetc", code=2, saying=["kinect"])

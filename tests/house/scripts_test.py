@@ -26,8 +26,13 @@ class Case(unittest.TestCase):
         return path
 
     def script(self, name, *arguments, code=0):
-        done = subprocess.run([sys.executable, str(SCRIPTS / name), *map(str, arguments)],
-                              capture_output=True, text=True, timeout=60, check=False)
+        done = subprocess.run(
+            [sys.executable, str(SCRIPTS / name), *map(str, arguments)],
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
         return done
 
@@ -37,16 +42,30 @@ class CheckLayers(Case):
 
     def setUp(self):
         super().setUp()
-        self.write("src/sgs/CMakeLists.txt", "sgs_add_module(core)",
-                   "sgs_add_module(map DEPS core LIBS fmt::fmt)", "sgs_add_module(other)")
-        self.write("src/sgs/map/map.cc", '#include "sgs/map/map.h"', '#include "sgs/core/error.h"',
-                   "#include <opencv2/core.hpp>")
-        self.write("apps/one/CMakeLists.txt", "add_executable(one main.cc)",
-                   "target_link_libraries(one PRIVATE sgs_map)  # sgs_scenes")
+        self.write(
+            "src/sgs/CMakeLists.txt",
+            "sgs_add_module(core)",
+            "sgs_add_module(map DEPS core LIBS fmt::fmt)",
+            "sgs_add_module(other)",
+        )
+        self.write(
+            "src/sgs/map/map.cc",
+            '#include "sgs/map/map.h"',
+            '#include "sgs/core/error.h"',
+            "#include <opencv2/core.hpp>",
+        )
+        self.write(
+            "apps/one/CMakeLists.txt",
+            "add_executable(one main.cc)",
+            "target_link_libraries(one PRIVATE sgs_map)  # sgs_scenes",
+        )
         self.write("apps/one/main.cc", '#include "commands.h"', '#include "sgs/core/error.h"')
         self.write("apps/one/commands.h")
-        self.write("benchmarks/CMakeLists.txt", "add_library(sgs_scenes STATIC scene.cc)",
-                   "target_link_libraries(sgs_scenes PUBLIC sgs_other)")
+        self.write(
+            "benchmarks/CMakeLists.txt",
+            "add_library(sgs_scenes STATIC scene.cc)",
+            "target_link_libraries(sgs_scenes PUBLIC sgs_other)",
+        )
         self.write("benchmarks/scene.cc", '#include "scene.h"', '#include "sgs/other/other.h"')
         self.write("benchmarks/scene.h")
 
@@ -61,8 +80,12 @@ class CheckLayers(Case):
         self.assertIn("src/sgs/core/core.h:2: 'core' may not include 'map'", self.faults())
 
     def test_a_circle_of_modules(self):
-        self.write("src/sgs/CMakeLists.txt", "sgs_add_module(core DEPS map)",
-                   "sgs_add_module(map DEPS core)", "sgs_add_module(other)")
+        self.write(
+            "src/sgs/CMakeLists.txt",
+            "sgs_add_module(core DEPS map)",
+            "sgs_add_module(map DEPS core)",
+            "sgs_add_module(other)",
+        )
         self.assertIn("module 'core' depends on itself", self.faults())
 
     def test_a_module_that_reaches_out_of_src(self):
@@ -98,24 +121,50 @@ class CheckLayers(Case):
 class UpdateResults(Case):
     def setUp(self):
         super().setUp()
-        self.page = self.write("page.md", "# Page", "<!-- begin one: tool 1 -->", "old",
-                               "<!-- end one -->", "between", "<!-- begin two: tool 2 -->",
-                               "<!-- end two -->", "after")
+        self.page = self.write(
+            "page.md",
+            "# Page",
+            "<!-- begin one: tool 1 -->",
+            "old",
+            "<!-- end one -->",
+            "between",
+            "<!-- begin two: tool 2 -->",
+            "<!-- end two -->",
+            "after",
+        )
         self.tool("echo; echo new $1; echo")
 
     def tool(self, script):
         self.write("bin/tool", "#!/bin/sh", script).chmod(0o755)
 
     def update(self, *names, code=0):
-        done = self.script("update_results.py", "--page", self.page, "--programs",
-                           self.folder / "bin", *names, code=code)
+        done = self.script(
+            "update_results.py",
+            "--page",
+            self.page,
+            "--programs",
+            self.folder / "bin",
+            *names,
+            code=code,
+        )
         return done.stderr + done.stdout
 
     def test_replaces_the_named_blocks(self):
         self.update("two")
-        self.assertEqual(self.page.read_text().splitlines(), [
-            "# Page", "<!-- begin one: tool 1 -->", "old", "<!-- end one -->", "between",
-            "<!-- begin two: tool 2 -->", "new 2", "<!-- end two -->", "after"])
+        self.assertEqual(
+            self.page.read_text().splitlines(),
+            [
+                "# Page",
+                "<!-- begin one: tool 1 -->",
+                "old",
+                "<!-- end one -->",
+                "between",
+                "<!-- begin two: tool 2 -->",
+                "new 2",
+                "<!-- end two -->",
+                "after",
+            ],
+        )
         self.update("one", "two")
         self.assertIn("tool 1 -->\nnew 1\n<!-- end one", self.page.read_text())
         before = self.page.read_text()
@@ -133,8 +182,10 @@ class UpdateResults(Case):
 
     def test_leaves_the_page_where_a_command_fails(self):
         before = self.page.read_text()
-        for script, message in (("echo half; exit 3", "'one' ended with exit code 3"),
-                                ("true", "'one' printed nothing")):
+        for script, message in (
+            ("echo half; exit 3", "'one' ended with exit code 3"),
+            ("true", "'one' printed nothing"),
+        ):
             self.tool(script)
             self.assertIn(message, self.update("one", code=1))
             self.assertEqual(self.page.read_text(), before)
@@ -142,10 +193,11 @@ class UpdateResults(Case):
     def test_says_what_is_wrong_with_the_page(self):
         self.assertIn("no block 'three': there are one, two", self.update("three", code=1))
         for lines, message in (
-                (["<!-- begin a: x -->"], "line 1: 'a' does not end"),
-                (["<!-- end a -->"], "line 1: 'a' where no block has begun"),
-                (["<!-- begin a: x -->", "<!-- begin b: x -->"], "'a' has not ended"),
-                (["<!-- begin a: x -->", "<!-- end a -->"] * 2, "line 3: there are two blocks 'a'")):
+            (["<!-- begin a: x -->"], "line 1: 'a' does not end"),
+            (["<!-- end a -->"], "line 1: 'a' where no block has begun"),
+            (["<!-- begin a: x -->", "<!-- begin b: x -->"], "'a' has not ended"),
+            (["<!-- begin a: x -->", "<!-- end a -->"] * 2, "line 3: there are two blocks 'a'"),
+        ):
             self.write("page.md", *lines)
             self.assertIn(message, self.update("a", code=1))
         self.page.unlink()

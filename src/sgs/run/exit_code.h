@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-namespace sgs::app {
+namespace sgs::run {
 
 /// Exit codes of the program (docs/quickstart.md).
 enum ExitCode : int {
@@ -13,4 +13,4 @@ enum ExitCode : int {
   kExitInterrupted = 130,
 };
 
-}  // namespace sgs::app
+}  // namespace sgs::run

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "jobs.h"
+#include "sgs/suite/jobs.h"
 
 #include <regex>
 

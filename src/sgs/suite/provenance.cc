@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "provenance.h"
+#include "sgs/suite/provenance.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "jobs.h"
+#include "sgs/suite/jobs.h"
 
 namespace sgs::suite {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "table.h"
+#include "sgs/suite/table.h"
 
 namespace sgs::suite {
 

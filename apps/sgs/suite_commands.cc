@@ -9,11 +9,11 @@
 
 #include "commands.h"
 #include "interrupt.h"
-#include "provenance.h"
-#include "runner.h"
 #include "sgs/io/atomic_file.h"
+#include "sgs/suite/provenance.h"
+#include "sgs/suite/runner.h"
+#include "sgs/suite/sweep.h"
 #include "sgs/synthetic/scene_table.h"
-#include "sweep.h"
 #include "version.h"
 
 namespace sgs::app {

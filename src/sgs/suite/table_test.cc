@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "table.h"
+#include "sgs/suite/table.h"
 
 #include <gmock/gmock.h>
 
-#include "provenance.h"
 #include "sgs/io/temporary_folder.h"
-#include "sweep.h"
+#include "sgs/suite/provenance.h"
+#include "sgs/suite/sweep.h"
 
 namespace sgs::suite {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sgs/eval/metrics.h"
-#include "suite.h"
+#include "sgs/suite/suite.h"
 
 namespace sgs::suite {
 

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "jobs.h"
+#include "sgs/suite/jobs.h"
 
 #include <gmock/gmock.h>
 
-#include "runner.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/temporary_folder.h"
+#include "sgs/suite/runner.h"
 
 namespace sgs::suite {
 namespace {

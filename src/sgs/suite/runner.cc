@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "runner.h"
+#include "sgs/suite/runner.h"
 
 #include <fcntl.h>
 #include <spawn.h>
@@ -13,7 +13,7 @@
 #include <set>
 #include <thread>
 
-#include "exit_code.h"
+#include "sgs/run/exit_code.h"
 
 extern char** environ;
 
@@ -70,7 +70,7 @@ Ended render(const std::string& program, const Job& job) {
   fs::create_directories(job.rendered.parent_path(), error);
   fs::remove_all(job.rendering(), error);
   ended.code = run_program(program, job.render_arguments, ended.log);
-  ended.well = ended.code == app::kExitDone;
+  ended.well = ended.code == run::kExitDone;
   if (ended.well) fs::rename(job.rendering(), job.rendered, error);
   if (ended.well) fs::remove(ended.log, error);
   return ended;
@@ -83,7 +83,7 @@ Ended make(const std::string& program, const Job& job) {
   fs::create_directories(job.folder, error);
   std::ofstream(job.unfinished_mark()).flush();
   ended.code = run_program(program, job.arguments, ended.log);
-  ended.well = ended.code == app::kExitDone || ended.code == app::kExitLost;
+  ended.well = ended.code == run::kExitDone || ended.code == run::kExitLost;
   if (ended.well) fs::remove(job.unfinished_mark(), error);
   return ended;
 }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "jobs.h"
+#include "sgs/suite/jobs.h"
 
 namespace sgs::suite {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sweep.h"
+#include "sgs/suite/sweep.h"
 
 #include <algorithm>
 #include <cmath>

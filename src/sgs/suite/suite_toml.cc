@@ -6,8 +6,8 @@
 
 #include "sgs/core/text.h"
 #include "sgs/io/toml_library.h"
+#include "sgs/suite/suite.h"
 #include "sgs/synthetic/scene_table.h"
-#include "suite.h"
 
 namespace sgs::suite {
 namespace {
