@@ -73,7 +73,9 @@ def main():
             continue
         if check:
             stale = True
-            difference = difflib.unified_diff(present.splitlines(), wanted.splitlines(), lineterm="")
+            difference = difflib.unified_diff(
+                present.splitlines(), wanted.splitlines(), lineterm=""
+            )
             print(f"{path} is out of date: run scripts/update_generated.py")
             print("\n".join(list(difference)[:20]))
         else:

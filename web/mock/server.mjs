@@ -5,7 +5,7 @@
 // working on the page without building anything else: `npm run mock` beside `npm run dev`. It sends
 // no pictures.
 import { WebSocketServer } from "ws";
-import { gaussian, gaussiansAt, kFrames, pose, state } from "./world.mjs";
+import { gaussian, gaussiansAt, kColumns, kFrames, pose, state } from "./world.mjs";
 
 const kHeaderBytes = 24;
 const kRecordBytes = 48;
@@ -60,7 +60,8 @@ class Run {
     client.send(
       JSON.stringify({
         type: "hello",
-        protocol: 1,
+        columns: kColumns,
+        protocol: 2,
         version: "mock",
         input: "mock:boxes",
         tracker: "spectral",
@@ -87,9 +88,17 @@ class Run {
       client.send(
         JSON.stringify({
           type: "metrics",
-          ate_rmse_m: 0.0124,
-          frames_tracked: kFrames,
-          psnr_db: 27.31,
+          lines: [
+            ["ate_rmse_m", "ATE RMSE", "1.24 cm"],
+            ["psnr_db", "PSNR (gsicp)", "27.31 dB"],
+          ].map(([key, label, value]) => ({
+            key,
+            label,
+            value,
+            group: "",
+            meaning: "",
+            main: true,
+          })),
         }),
       );
     }

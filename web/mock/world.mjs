@@ -104,30 +104,37 @@ export function state(frame, paused) {
     frame,
     time: frame / 30,
     status: lost ? "lost" : weak > 0.5 ? "degenerate" : "ok",
+    lost: lost ? "Neither geometry nor texture shows the motion along one axis." : null,
     pose: pose(frame, 0.012),
     truth: pose(frame),
-    keyframe: frame % 8 === 0,
     map_version: Math.floor(frame / 8) + 1,
     gaussians: gaussiansAt(frame),
-    snr: plain ? [0.9, 1.6, 2.4, 800, 1500, 4200] : [38 * noise, 60, 95, 800, 1500, 4200],
-    weights: [weak, weak, 0.97 * weak, 0, 0, 0],
-    axes,
-    mask: weak > 0.5 ? 7 : 0,
-    eigenvalues: null,
-    condition: (plain ? 9000 : 45) * noise,
-    planarity: plain ? 0.97 : 0.25 * noise,
-    prior_active: weak > 0.5 && !lost,
-    prior_source: "photometric",
-    inliers: 2400,
-    visual_inliers: 1800,
-    overlap: 0.9,
-    ms: { track: 6.5 * noise, map: 22 },
+    values: {
+      index: frame,
+      mapping_keyframe: frame % 8 === 0,
+      snr: plain ? [0.9, 1.6, 2.4, 800, 1500, 4200] : [38 * noise, 60, 95, 800, 1500, 4200],
+      weight: [weak, weak, 0.97 * weak, 0, 0, 0],
+      axis: axes,
+      degenerate_mask: weak > 0.5 ? 7 : 0,
+      condition_number: (plain ? 9000 : 45) * noise,
+      planarity: plain ? 0.97 : 0.25 * noise,
+      prior_active: weak > 0.5 && !lost,
+      prior_source: "photometric",
+      track_ms: 6.5 * noise,
+    },
+    map_ms: 22,
     fps: 29.5,
-    iterations: frame * 2,
     paused,
     finished: frame === kFrames - 1,
   };
 }
+
+/// What the values are, as hello announces them.
+export const kColumns = [
+  { key: "index", unit: "", meaning: "Position in the input." },
+  { key: "track_ms", unit: "ms", meaning: "CPU time of tracking." },
+  { key: "condition_number", unit: "", meaning: "Largest over smallest eigenvalue." },
+];
 
 export function gaussiansAt(frame) {
   return Math.min(24000, 3000 + 160 * (Math.floor(frame / 8) + 1));

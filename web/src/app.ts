@@ -121,6 +121,7 @@ export class App {
     this.path.clear();
     this.store.clear();
     this.header.start(hello);
+    this.panel.start(hello.columns);
     if (same_run) {
       this.panel.setMetrics(null);
       this.stage.restart();

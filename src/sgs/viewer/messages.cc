@@ -123,7 +123,15 @@ std::string state_message(const FrameUpdate& update, bool paused) {
       update.map ? update.map->gaussians.size() : static_cast<std::size_t>(record.gaussians);
   Json values;
   slam::visit_columns(record, ValueVisitor{values});
+  Json lost;
+  if (record.status == tracker::TrackingStatus::kLost) {
+    lost = tracker::explain(record.lost_reason);
+  }
   return dump({{"type", "state"},
+               {"frame", record.index},
+               {"time", record.timestamp_s},
+               {"status", to_string(record.status)},
+               {"lost", std::move(lost)},
                {"values", std::move(values)},
                {"pose", Json::parse(pose_text(to_pose(update.T_world_camera)))},
                {"truth", update.truth ? Json::parse(pose_text(to_pose(*update.truth))) : Json()},

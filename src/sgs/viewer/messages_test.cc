@@ -38,6 +38,9 @@ TEST(Messages, StateCarriesWhatTheTrackerSaid) {
   u.truth = SE3();
   const json state = json::parse(state_message(u, true));
   EXPECT_EQ(state["type"], "state");
+  EXPECT_EQ(state["frame"], 7);
+  EXPECT_EQ(state["status"], "degenerate");
+  EXPECT_TRUE(state["lost"].is_null());
   const json& values = state["values"];
   EXPECT_EQ(values["index"], 7);
   EXPECT_EQ(values["status"], "degenerate");
@@ -71,6 +74,15 @@ TEST(Messages, StateHasEveryAnnouncedColumn) {
     EXPECT_FALSE(column["meaning"].get<std::string>().empty()) << column;
   }
   EXPECT_EQ(state["values"].size(), hello["columns"].size());
+}
+
+TEST(Messages, ALostFrameSaysWhy) {
+  FrameUpdate u = testing::update(1);
+  u.record.status = tracker::TrackingStatus::kLost;
+  u.record.lost_reason = tracker::LostReason::kTooFewMatches;
+  const json state = json::parse(state_message(u, false));
+  EXPECT_EQ(state["lost"], tracker::explain(tracker::LostReason::kTooFewMatches));
+  EXPECT_EQ(state["values"]["lost_reason"], "too_few_matches");
 }
 
 TEST(Messages, ABrokenPoseIsNullAndStillJson) {

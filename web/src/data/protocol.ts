@@ -4,7 +4,7 @@
 /// What the server says (docs/viewer.md, "Protocol"), decoded. All numbers SI; poses map camera to
 /// world, camera x right, y down, z forward.
 
-export const kProtocol = 1;
+export const kProtocol = 2;
 
 /// tx ty tz qx qy qz qw
 export type Pose = [number, number, number, number, number, number, number];
@@ -21,6 +21,13 @@ export interface Camera {
   height: number;
 }
 
+/// A per-frame value: its key in State.values and in frames.csv.
+export interface FrameColumn {
+  key: string;
+  unit: string;
+  meaning: string;
+}
+
 export interface Hello {
   type: "hello";
   protocol: number;
@@ -33,6 +40,7 @@ export interface Hello {
   up: [number, number, number] | null;
   frames_total: number | null;
   picture_above: number;
+  columns: FrameColumn[];
 }
 
 export interface PathChunk {
@@ -48,6 +56,11 @@ export interface State {
   frame: number;
   time: number;
   status: Status;
+  /// Why a lost frame is lost, in a sentence; null = it is not.
+  lost: string | null;
+  /// Every per-frame value, by the keys of Hello.columns. What follows below is taken from it, as
+  /// far as this page computes with it.
+  values: Readonly<Record<string, unknown>>;
   pose: Pose | null;
   truth: Pose | null;
   keyframe: boolean;
@@ -60,24 +73,30 @@ export interface State {
   /// Unit twists in the camera frame, rotation first; null = not known.
   axes: Six<Six> | null;
   mask: number;
-  eigenvalues: Six<number | null> | null;
   condition: number | null;
   planarity: number | null;
   prior_active: boolean;
   prior_source: string;
-  inliers: number;
-  visual_inliers: number;
-  overlap: number | null;
   ms: { track: number | null; map: number | null };
   fps: number | null;
-  iterations: number | null;
   paused: boolean;
   finished: boolean;
 }
 
+/// A score as it is printed everywhere.
+export interface MetricLine {
+  key: string;
+  group: string;
+  label: string;
+  value: string;
+  meaning: string;
+  /// One of the few that matter most.
+  main: boolean;
+}
+
 export interface Metrics {
   type: "metrics";
-  [key: string]: unknown;
+  lines: MetricLine[];
 }
 
 export interface Problem {
@@ -89,6 +108,41 @@ export type TextMessage = Hello | PathChunk | State | Metrics | Problem;
 
 const kTextTypes = new Set(["hello", "path", "state", "metrics", "error"]);
 
+/// A state as it is sent: the page's own fields are filled from `values`.
+type SentState = Pick<
+  State,
+  | "type"
+  | "frame"
+  | "time"
+  | "status"
+  | "lost"
+  | "values"
+  | "pose"
+  | "truth"
+  | "map_version"
+  | "gaussians"
+  | "fps"
+  | "paused"
+  | "finished"
+> & { map_ms: number | null };
+
+function completeState({ map_ms, ...sent }: SentState): State {
+  const v = sent.values as Record<string, never>;
+  return {
+    ...sent,
+    keyframe: v["mapping_keyframe"]!,
+    snr: v["snr"]!,
+    weights: v["weight"]!,
+    axes: v["axis"]!,
+    mask: v["degenerate_mask"]!,
+    condition: v["condition_number"]!,
+    planarity: v["planarity"]!,
+    prior_active: v["prior_active"]!,
+    prior_source: v["prior_source"]!,
+    ms: { track: v["track_ms"]!, map: map_ms },
+  };
+}
+
 /// The message, or null for anything that is not one of ours.
 export function parseText(text: string): TextMessage | null {
   let value: unknown;
@@ -99,7 +153,10 @@ export function parseText(text: string): TextMessage | null {
   }
   if (typeof value !== "object" || value === null) return null;
   const type = (value as { type?: unknown }).type;
-  return typeof type === "string" && kTextTypes.has(type) ? (value as TextMessage) : null;
+  if (typeof type !== "string" || !kTextTypes.has(type)) return null;
+  if (type !== "state") return value as TextMessage;
+  const { values } = value as { values?: unknown };
+  return typeof values === "object" && values !== null ? completeState(value as SentState) : null;
 }
 
 /// Gaussians that were added or changed, and ids that are gone.

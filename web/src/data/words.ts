@@ -46,14 +46,15 @@ function countWords(count: number): string {
 
 /// The frame's observability in one sentence. `axes` null: directions are not known.
 export function statusWords(
-  state: Pick<State, "status" | "mask" | "prior_active" | "prior_source">,
+  state: Pick<State, "status" | "lost" | "mask" | "prior_active" | "prior_source">,
   axes: readonly ShownAxis[] | null,
 ): string {
   const bits = [0, 1, 2, 3, 4, 5].filter((k) => (state.mask >> k) & 1).length;
   const unseen = axes?.filter((axis) => axis.unseen) ?? null;
   if (state.status === "lost") {
-    if (bits === 0 || !unseen) return "lost: the pose is held";
-    return `lost: nothing sees ${bits === 6 ? "any axis" : motionWords(unseen)}; the pose is held`;
+    const why = state.lost ? ` ${state.lost}` : "";
+    if (bits === 0 || !unseen) return `lost.${why}`;
+    return `lost: nothing sees ${bits === 6 ? "any axis" : motionWords(unseen)}.${why}`;
   }
   if (bits === 0) return "all six axes are seen by geometry";
   const by = filler(state) === "motion model" ? "the motion model" : filler(state);

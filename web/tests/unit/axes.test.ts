@@ -37,6 +37,7 @@ function words(
 ): string {
   const state = {
     status,
+    lost: status === "lost" ? "Too dark." : null,
     mask: s.mask,
     prior_active: status === "degenerate",
     prior_source: source,
@@ -177,14 +178,20 @@ test("weights of axes about a far centroid stay apart", () => {
 test("words for the other states", () => {
   const plane = spectrum([units[kSlide.x]!, units[kSlide.y]!], others(kSlide.x, kSlide.y));
   assert.equal(words(spectrum([], units), "ok"), "all six axes are seen by geometry");
-  assert.equal(words(spectrum([], units), "lost"), "lost: the pose is held");
-  assert.equal(words(plane, "lost"), "lost: nothing sees sliding along x and y; the pose is held");
+  assert.equal(words(spectrum([], units), "lost"), "lost. Too dark.");
+  assert.equal(words(plane, "lost"), "lost: nothing sees sliding along x and y. Too dark.");
   assert.equal(
     words(plane, "degenerate", "cvm"),
     "sliding along x and y are unobservable: the motion model fills them",
   );
   assert.match(words(spectrum(units, []), "degenerate"), /^geometry sees no axis: vision/);
-  const unfilled = { status: "ok" as const, mask: 3, prior_active: false, prior_source: "none" };
+  const unfilled = {
+    status: "ok" as const,
+    lost: null,
+    mask: 3,
+    prior_active: false,
+    prior_source: "none",
+  };
   assert.equal(
     statusWords(unfilled, shownAxes(plane)),
     "sliding along x and y are unobservable: nothing fills them",

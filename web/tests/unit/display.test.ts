@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { PerspectiveCamera, Vector3 } from "three";
 import type { Metrics, Pose } from "../../src/data/protocol";
-import { metricRows } from "../../src/panel/metrics";
+import { valueText } from "../../src/panel/values";
 import { applyPose, forward, poseOf, upward } from "../../src/stage/pose";
 import { isSoftwareRenderer } from "../../src/stage/webgl";
 import { startTime_s } from "../../src/time";
@@ -35,14 +35,12 @@ test("poses survive the way through three's camera", () => {
   pose.forEach((x, i) => assert.ok(Math.abs(x - back[i]! * (i < 3 ? 1 : sign)) < 1e-12));
 });
 
-test("metrics that were not measured have no row", () => {
-  const metrics: Metrics = {
-    type: "metrics",
-    ate_rmse_m: 0.0153,
-    psnr_db: null,
-    preset: "default",
-  };
-  assert.deepEqual(metricRows(metrics), [["ATE RMSE", "15.3 mm"]]);
+test("values are short, whatever they are", () => {
+  assert.equal(valueText(0.123456), "0.1235");
+  assert.equal(valueText([1, null, 2.5]), "1 – 2.5");
+  assert.equal(valueText("photometric"), "photometric");
+  assert.equal(valueText(true), "yes");
+  assert.equal(valueText(undefined), "–");
 });
 
 test("recordings with the time of day start at zero", () => {

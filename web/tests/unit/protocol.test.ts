@@ -185,3 +185,18 @@ test("attempts to reconnect thin out", () => {
   assert.equal(retryDelay(2), 2);
   assert.equal(retryDelay(50), kLongestRetry_s);
 });
+
+test("a state's own fields come from its values", () => {
+  const text = JSON.stringify({
+    type: "state",
+    frame: 3,
+    map_ms: 4,
+    values: { weight: [0, 0, 1, 0, 0, 0], degenerate_mask: 4, track_ms: 5, later: 1 },
+  });
+  const state = parseText(text) as State;
+  assert.equal(state.mask, 4);
+  assert.equal(state.weights[2], 1);
+  assert.deepEqual(state.ms, { track: 5, map: 4 });
+  assert.equal(state.values["later"], 1);
+  assert.equal(parseText(`{"type":"state","frame":3}`), null);
+});

@@ -1,0 +1,239 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/run/run.h"
+
+#include <gmock/gmock.h>
+
+#include "sgs/io/atomic_file.h"
+#include "sgs/io/temporary_folder.h"
+#include "sgs/run/execute.h"
+#include "sgs/run/run_config.h"
+#include "sgs/run/run_files.h"
+#include "sgs/run/score.h"
+
+namespace sgs::run {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+/// A small run, made once, in a folder of its own.
+class RunTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    scratch_ = new io::TemporaryFolder;
+    spec_.input = "synth:room_desk";
+    spec_.frames = "0:6";
+    slam::SessionConfig config;
+    config.tracker.type = tracker::TrackerType::kGicp;
+    outcome_ = new Outcome(make(folder(), config));
+  }
+  static void TearDownTestSuite() {
+    delete outcome_;
+    delete scratch_;
+  }
+  static Outcome make(const fs::path& path, const slam::SessionConfig& config,
+                      const Spectator& spectator = {}, const std::stop_token& stop = {}) {
+    auto input = open_input(spec_, 1);
+    EXPECT_TRUE(input);
+    auto created = RunFolder::create(path);
+    EXPECT_TRUE(created);
+    RunOptions options;
+    options.threads = 1;
+    auto outcome = execute(*input, spec_, config, options, *created, spectator, stop);
+    EXPECT_TRUE(outcome);
+    EXPECT_TRUE(created->failures().empty());
+    return std::move(*outcome);
+  }
+  static fs::path folder() { return scratch_->path() / "run"; }
+  /// A copy of the run's folder that a test may damage.
+  static fs::path copy(const std::string& name) {
+    const fs::path path = scratch_->path() / name;
+    fs::remove_all(path);
+    fs::copy(folder(), path, fs::copy_options::recursive);
+    return path;
+  }
+
+  static inline io::TemporaryFolder* scratch_ = nullptr;
+  static inline Outcome* outcome_ = nullptr;
+  static inline InputSpec spec_;
+};
+
+TEST_F(RunTest, LoadedIsWhatWasMade) {
+  const auto loaded = load_run(folder(), kAllParts);
+  ASSERT_TRUE(loaded) << loaded.error().text();
+  const Run& made = outcome_->run;
+  EXPECT_EQ(loaded->camera.fx, made.camera.fx);
+  EXPECT_EQ(loaded->camera.width, made.camera.width);
+  EXPECT_EQ(loaded->frames.size(), 6u);
+  EXPECT_EQ(loaded->trajectory.size(), 6u);
+  EXPECT_EQ(loaded->gaussians.size(), made.gaussians.size());
+  EXPECT_GT(loaded->gaussians.size(), 100u);
+  EXPECT_EQ(loaded->config.tracker.type, tracker::TrackerType::kGicp);
+  EXPECT_EQ(loaded->frames_total, 6);
+  EXPECT_EQ(slam::frames_csv(loaded->frames), slam::frames_csv(made.frames));
+  EXPECT_THAT(loaded->timings_json, HasSubstr("track"));
+}
+
+// What is scored right after the run is what is scored from its folder later.
+TEST_F(RunTest, ScoresOfTheFolderAreThoseOfTheRun) {
+  const auto now = score_run(outcome_->run, {});
+  ASSERT_TRUE(now);
+  ASSERT_TRUE(now->metrics.psnr_db);
+  auto loaded = load_run(folder(), kAllParts);
+  ASSERT_TRUE(loaded);
+  const auto later = score_run(*loaded, {});
+  ASSERT_TRUE(later);
+  eval::Metrics expected = now->metrics;
+  eval::replace_group(expected, "Speed", later->metrics);  // kept by metrics.json, not here yet
+  eval::replace_group(expected, "Map", later->metrics);
+  eval::replace_group(expected, "Run", later->metrics);
+  EXPECT_EQ(later->metrics, expected);
+}
+
+TEST_F(RunTest, CancelledScoringHasNoScoreOfTheWhole) {
+  std::stop_source stop;
+  Run run = outcome_->run;
+  run.metrics.psnr_db = 99;
+  const auto scores = score_run(
+      run, {}, [&](std::int64_t) { stop.request_stop(); }, stop.get_token());
+  ASSERT_TRUE(scores);
+  ASSERT_TRUE(scores->rendering);
+  EXPECT_TRUE(scores->rendering->cancelled);
+  EXPECT_FALSE(scores->metrics.psnr_db);
+  EXPECT_TRUE(scores->metrics.ate_rmse_m);
+}
+
+TEST_F(RunTest, AStopRequestEndsTheRunAndKeepsWhatIsThere) {
+  std::stop_source stop;
+  Spectator spectator;
+  spectator.after_frame = [&](slam::Session&, const dataset::FeedItem&,
+                              const slam::FrameRecord& record) {
+    if (record.index == 2) stop.request_stop();
+  };
+  const auto outcome =
+      make(scratch_->path() / "stopped", outcome_->run.config, spectator, stop.get_token());
+  EXPECT_TRUE(outcome.stopped);
+  EXPECT_EQ(outcome.run.frames.size(), 3u);
+  EXPECT_TRUE(load_run(scratch_->path() / "stopped", kAllParts));
+}
+
+TEST_F(RunTest, AMissingOrDamagedFileIsNamedWithWhatWorksWithoutIt) {
+  const fs::path broken = copy("broken");
+  for (const char* name :
+       {files::kTrajectory, files::kKeyframes, files::kTruth, files::kFrames, files::kMap}) {
+    ASSERT_TRUE(io::write_file(broken / name, "1,2\nnonsense"));
+    const auto damaged = load_run(broken, kAllParts);
+    ASSERT_FALSE(damaged) << name;
+    EXPECT_THAT(damaged.error().text(), HasSubstr(name));
+    fs::remove(broken / name);
+    const auto missing = load_run(broken, kAllParts);
+    ASSERT_FALSE(missing) << name;
+    EXPECT_THAT(missing.error().text(), HasSubstr(name));
+    EXPECT_THAT(missing.error().remedy, HasSubstr("do"));
+    fs::copy_file(folder() / name, broken / name);
+  }
+  fs::remove(broken / files::kMap);
+  EXPECT_TRUE(load_run(broken, kCamera | kTrajectory)) << "parts nobody asked for do not matter";
+  EXPECT_FALSE(load_run(scratch_->path() / "nowhere", kNoParts));
+}
+
+TEST_F(RunTest, AFolderFromBeforeTheCameraWasKeptAsksTheRecording) {
+  const fs::path old = copy("old");
+  fs::remove(old / files::kCamera);
+  const auto loaded = load_run(old, kCamera);
+  ASSERT_TRUE(loaded);
+  EXPECT_EQ(loaded->camera.fx, outcome_->run.camera.fx);
+  auto text = *io::read_file(old / files::kConfig);
+  text.replace(text.find("synth:room_desk"), 15, "/no/such/folder");
+  ASSERT_TRUE(io::write_file(old / files::kConfig, text));
+  const auto gone = load_run(old, kCamera);
+  ASSERT_FALSE(gone);
+  EXPECT_THAT(gone.error().text(), HasSubstr(files::kCamera));
+}
+
+TEST_F(RunTest, AFolderOfALaterVersionIsRefusedByName) {
+  const fs::path later = copy("later");
+  auto text = *io::read_file(later / files::kConfig);
+  const std::string format = fmt::format("format = {}", kFolderFormat);
+  ASSERT_NE(text.find(format), std::string::npos);
+  text.replace(text.find(format), format.size(), "format = 99");
+  ASSERT_TRUE(io::write_file(later / files::kConfig, text));
+  const auto loaded = load_run(later, kNoParts);
+  ASSERT_FALSE(loaded);
+  EXPECT_THAT(loaded.error().message, HasSubstr("later version"));
+}
+
+TEST_F(RunTest, ConfigOfARunMakesTheSameRun) {
+  ConfigSources sources;
+  sources.file = (folder() / files::kConfig).string();
+  InputSpec input;
+  const auto config = resolve_config(sources, input);
+  ASSERT_TRUE(config) << config.error().text();
+  EXPECT_EQ(input.input, "synth:room_desk");
+  EXPECT_EQ(config_text(input, *config), outcome_->run.config_toml);
+}
+
+TEST_F(RunTest, ConfigIsRefusedWithTheKeyInQuestion) {
+  InputSpec input;
+  const auto error_of = [&](const std::string& assignment) {
+    ConfigSources sources;
+    sources.assignments = {assignment};
+    const auto config = resolve_config(sources, input);
+    return config ? std::string() : config.error().text();
+  };
+  EXPECT_EQ(error_of("slam.keyframe_interval=4"), "");
+  EXPECT_THAT(error_of("slam.keyframe_interval=0"), HasSubstr("1 .. 1000"));
+  EXPECT_THAT(error_of("tracker.fusion=prior"), HasSubstr("tracker.type"));
+  EXPECT_THAT(error_of("tracker.type=spectrl"), HasSubstr("spectral"));
+  slam::SessionConfig config;
+  config.keyframe_interval = 0;
+  const auto session = slam::Session::create(config, outcome_->run.camera, {});
+  ASSERT_FALSE(session);
+  EXPECT_THAT(session.error().text(), HasSubstr("slam.keyframe_interval"));
+}
+
+TEST(RunFolder, WhatDoesNotFitGoesToTheRescueFolder) {
+  const io::TemporaryFolder scratch;
+  auto folder = RunFolder::create(scratch.path() / "run");
+  ASSERT_TRUE(folder);
+  fs::path rescued;
+  folder->save("x.txt", [&](const fs::path& path) -> Status {
+    if (path.parent_path() == folder->path()) return fail(ErrorCode::kIo, "disk full", "");
+    rescued = path;
+    return io::write_file(path, "x");
+  });
+  ASSERT_EQ(folder->failures().size(), 1u);
+  EXPECT_EQ(folder->rescued_to(), rescued.parent_path());
+  EXPECT_EQ(fs::status(rescued.parent_path()).permissions() & fs::perms::others_all,
+            fs::perms::none);
+  fs::remove_all(rescued.parent_path());
+}
+
+TEST(RunFolder, NothingIsSaidToBeRescuedWhereThatFailedToo) {
+  const io::TemporaryFolder scratch;
+  auto folder = RunFolder::create(scratch.path() / "run");
+  ASSERT_TRUE(folder);
+  fs::path rescue;
+  folder->save("x.txt", [&](const fs::path& path) -> Status {
+    rescue = path.parent_path();
+    return fail(ErrorCode::kIo, "disk full", "");
+  });
+  EXPECT_EQ(folder->failures().size(), 2u);
+  EXPECT_TRUE(folder->rescued_to().empty());
+  fs::remove_all(rescue);
+}
+
+TEST(RunFolder, FreshNamesDoNotCollide) {
+  const io::TemporaryFolder scratch;
+  const auto a = RunFolder::create_below(scratch.path(), "a b"),
+             b = RunFolder::create_below(scratch.path(), "a b");
+  ASSERT_TRUE(a && b);
+  EXPECT_NE(a->path(), b->path());
+  EXPECT_THAT(a->path().filename().string(), HasSubstr("a_b"));
+  point_latest_to(scratch.path(), b->path());
+  EXPECT_EQ(fs::canonical(scratch.path() / "latest"), fs::canonical(b->path()));
+}
+
+}  // namespace
+}  // namespace sgs::run
