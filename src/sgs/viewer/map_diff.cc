@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "sgs/core/error.h"
+#include "sgs/core/image.h"
 
 namespace sgs::viewer {
 namespace {
