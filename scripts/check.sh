@@ -89,11 +89,11 @@ check_types() {
 }
 
 check_spdx() {
-  local status=0 file
-  while read -r file; do
-    head -5 "$file" | grep -q 'SPDX-License-Identifier: Apache-2.0' || { echo "$file: no SPDX head"; status=1; }
-  done < <(sources '*.h' '*.cc' '*.inl' '*.ts' '*.mjs' '*.js' '*.css' '*.html' '*.py' '*.sh' '*.cmake' CMakeLists.txt)
-  return $status
+  sources '*.h' '*.cc' '*.inl' '*.ts' '*.mjs' '*.js' '*.css' '*.html' '*.py' '*.sh' '*.cmake' CMakeLists.txt |
+    xargs awk '
+      FNR == 1 { if (file != "" && !named) print file ": no SPDX head"; file = FILENAME; named = 0 }
+      FNR <= 5 && /SPDX-License-Identifier: Apache-2.0/ { named = 1 }
+      END { if (!named) print file ": no SPDX head" }' | { ! grep .; }
 }
 
 check_layers() { python3 scripts/check_layers.py; }

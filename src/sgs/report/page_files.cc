@@ -27,6 +27,7 @@ std::string without_imports(std::string_view module_text) {
     const std::size_t end = std::min(module_text.find('\n'), module_text.size() - 1) + 1;
     std::string_view line = module_text.substr(0, end);
     module_text.remove_prefix(end);
+    if (line.starts_with("/** @import ")) continue;
     importing = importing || line.starts_with("import ");
     if (importing) {
       importing = !line.ends_with(";\n");

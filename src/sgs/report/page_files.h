@@ -17,8 +17,9 @@ std::string_view page_text(std::string_view name);
 /// statements and the word `export` are taken away: all top-level names share one scope.
 std::string script_html(std::initializer_list<std::string_view> modules);
 
-/// The text of one module without its import statements and the word `export`. Statements start at
-/// the start of a line and end with a semicolon at the end of one, as prettier writes them.
+/// The text of one module without its imports (of values, and of types in comments) and the word
+/// `export`. Statements start at the start of a line and end with a semicolon at the end of one, as
+/// prettier writes them.
 std::string without_imports(std::string_view module_text);
 
 }  // namespace sgs::report

@@ -267,6 +267,7 @@ TEST(Comparison, ConfigDifferences) {
 TEST(PageFiles, ModulesBecomeOneScript) {
   EXPECT_EQ(without_imports("\n"
                             "import { a } from \"./a.mjs\";\n"
+                            "/** @import { T } from \"./a.mjs\" */\n"
                             "import {\n  b,\n} from \"./b.mjs\";\n"
                             "export const c = a + b;\n"
                             "  // export and import are kept here\n"

@@ -46,9 +46,14 @@ export class SplatLayer implements MapLayer {
 
   resize(): void {}
 
+  /// Waits for a sort that is under way: spark would reject its promise, and catches that nowhere.
   dispose(): void {
     this.mesh?.dispose();
-    this.spark.dispose();
+    const end = (): void => {
+      if (this.spark.sorting) setTimeout(end, 50);
+      else this.spark.dispose();
+    };
+    end();
   }
 
   private allocate(capacity: number): void {

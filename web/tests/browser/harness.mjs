@@ -156,6 +156,7 @@ export function screenshot(page) {
       new Promise((resolve, reject) => {
         const offer = URL.createObjectURL;
         URL.createObjectURL = (blob) => {
+          if (blob.type !== "image/png") return offer.call(URL, blob); // the script of a worker
           URL.createObjectURL = offer;
           const reader = new FileReader();
           reader.onload = () => resolve(reader.result.split(",")[1]);

@@ -15,7 +15,7 @@ for (const input of document.querySelectorAll(".slide input[type=range]")) {
 for (const svg of document.querySelectorAll("svg.time")) {
   if (!(svg instanceof SVGSVGElement)) continue;
   const axis = parsedAxis(svg.dataset.axis ?? "");
-  const line = svg.appendChild(document.createElementNS("http://www.w3.org/2000/svg", "path"));
+  const line = svg.appendChild(document.createElementNS(svg.namespaceURI, "path"));
   line.setAttribute("class", "cursor");
   onMoment((t) => {
     const u = t === null ? -1 : pixelOf(axis, t);
