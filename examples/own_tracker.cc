@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// own_tracker SEQUENCE POSES OUTPUT: maps a recorded folder with poses that something else knows (a
+// motion capture system, a robot's arm, another SLAM), given as a TUM trajectory.
+#include <fmt/format.h>
+#include <sgs/dataset/open.h>
+#include <sgs/io/trajectory_io.h>
+#include <sgs/slam/session.h>
+
+namespace {
+
+class KnownPoses : public sgs::tracker::Tracker {
+ public:
+  explicit KnownPoses(sgs::Trajectory poses) : poses_(std::move(poses)) {}
+
+  sgs::tracker::TrackResult track(const sgs::RgbdFrame& frame,
+                                  const sgs::map::SnapshotPtr&) override {
+    sgs::tracker::TrackResult result;
+    const auto T_world_camera = poses_.at(frame.timestamp_s, kMaxGap_s);
+    result.status =
+        T_world_camera ? sgs::tracker::TrackingStatus::kOk : sgs::tracker::TrackingStatus::kLost;
+    result.T_world_camera = last_ = T_world_camera.value_or(last_);
+    return result;
+  }
+  bool follows_map() const override { return false; }
+
+ private:
+  static constexpr double kMaxGap_s = 0.1;  // between the two poses around a frame
+  sgs::Trajectory poses_;
+  sgs::SE3 last_;
+};
+
+sgs::Status run(const char* sequence, const char* poses_file, const char* output) {
+  SGS_ASSIGN_OR_RETURN(const auto input, sgs::dataset::open_sequence(sequence));
+  SGS_ASSIGN_OR_RETURN(const auto poses, sgs::io::load_trajectory(poses_file));
+  SGS_ASSIGN_OR_RETURN(const auto config, sgs::slam::make_session_config("default"));
+  SGS_ASSIGN_OR_RETURN(const auto slam,
+                       sgs::slam::Session::create(config, input.frames->camera(), {},
+                                                  std::make_unique<KnownPoses>(poses.trajectory)));
+  sgs::Error error;
+  for (;;) {
+    const auto frame = std::make_shared<sgs::RgbdFrame>();
+    const auto read = input.frames->next(*frame, error);
+    if (read == sgs::dataset::FrameRead::kEnd) break;
+    if (read == sgs::dataset::FrameRead::kOk) slam->feed(frame);
+  }
+  slam->finish();
+  fmt::print("{} Gaussians\n", slam->snapshot() ? slam->snapshot()->gaussians.size() : 0);
+  return slam->save(output);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const sgs::Status status =
+      argc == 4 ? run(argv[1], argv[2], argv[3])
+                : sgs::fail(sgs::ErrorCode::kInvalidArgument, "own_tracker SEQUENCE POSES OUTPUT");
+  if (!status) fmt::print(stderr, "{}\n", status.error().text());
+  return status ? 0 : 1;
+}
