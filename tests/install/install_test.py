@@ -38,7 +38,7 @@ class Examples(unittest.TestCase):
         cls.folder = pathlib.Path(cls.keeper.name)
         cls.prefix, cls.build = cls.folder / "prefix", cls.folder / "build"
         run(CMAKE, "--install", BUILD, "--prefix", cls.prefix)
-        run(CMAKE, "-S", EXAMPLES, "-B", cls.build, f"-DCMAKE_PREFIX_PATH={cls.prefix}")
+        run(CMAKE, "-G", "Ninja", "-S", EXAMPLES, "-B", cls.build, f"-DCMAKE_PREFIX_PATH={cls.prefix}")
         run(CMAKE, "--build", cls.build, "--parallel", "2")
         cls.sequence = cls.folder / "room"
         run(cls.prefix / "bin" / "sgs", "synth", "room_desk", cls.sequence, "--frames", FRAMES,
