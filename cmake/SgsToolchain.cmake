@@ -18,6 +18,7 @@ if(SGS_CCACHE)
 endif()
 
 include(SgsThirdParty)
+find_package(CLI11 REQUIRED)  # of programs only
 
 add_library(sgs_warnings INTERFACE)
 target_compile_options(sgs_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor

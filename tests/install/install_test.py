@@ -17,11 +17,18 @@ FRAMES = 8
 
 
 def run(*command):
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True,
-                          timeout=600, env={**os.environ, "CXX": COMPILER})
+    done = subprocess.run(
+        [str(word) for word in command],
+        capture_output=True,
+        text=True,
+        timeout=600,
+        env={**os.environ, "CXX": COMPILER},
+    )
     if done.returncode != 0:
-        raise AssertionError(f"{command[0]} {command[1]}: exit {done.returncode}\n"
-                             f"{done.stdout[-4000:]}{done.stderr[-4000:]}")
+        raise AssertionError(
+            f"{command[0]} {command[1]}: exit {done.returncode}\n"
+            f"{done.stdout[-4000:]}{done.stderr[-4000:]}"
+        )
     return done.stdout
 
 
@@ -38,11 +45,27 @@ class Examples(unittest.TestCase):
         cls.folder = pathlib.Path(cls.keeper.name)
         cls.prefix, cls.build = cls.folder / "prefix", cls.folder / "build"
         run(CMAKE, "--install", BUILD, "--prefix", cls.prefix)
-        run(CMAKE, "-G", "Ninja", "-S", EXAMPLES, "-B", cls.build, f"-DCMAKE_PREFIX_PATH={cls.prefix}")
+        run(
+            CMAKE,
+            "-G",
+            "Ninja",
+            "-S",
+            EXAMPLES,
+            "-B",
+            cls.build,
+            f"-DCMAKE_PREFIX_PATH={cls.prefix}",
+        )
         run(CMAKE, "--build", cls.build, "--parallel", "2")
         cls.sequence = cls.folder / "room"
-        run(cls.prefix / "bin" / "sgs", "synth", "room_desk", cls.sequence, "--frames", FRAMES,
-            "--quiet")
+        run(
+            cls.prefix / "bin" / "sgs",
+            "synth",
+            "room_desk",
+            cls.sequence,
+            "--frames",
+            FRAMES,
+            "--quiet",
+        )
 
     @classmethod
     def tearDownClass(cls):
@@ -70,8 +93,12 @@ class Examples(unittest.TestCase):
                 self.assertAlmostEqual(mine, true, delta=0.05)
 
     def test_a_sequence_that_is_missing_is_an_error_with_a_reason(self):
-        done = subprocess.run([self.build / "feed_frames", self.folder / "none", self.folder / "x"],
-                              capture_output=True, text=True, timeout=60)
+        done = subprocess.run(
+            [self.build / "feed_frames", self.folder / "none", self.folder / "x"],
+            capture_output=True,
+            text=True,
+            timeout=60,
+        )
         self.assertEqual(done.returncode, 1)
         self.assertIn("none", done.stderr)
 
