@@ -4,8 +4,9 @@
 // own_tracker SEQUENCE POSES OUTPUT: maps a recorded folder with poses that something else knows (a
 // motion capture system, a robot's arm, another SLAM), given as a TUM trajectory.
 #include <fmt/format.h>
-#include <sgs/dataset/open.h>
 #include <sgs/io/trajectory_io.h>
+#include <sgs/run/input.h>
+#include <sgs/run/play.h>
 #include <sgs/slam/session.h>
 
 namespace {
@@ -18,8 +19,10 @@ class KnownPoses : public sgs::tracker::Tracker {
                                   const sgs::map::SnapshotPtr&) override {
     sgs::tracker::TrackResult result;
     const auto T_world_camera = poses_.at(frame.timestamp_s, kMaxGap_s);
-    result.status =
-        T_world_camera ? sgs::tracker::TrackingStatus::kOk : sgs::tracker::TrackingStatus::kLost;
+    if (!T_world_camera) {
+      result.status = sgs::tracker::TrackingStatus::kLost;
+      result.lost_reason = sgs::tracker::LostReason::kOther;
+    }
     result.T_world_camera = last_ = T_world_camera.value_or(last_);
     return result;
   }
@@ -32,20 +35,13 @@ class KnownPoses : public sgs::tracker::Tracker {
 };
 
 sgs::Status run(const char* sequence, const char* poses_file, const char* output) {
-  SGS_ASSIGN_OR_RETURN(const auto input, sgs::dataset::open_sequence(sequence));
+  SGS_ASSIGN_OR_RETURN(const auto input, sgs::run::open_input({.input = sequence}, 2));
   SGS_ASSIGN_OR_RETURN(const auto poses, sgs::io::load_trajectory(poses_file));
   SGS_ASSIGN_OR_RETURN(const auto config, sgs::slam::make_session_config("default"));
   SGS_ASSIGN_OR_RETURN(const auto slam,
-                       sgs::slam::Session::create(config, input.frames->camera(), {},
+                       sgs::slam::Session::create(config, input.source->camera(), {},
                                                   std::make_unique<KnownPoses>(poses.trajectory)));
-  sgs::Error error;
-  for (;;) {
-    const auto frame = std::make_shared<sgs::RgbdFrame>();
-    const auto read = input.frames->next(*frame, error);
-    if (read == sgs::dataset::FrameRead::kEnd) break;
-    if (read == sgs::dataset::FrameRead::kOk) slam->feed(frame);
-  }
-  slam->finish();
+  SGS_RETURN_IF_ERROR(sgs::run::play(*input.source, *slam, {}));
   fmt::print("{} Gaussians\n", slam->snapshot() ? slam->snapshot()->gaussians.size() : 0);
   return slam->save(output);
 }

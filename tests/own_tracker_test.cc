@@ -15,7 +15,10 @@ class TruthTracker : public tracker::Tracker {
   tracker::TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr&) override {
     tracker::TrackResult result;
     result.T_world_camera = *frame.truth_T_world_camera;
-    if (frame.index == lost_index_) result.status = tracker::TrackingStatus::kLost;
+    if (frame.index == lost_index_) {
+      result.status = tracker::TrackingStatus::kLost;
+      result.lost_reason = tracker::LostReason::kOther;
+    }
     return result;
   }
   bool follows_map() const override { return false; }
@@ -38,9 +41,7 @@ TEST(OwnTracker, SessionMapsWithItsPosesAndBelievesItsStatus) {
   options.camera = {160, 120, 133.8, 134.8, 79.9, 61.8};
   const auto source = synthetic::make_synthetic_source(options);
   ASSERT_TRUE(source) << source.error().text();
-  slam::SessionOptions session_options;
-  session_options.T_world_first = (*source)->ground_truth().poses().front().T_world_camera;
-  auto session = slam::Session::create(config_for_test(), options.camera, session_options,
+  auto session = slam::Session::create(config_for_test(), options.camera, {},
                                        std::make_unique<TruthTracker>(6));
   ASSERT_TRUE(session) << session.error().text();
 
@@ -59,6 +60,7 @@ TEST(OwnTracker, SessionMapsWithItsPosesAndBelievesItsStatus) {
     if (record.mapping_keyframe) keyframes.push_back(record.index);
   }
   EXPECT_EQ(keyframes, (std::vector<std::int64_t>{0, 3, 7}));
+  EXPECT_EQ((*session)->records()[6].lost_reason, tracker::LostReason::kOther);
   EXPECT_GT((*session)->snapshot()->gaussians.size(), 100u);
   const Trajectory trajectory = (*session)->trajectory();
   ASSERT_EQ(trajectory.size(), truth.size());

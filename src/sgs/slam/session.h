@@ -39,8 +39,8 @@ class Session {
   static Result<std::unique_ptr<Session>> create(const SessionConfig& config,
                                                  const PinholeCamera& camera,
                                                  const SessionOptions& options);
-  /// The same with a tracker of the caller's own; `config.tracker` is not read then. Its first pose
-  /// must be options.T_world_first.
+  /// The same with a tracker of the caller's own; `config.tracker` and options.T_world_first are
+  /// not read then.
   static Result<std::unique_ptr<Session>> create(const SessionConfig& config,
                                                  const PinholeCamera& camera,
                                                  const SessionOptions& options,
