@@ -17,25 +17,8 @@ if(SGS_CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER "${SGS_CCACHE}")
 endif()
 
-# Third-party headers come in as SYSTEM, so that our warnings are errors and theirs are silent.
-find_package(Threads REQUIRED)
-find_package(Eigen3 3.4 REQUIRED NO_MODULE)
-find_package(fmt REQUIRED)
-find_package(spdlog REQUIRED)
-find_package(tl-expected REQUIRED)
-find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d)
-find_package(nlohmann_json REQUIRED)
-find_package(CLI11 REQUIRED)
-find_package(nanoflann REQUIRED)
-find_package(ZLIB REQUIRED)
-find_library(SGS_HWY_LIBRARY hwy REQUIRED)
-find_library(SGS_TOMLPLUSPLUS_LIBRARY tomlplusplus REQUIRED)
-include(SgsOpenVdb)
-
-add_library(sgs_opencv INTERFACE)
-target_include_directories(sgs_opencv SYSTEM INTERFACE ${OpenCV_INCLUDE_DIRS})
-target_link_libraries(sgs_opencv INTERFACE opencv_core opencv_imgproc opencv_imgcodecs
-                                           opencv_features2d opencv_calib3d)
+include(SgsThirdParty)
+find_package(CLI11 REQUIRED)  # of programs only
 
 add_library(sgs_warnings INTERFACE)
 target_compile_options(sgs_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
@@ -50,6 +33,7 @@ add_library(sgs_options INTERFACE)
 # One build serves every x86-64: no -march=native. Contraction off keeps results equal across
 # compilers that would fuse differently; the dispatched kernels ask for FMA explicitly.
 target_compile_options(sgs_options INTERFACE -ffp-contract=off -fno-math-errno)
+target_compile_features(sgs_options INTERFACE cxx_std_20)
 if(SGS_SANITIZE)
   target_compile_options(sgs_options INTERFACE -fsanitize=${SGS_SANITIZE} -fno-omit-frame-pointer
                                                -fno-sanitize-recover=all)

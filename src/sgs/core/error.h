@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <fmt/format.h>
-
 #include <stdexcept>
 #include <string>
 #include <tl/expected.hpp>
 #include <utility>
+
+#include "sgs/core/format.h"
 
 namespace sgs {
 

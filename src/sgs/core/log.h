@@ -7,6 +7,8 @@
 #include <memory>
 #include <vector>
 
+#include "sgs/core/format.h"
+
 namespace sgs {
 
 /// The library's logger. Silent until an application installs sinks: the library never prints.

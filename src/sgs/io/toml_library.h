@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-/// toml++ as Debian packages it: compiled into a shared library. Included by sources only.
-#define TOML_HEADER_ONLY 0
-#define TOML_SHARED_LIB 1
+// Included by sources only.
+
 #include <toml++/toml.h>
 
 #include <string_view>

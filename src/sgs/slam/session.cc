@@ -6,10 +6,10 @@
 #include "sgs/slam/track_stopwatch.h"
 
 namespace sgs::slam {
+namespace {
 
-Result<std::unique_ptr<Session>> Session::create(const SessionConfig& config,
-                                                 const PinholeCamera& camera,
-                                                 const SessionOptions& options) {
+Status check_arguments(const SessionConfig& config, const PinholeCamera& camera,
+                       const SessionOptions& options) {
   if (!camera.valid()) {
     return fail(ErrorCode::kInvalidArgument, "the camera's intrinsics are not usable",
                 "focal lengths and image size must be positive");
@@ -17,9 +17,26 @@ Result<std::unique_ptr<Session>> Session::create(const SessionConfig& config,
   if (options.threads < 1) {
     return fail(ErrorCode::kInvalidArgument, "at least one thread is needed", "use --threads 1");
   }
-  SGS_RETURN_IF_ERROR(check(config));
+  return check(config);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Session>> Session::create(const SessionConfig& config,
+                                                 const PinholeCamera& camera,
+                                                 const SessionOptions& options) {
+  SGS_RETURN_IF_ERROR(check_arguments(config, camera, options));
   SGS_ASSIGN_OR_RETURN(auto tracker,
                        tracker::make_tracker(config.tracker, camera, options.T_world_first));
+  return create(config, camera, options, std::move(tracker));
+}
+
+Result<std::unique_ptr<Session>> Session::create(const SessionConfig& config,
+                                                 const PinholeCamera& camera,
+                                                 const SessionOptions& options,
+                                                 std::unique_ptr<tracker::Tracker> tracker) {
+  SGS_CHECK(tracker != nullptr, "create() needs a tracker");
+  SGS_RETURN_IF_ERROR(check_arguments(config, camera, options));
   return std::unique_ptr<Session>(new Session(config, camera, options, std::move(tracker)));
 }
 

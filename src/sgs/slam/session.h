@@ -39,6 +39,12 @@ class Session {
   static Result<std::unique_ptr<Session>> create(const SessionConfig& config,
                                                  const PinholeCamera& camera,
                                                  const SessionOptions& options);
+  /// The same with a tracker of the caller's own; `config.tracker` and options.T_world_first are
+  /// not read then.
+  static Result<std::unique_ptr<Session>> create(const SessionConfig& config,
+                                                 const PinholeCamera& camera,
+                                                 const SessionOptions& options,
+                                                 std::unique_ptr<tracker::Tracker> tracker);
   ~Session();
 
   /// Tracks one frame and hands it to the mapper; offline it waits when the mapper is more than

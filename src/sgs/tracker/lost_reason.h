@@ -24,6 +24,7 @@ enum class LostReason {
   kTooFewFeatureInliers,
   kImplausibleMotion,
   kNotFinite,
+  kOther,  ///< for trackers of which this list knows nothing
 };
 
 /// A reason, its name in frames.csv and one sentence for people.
@@ -55,6 +56,7 @@ inline constexpr auto kLostReasons = std::to_array<LostReasonEntry>({
      "The pose that was found is farther away than a camera moves within a frame."},
     {LostReason::kNotFinite, "not_finite",
      "The pose or the timestamp that it was predicted for is not a number."},
+    {LostReason::kOther, "other", "The tracker says no more than that."},
 });
 
 constexpr auto enum_names(LostReason) {

@@ -1,0 +1,44 @@
+# SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# The third-party packages of the libraries. The build includes this file, and so does the installed
+# package (sgs-config.cmake), because static libraries hand their dependencies on to the program.
+# Their targets are imported: the compiler takes their headers as SYSTEM, our warnings are errors and
+# theirs are silent.
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(tl-expected REQUIRED)
+find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d)
+find_package(nlohmann_json REQUIRED)
+find_package(nanoflann REQUIRED)
+find_package(tomlplusplus REQUIRED)
+find_package(hwy REQUIRED)
+find_package(ZLIB REQUIRED)
+
+if(NOT TARGET sgs_opencv)
+  add_library(sgs_opencv INTERFACE IMPORTED)
+  target_include_directories(sgs_opencv INTERFACE ${OpenCV_INCLUDE_DIRS})
+  target_link_libraries(sgs_opencv INTERFACE opencv_core opencv_imgproc opencv_imgcodecs
+                                             opencv_features2d opencv_calib3d)
+endif()
+
+# OpenVDB is optional: where it is found, SGS_WITH_OPENVDB is on and the target sgs_openvdb exists.
+# (Debian ships OpenVDB's own find modules, but they fail without packages that we do not need.)
+find_path(SGS_OPENVDB_INCLUDE openvdb/openvdb.h)
+find_library(SGS_OPENVDB_LIBRARY openvdb)
+find_library(SGS_TBB_LIBRARY tbb)
+find_library(SGS_IMATH_LIBRARY NAMES Imath Imath-3_1 Half)
+mark_as_advanced(SGS_OPENVDB_INCLUDE SGS_OPENVDB_LIBRARY SGS_TBB_LIBRARY SGS_IMATH_LIBRARY)
+
+set(SGS_WITH_OPENVDB OFF)
+if(SGS_OPENVDB_INCLUDE AND SGS_OPENVDB_LIBRARY AND SGS_TBB_LIBRARY AND SGS_IMATH_LIBRARY)
+  set(SGS_WITH_OPENVDB ON)
+  if(NOT TARGET sgs_openvdb)
+    add_library(sgs_openvdb INTERFACE IMPORTED)
+    target_include_directories(sgs_openvdb INTERFACE "${SGS_OPENVDB_INCLUDE}")
+    target_link_libraries(sgs_openvdb INTERFACE ${SGS_OPENVDB_LIBRARY} ${SGS_TBB_LIBRARY}
+                                                ${SGS_IMATH_LIBRARY})
+  endif()
+endif()
