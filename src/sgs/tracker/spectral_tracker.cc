@@ -96,7 +96,8 @@ Alignment SpectralTracker::start_map() const {
 
 // Aligns from the prediction. Where that fails or fits badly, the prediction may have been the
 // problem (an abrupt stop, a jerk between dropped frames): once more from the last pose. The better
-// of the two counts.
+// of the two counts. The picture of a prediction that stands its ground still fits badly, so that
+// one is refined from where it ended, with the references and targets of that pose.
 Alignment SpectralTracker::follow_camera(double timestamp_s) {
   Alignment predicted = align(motion_.predict(timestamp_s), timestamp_s, motion_);
   if (predicted.trusted() && !fits_badly(predicted)) return predicted;
