@@ -87,7 +87,7 @@ TEST_P(ByRegistration, TooFewMatches) {
 TEST_P(ByRegistration, ImplausibleMotion) {
   TrackerConfig config = config_of(GetParam());
   config.motion.max_translation_m = 0.01;
-  EXPECT_EQ(track_all(config, {see_wall(SE3{}, 0), see_wall(shifted(0, 0.03), 1)}).lost_reason,
+  EXPECT_EQ(track_all(config, {see_wall(SE3{}, 0), see_wall(shifted(0, 0.015), 1)}).lost_reason,
             LostReason::kImplausibleMotion);
 }
 
