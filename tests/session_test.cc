@@ -4,11 +4,15 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <spdlog/sinks/null_sink.h>
+#include <spdlog/sinks/ostream_sink.h>
 
 #include <algorithm>
 #include <cstring>
+#include <sstream>
 #include <thread>
 
+#include "sgs/core/log.h"
 #include "sgs/eval/trajectory_metrics.h"
 #include "sgs/slam/live_feed.h"
 #include "sgs/synthetic/source.h"
@@ -133,7 +137,7 @@ TEST(Session, NeverMapsHeldOutFrames) {
 }
 
 /// Statuses of a run in which two frames in the middle have no depth.
-std::vector<tracker::TrackingStatus> statuses_with_blind_frames(const std::string& tracker) {
+std::vector<tracker::TrackingStatus> statuses_with_blind_frames(tracker::TrackerType type) {
   auto frames = small_sequence(10);
   for (std::size_t i = 4; i < 6; ++i) {
     auto blind = std::make_shared<RgbdFrame>(*frames[i]);
@@ -141,7 +145,7 @@ std::vector<tracker::TrackingStatus> statuses_with_blind_frames(const std::strin
     frames[i] = blind;
   }
   auto config = config_for_test();
-  config.tracker.type = tracker;
+  config.tracker.type = type;
   auto session = slam::Session::create(config, frames.front()->camera, {});
   EXPECT_TRUE(session);
   for (const auto& frame : frames) (*session)->feed(frame);
@@ -152,17 +156,30 @@ std::vector<tracker::TrackingStatus> statuses_with_blind_frames(const std::strin
 }
 
 TEST(Session, GeometryAloneIsLostWithoutDepthAndComesBack) {
-  const auto statuses = statuses_with_blind_frames("gicp");
+  const auto statuses = statuses_with_blind_frames(tracker::TrackerType::kGicp);
   EXPECT_EQ(statuses[4], tracker::TrackingStatus::kLost);
   EXPECT_EQ(statuses[5], tracker::TrackingStatus::kLost);
   EXPECT_NE(statuses.back(), tracker::TrackingStatus::kLost);
 }
 
 TEST(Session, VisionCarriesTheSpectralTrackerThroughMissingDepth) {
-  const auto statuses = statuses_with_blind_frames("spectral");
+  const auto statuses = statuses_with_blind_frames(tracker::TrackerType::kSpectral);
   EXPECT_EQ(statuses[4], tracker::TrackingStatus::kDegenerate);
   EXPECT_EQ(statuses[5], tracker::TrackingStatus::kDegenerate);
   EXPECT_NE(statuses.back(), tracker::TrackingStatus::kLost);
+}
+
+TEST(Session, SaysOnceWhyTrackingIsLostAndOnceThatItIsBack) {
+  std::ostringstream log;
+  set_log_sinks({std::make_shared<spdlog::sinks::ostream_sink_mt>(log)});
+  statuses_with_blind_frames(tracker::TrackerType::kGicp);
+  set_log_sinks({std::make_shared<spdlog::sinks::null_sink_mt>()});
+  const std::string text = log.str();
+  EXPECT_THAT(text, HasSubstr("frame 4"));
+  EXPECT_THAT(text, HasSubstr(std::string(explain(tracker::LostReason::kNoDepth))));
+  EXPECT_THAT(text, HasSubstr("frame 6"));
+  EXPECT_THAT(text, HasSubstr("back after 2 lost frames"));
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2) << text;
 }
 
 TEST(Session, ReportsEveryFrameAndSavesItsResults) {

@@ -52,7 +52,7 @@ Result<LoadedRun> load_finished_run(const std::string& folder) {
   }
   loaded.metrics.seed = static_cast<std::int64_t>(run.config.seed);
   loaded.metrics.preset = to_string(run.config.preset);
-  loaded.metrics.tracker = run.config.tracker.type;
+  loaded.metrics.tracker = to_string(run.config.tracker.type);
   run.name = fs::path(run.input.input).filename().string();
   run.frames = std::count(run.frames_csv.begin(), run.frames_csv.end(), '\n') - 1;
   run.frames = std::max(run.frames, loaded.metrics.frames.value_or(0));

@@ -135,12 +135,12 @@ report::ReportData make_report(const FinishedRun& run, const FrameTable& table,
   set_paths(run, scores, start_s, report);
   set_error_column(table, scores, report);
   set_columns(table, report);
-  const auto& tracker = run.config.tracker;
-  report.condition_threshold = tracker.degeneracy.condition_threshold;
-  report.snr_threshold = tracker.degeneracy.snr_threshold;
-  report.decides_by_snr = tracker.type == "spectral" && tracker.fusion != "prior";
-  if (!report.decides_by_snr && tracker.type == "spectral") {
-    report.planarity_threshold = tracker.degeneracy.planarity_full_prior;
+  const tracker::TrackerConfig& config = run.config.tracker;
+  report.condition_threshold = config.degeneracy.condition_threshold;
+  report.snr_threshold = config.degeneracy.snr_threshold;
+  report.decides_by_snr = config.type == tracker::TrackerType::kSpectral;
+  if (config.type == tracker::TrackerType::kPaper) {
+    report.planarity_threshold = config.degeneracy.planarity_full_prior;
   }
   report.stages = stages_of(run.timings_json);
   report.map = eval::map_statistics(run.gaussians);

@@ -46,7 +46,7 @@ eval::Metrics run_metrics(const RunRequest& request, const slam::SessionConfig& 
   m.seed = static_cast<std::int64_t>(config.seed);
   m.threads = request.threads;
   m.preset = to_string(config.preset);
-  m.tracker = config.tracker.type;
+  m.tracker = to_string(config.tracker.type);
   m.version = std::string(kVersion);
   return m;
 }
@@ -187,7 +187,7 @@ void add_run(CLI::App& app, Action& action) {
   sub->add_option("-o,--output", request->output, "Run folder (default runs/TIME-NAME)");
   sub->add_option("--preset", request->preset, "default (ours) or paper");
   sub->add_option("--config", request->config_file, "TOML file, e.g. a run's config.toml");
-  sub->add_option("--tracker", request->tracker, "spectral, gicp, orb or cvm");
+  sub->add_option("--tracker", request->tracker, "spectral, paper, gicp, orb or cvm");
   sub->add_option("--set", request->assignments, "key=value, see `sgs info --config`")
       ->take_all()
       ->allow_extra_args(false);

@@ -259,7 +259,7 @@ const std::vector<PublishedRow>& published_results() {
 
 const std::vector<SuiteVariant>& suite_variants() {
   const auto paper = [](std::vector<std::string> assignments) {
-    std::vector<std::string> arguments = {"--preset", "paper", "--tracker", "spectral"};
+    std::vector<std::string> arguments = {"--preset", "paper"};
     for (std::string& assignment : assignments) {
       arguments.insert(arguments.end(), {"--set", std::move(assignment)});
     }

@@ -74,8 +74,8 @@ Result<std::unique_ptr<ViewerLink>> ViewerLink::open(const ViewerRequest& reques
   viewer::RunInfo info;
   info.version = kVersion;
   info.input = input.info.name;
-  info.tracker = config.tracker.type;
   info.preset = to_string(config.preset);
+  info.tracker = to_string(config.tracker.type);
   info.live = true;
   info.camera = input.source->camera();
   info.frames_total = input.source->size();

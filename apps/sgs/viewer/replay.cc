@@ -69,7 +69,8 @@ std::vector<slam::FrameRecord> records_of(const FrameTable& table) {
   for (std::size_t i = 0; i < records.size(); ++i) {
     records[i].bad = status[i] == "bad";
     records[i].status = parse_status(status[i]);
-    records[i].diagnostics.prior_source = prior[i];
+    const auto source = from_string<tracker::PriorSource>("prior source", prior[i]);
+    if (source) records[i].diagnostics.prior_source = *source;
   }
   return records;
 }
@@ -113,8 +114,8 @@ Result<Replay> load_replay(const std::string& folder) {
   replay.map = as_snapshot(std::move(gaussians));
   replay.info.version = kVersion;
   replay.info.input = fs::path(saved.input.input).filename().string();
-  replay.info.tracker = saved.config.tracker.type;
   replay.info.preset = to_string(saved.config.preset);
+  replay.info.tracker = to_string(saved.config.tracker.type);
   replay.info.live = false;
   replay.info.frames_total = static_cast<std::int64_t>(table.rows());
   auto records = records_of(table);

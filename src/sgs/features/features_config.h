@@ -9,7 +9,7 @@ namespace sgs::features {
 /// Settings of ORB extraction.
 struct OrbConfig {
   int features = 2048;
-  int clahe_below = 150;  ///< equalise when the last frame had fewer features than this
+  int clahe_below = 150;
   double clahe_clip = 2.0;
   int clahe_tiles = 8;
   int fast_threshold = 20;
@@ -31,10 +31,10 @@ struct VisualPoseConfig {
   int min_matches = 20;
   int min_inliers = 10;
   double min_depth_m = 0.1, max_depth_m = 50;
-  double max_translation_m = 0.1;  ///< per frame; more is rejected
+  double max_translation_m = 0.1;
   double max_rotation_deg = 10;
-  double scale_factor = 1.2;  ///< sigma = scale_factor^octave px
-  double huber = 2.5;         ///< in standard deviations
+  double scale_factor = 1.2;
+  double huber = 2.5;
   int refine_iterations = 10;
   int max_hamming = 60;
   double search_radius_px = 20;
@@ -53,7 +53,8 @@ struct VisualPoseConfig {
           {0, 100});
     p.add("max_rotation_deg", max_rotation_deg, "Faster rotation per frame is rejected.", "deg",
           {0, 180});
-    p.add("scale_factor", scale_factor, "Pixel noise grows by this per octave.", "", {1, 2});
+    p.add("scale_factor", scale_factor, "Pixel noise is this to the power of the octave.", "",
+          {1, 2});
     p.add("huber", huber, "Huber threshold in standard deviations.", "", {0.1, 100});
     p.add("refine_iterations", refine_iterations, "Gauss-Newton steps of the refinement.", "",
           {1, 100});

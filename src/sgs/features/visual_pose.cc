@@ -25,20 +25,6 @@ double huber_weight(double squared, double k, double& cost) {
 
 }  // namespace
 
-std::string to_string(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kOk:
-      return "ok";
-    case Verdict::kTooFewMatches:
-      return "too few matches";
-    case Verdict::kTooFewInliers:
-      return "too few inliers";
-    case Verdict::kImplausibleMotion:
-      return "implausible motion";
-  }
-  return "unknown";
-}
-
 ReprojectionLinearization linearize(const std::vector<Observation>& observations,
                                     const PinholeCamera& camera, const SE3& T_world_camera,
                                     double huber) {

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "sgs/features/orb.h"
@@ -11,7 +10,13 @@ namespace sgs::features {
 
 /// What became of a visual pose estimate.
 enum class Verdict { kOk, kTooFewMatches, kTooFewInliers, kImplausibleMotion };
-std::string to_string(Verdict verdict);
+constexpr auto enum_names(Verdict) {
+  using enum Verdict;
+  return std::to_array<EnumName<Verdict>>({{kOk, "ok"},
+                                           {kTooFewMatches, "too few matches"},
+                                           {kTooFewInliers, "too few inliers"},
+                                           {kImplausibleMotion, "implausible motion"}});
+}
 
 /// Pose from features. Anything but kOk must not be used as a measurement.
 struct VisualPose {

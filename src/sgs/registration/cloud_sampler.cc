@@ -9,8 +9,9 @@ namespace sgs::registration {
 
 std::unique_ptr<CloudSampler> make_sampler(const SamplingConfig& config,
                                            const PinholeCamera& camera, bool with_ellipses) {
-  if (config.method == "neighbours") return std::make_unique<NeighbourSampler>(config, camera);
-  SGS_CHECK(config.method == "plane_fit", "unknown sampling " + config.method);
+  if (config.method == SamplingMethod::kNeighbours) {
+    return std::make_unique<NeighbourSampler>(config, camera);
+  }
   return std::make_unique<PlaneFitSampler>(config, camera, with_ellipses);
 }
 

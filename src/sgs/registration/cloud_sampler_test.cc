@@ -139,7 +139,7 @@ TEST(PlaneFitSampler, EllipsesArePlanarAndOnlyMadeOnDemand) {
 
 SamplingConfig neighbours() {
   SamplingConfig config;
-  config.method = "neighbours";
+  config.method = SamplingMethod::kNeighbours;
   config.step_px = 5;
   config.min_depth_m = 0.01;
   return config;

@@ -33,8 +33,9 @@ struct alignas(32) TargetPoint {
   bool alive() const { return variance_m2 > 0; }
 };
 
-/// Targets in map coordinates. Indices are stable: points are appended, moved a little or marked as
-/// removed, and `layout` changes whenever that is not so and an index must start afresh.
+/// Targets in local coordinates (those of the tracker's first camera). Indices are stable: points
+/// are appended, moved a little or marked as removed, and `layout` changes whenever that is not so
+/// and an index must start afresh.
 struct TargetCloud {
   std::vector<TargetPoint> points;
   std::vector<Eigen::Matrix3f> covariances;  ///< normalised ellipses; empty or one per point

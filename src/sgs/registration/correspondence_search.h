@@ -20,9 +20,9 @@ class CorrespondenceSearch {
   static constexpr int kNoMatch = -1;
 
   virtual ~CorrespondenceSearch() = default;
-  /// Prepares for a frame expected at `T_map_predicted`. `cloud` must stay unchanged until the next
-  /// call; only what changed since the last call is indexed anew where the method can.
-  virtual void prepare(const TargetCloud& cloud, const SE3& T_map_predicted) = 0;
+  /// Prepares for a frame expected at `T_local_predicted`. `cloud` must stay unchanged until the
+  /// next call; only what changed since the last call is indexed anew where the method can.
+  virtual void prepare(const TargetCloud& cloud, const SE3& T_local_predicted) = 0;
   /// Writes, for each source point seen from `T_reference_camera`, an index into targets() or
   /// kNoMatch. `matches` is resized to the cloud.
   virtual void match(const SourceCloud& cloud, const SE3& T_reference_camera,
@@ -32,7 +32,7 @@ class CorrespondenceSearch {
   virtual bool occupied(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float radius_m,
                         float distance_m) const = 0;
 
-  virtual SE3 T_map_reference() const = 0;
+  virtual SE3 T_local_reference() const = 0;
   /// Targets in the reference frame, and their ellipses (empty if the cloud has none).
   virtual std::span<const TargetPoint> targets() const = 0;
   virtual std::span<const Eigen::Matrix3f> covariances() const = 0;

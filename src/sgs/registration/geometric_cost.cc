@@ -19,9 +19,7 @@ struct Pose {
 }  // namespace
 
 GeometricCost::GeometricCost(const FactorConfig& config)
-    : config_(config), gicp_(config.type == "gicp") {
-  SGS_CHECK(gicp_ || config.type == "plane", "unknown factor " + config.type);
-}
+    : config_(config), gicp_(config.type == FactorType::kGicp) {}
 
 Linearization GeometricCost::linearize(const SourceCloud& source,
                                        const CorrespondenceSearch& search,

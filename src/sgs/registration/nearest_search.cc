@@ -36,8 +36,7 @@ bool NearestSearch::occupied(const Eigen::Vector3f& point, const Eigen::Vector3f
 
 std::unique_ptr<CorrespondenceSearch> make_search(const SearchConfig& config,
                                                   const PinholeCamera& camera) {
-  if (config.method == "nearest") return std::make_unique<NearestSearch>(config);
-  SGS_CHECK(config.method == "projective", "unknown search method " + config.method);
+  if (config.method == SearchMethod::kNearest) return std::make_unique<NearestSearch>(config);
   return std::make_unique<ProjectiveSearch>(config, camera);
 }
 

@@ -16,20 +16,44 @@ namespace sgs::registration {
 /// threshold shrink with the level because the 2x2 means remove noise and contrast.
 struct PhotometricConfig {
   int levels = 5;
-  double block_px = 12;           ///< one pixel per block of this size at level 0
-  double block_shrink = 1.6;      ///< block size divided by this per level
-  double gradient_threshold = 3;  ///< grey per pixel at level 0
+  double block_px = 12;
+  double block_shrink = 1.6;
+  double gradient_threshold = 3;
   double gradient_level_factor = 0.5;
-  double sigma = 8;  ///< grey, at level 0
+  double sigma = 8;
   double sigma_level_factor = 0.6;
-  double t_dof = 5;  ///< nu of the t distribution
+  double t_dof = 5;
   double max_depth_m = 5;
   double depth_gate_m = 0.05;
   double depth_gate_ratio = 0.03;
-  double gain_sigma = 0.5;   ///< prior on gain - 1
-  double offset_sigma = 50;  ///< prior on the offset, grey
+  double gain_sigma = 0.5;
+  double offset_sigma = 50;
 
-  void declare(ParameterList& p);
+  void declare(ParameterList& p) {
+    p.add("levels", levels, "Pyramid levels of photometric alignment.", "", {1, 8});
+    p.add("block_px", block_px, "One pixel is selected per block of this size at level 0.", "px",
+          {3, 100});
+    p.add("block_shrink", block_shrink, "Division of the block size per level.", "", {1, 4});
+    p.add("gradient_threshold", gradient_threshold,
+          "Smallest gradient of a selected pixel at level 0.", "grey/px", {0, 255});
+    p.add("gradient_level_factor", gradient_level_factor,
+          "Factor on the gradient threshold per level.", "", {0.01, 2});
+    p.add("sigma", sigma, "Noise of the grey difference at level 0.", "grey", {0.01, 255});
+    p.add("sigma_level_factor", sigma_level_factor, "Factor on the noise per level.", "",
+          {0.01, 2});
+    p.add("t_dof", t_dof, "Degrees of freedom of the t distribution of grey differences.", "",
+          {1, 1000});
+    p.add("max_depth_m", max_depth_m, "Largest depth of a selected pixel.", "m", {0.1, 100});
+    p.add("depth_gate_m", depth_gate_m,
+          "A pixel is hidden where the measured depth differs by more than this plus the ratio.",
+          "m", {0, 10});
+    p.add("depth_gate_ratio", depth_gate_ratio, "Part of the depth gate proportional to depth.", "",
+          {0, 1});
+    p.add("gain_sigma", gain_sigma, "Prior standard deviation of the exposure gain around 1.", "",
+          {1e-6, 100});
+    p.add("offset_sigma", offset_sigma, "Prior standard deviation of the brightness offset.",
+          "grey", {1e-6, 1000});
+  }
   double sigma_at(int level) const;
   double gradient_threshold_at(int level) const;
   int block_at(int level) const;

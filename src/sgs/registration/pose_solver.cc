@@ -32,8 +32,7 @@ Vector6d damped_step(const Linearization& system, double damping, const SolverCo
 
 PoseSolution solve_pose(const SolverConfig& config, const PoseProblem& problem,
                         const SE3& T_start) {
-  const bool lm = config.method == "levenberg_marquardt";
-  SGS_CHECK(lm || config.method == "gauss_newton", "unknown solver " + config.method);
+  const bool lm = config.method == SolverMethod::kLevenbergMarquardt;
   PoseSolution s;
   s.T = T_start;
   double lambda = -1;  // follows from the first Hessian

@@ -25,12 +25,12 @@ ProjectiveSearch::ProjectiveSearch(const SearchConfig& config, const PinholeCame
   SGS_CHECK(camera.valid(), "the search needs a usable camera");
 }
 
-void ProjectiveSearch::prepare(const TargetCloud& cloud, const SE3& T_map_predicted) {
-  T_map_reference_ = T_map_predicted;
-  const SE3 inverse = T_map_predicted.inverse();
+void ProjectiveSearch::prepare(const TargetCloud& cloud, const SE3& T_local_predicted) {
+  T_local_reference_ = T_local_predicted;
+  const SE3 inverse = T_local_predicted.inverse();
   const Eigen::Matrix3f R = inverse.R.cast<float>();
   const Eigen::Vector3f t = inverse.t.cast<float>();
-  shortlist_.update(cloud, T_map_predicted);
+  shortlist_.update(cloud, T_local_predicted);
   draw(R, t);
   collect(cloud, R, t);
 }

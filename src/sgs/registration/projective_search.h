@@ -16,12 +16,12 @@ class ProjectiveSearch : public CorrespondenceSearch {
  public:
   ProjectiveSearch(const SearchConfig& config, const PinholeCamera& camera);
 
-  void prepare(const TargetCloud& cloud, const SE3& T_map_predicted) override;
+  void prepare(const TargetCloud& cloud, const SE3& T_local_predicted) override;
   void match(const SourceCloud& cloud, const SE3& T_reference_camera,
              std::vector<int>& matches) const override;
   bool occupied(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float radius_m,
                 float distance_m) const override;
-  SE3 T_map_reference() const override { return T_map_reference_; }
+  SE3 T_local_reference() const override { return T_local_reference_; }
   std::span<const TargetPoint> targets() const override { return targets_; }
   std::span<const Eigen::Matrix3f> covariances() const override { return covariances_; }
 
@@ -34,7 +34,7 @@ class ProjectiveSearch : public CorrespondenceSearch {
   SearchConfig config_;
   int width_, height_;  // cells, with a border of one empty cell all around
   CellCamera camera_;
-  SE3 T_map_reference_;
+  SE3 T_local_reference_;
   TargetShortlist shortlist_;
   std::vector<int> cells_;            // index into targets_ per cell, or kNoMatch
   std::vector<float> depths_;         // of the winner of each cell

@@ -43,12 +43,12 @@ SourceCloud corner(int step, float jitter = 0) {
   return cloud;
 }
 
-TargetCloud as_targets(const SourceCloud& source, const SE3& T_map_camera) {
-  const Eigen::Matrix3f R = T_map_camera.R.cast<float>();
+TargetCloud as_targets(const SourceCloud& source, const SE3& T_local_camera) {
+  const Eigen::Matrix3f R = T_local_camera.R.cast<float>();
   TargetCloud cloud;
   for (std::size_t i = 0; i < source.points.size(); ++i) {
     const SourcePoint& p = source.points[i];
-    cloud.points.push_back({(T_map_camera * p.point.cast<double>().eval()).cast<float>(),
+    cloud.points.push_back({(T_local_camera * p.point.cast<double>().eval()).cast<float>(),
                             R * p.normal, p.variance_m2});
     cloud.covariances.push_back(R * source.covariances[i] * R.transpose());
   }
@@ -56,7 +56,9 @@ TargetCloud as_targets(const SourceCloud& source, const SE3& T_map_camera) {
 }
 
 struct Method {
-  std::string search, factor, solver;
+  SearchMethod search;
+  FactorType factor;
+  SolverMethod solver;
 };
 
 class RegistrationTest : public testing::TestWithParam<Method> {
@@ -76,11 +78,11 @@ class RegistrationTest : public testing::TestWithParam<Method> {
     const auto search = make_search(search_config, kCamera);
     GeometricCost cost(factor_config);
     search->prepare(targets, T_start);
-    const SE3 T_reference_map = search->T_map_reference().inverse();
+    const SE3 T_reference_local = search->T_local_reference().inverse();
     const PoseSolution s = solve_pose(
         solver_config,
-        {[&](const SE3& T) { return cost.linearize(source, *search, T_reference_map * T); },
-         [&](const SE3& T) { return cost.error(source, *search, T_reference_map * T); }},
+        {[&](const SE3& T) { return cost.linearize(source, *search, T_reference_local * T); },
+         [&](const SE3& T) { return cost.error(source, *search, T_reference_local * T); }},
         T_start);
     if (details) *details = s;
     return s.T;
@@ -127,15 +129,17 @@ TEST_P(RegistrationTest, MovingTheWorldByAHundredMetresChangesNothing) {
   EXPECT_LT((near.last.H - far.last.H).norm(), 0.01 * near.last.H.norm());
 }
 
-INSTANTIATE_TEST_SUITE_P(Presets, RegistrationTest,
-                         testing::Values(Method{"projective", "plane", "gauss_newton"},
-                                         Method{"nearest", "plane", "levenberg_marquardt"},
-                                         Method{"nearest", "gicp", "levenberg_marquardt"},
-                                         Method{"projective", "gicp", "gauss_newton"}),
-                         [](const auto& param_info) {
-                           return param_info.param.search + "_" + param_info.param.factor + "_" +
-                                  param_info.param.solver;
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Presets, RegistrationTest,
+    testing::Values(
+        Method{SearchMethod::kProjective, FactorType::kPlane, SolverMethod::kGaussNewton},
+        Method{SearchMethod::kNearest, FactorType::kPlane, SolverMethod::kLevenbergMarquardt},
+        Method{SearchMethod::kNearest, FactorType::kGicp, SolverMethod::kLevenbergMarquardt},
+        Method{SearchMethod::kProjective, FactorType::kGicp, SolverMethod::kGaussNewton}),
+    [](const auto& param_info) {
+      return to_string(param_info.param.search) + "_" + to_string(param_info.param.factor) + "_" +
+             to_string(param_info.param.solver);
+    });
 
 TEST(PoseSolver, StepsAreCappedAndBadSystemsGiveNone) {
   Linearization system;
@@ -153,7 +157,7 @@ TEST(PoseSolver, StepsAreCappedAndBadSystemsGiveNone) {
 TEST(PoseSolver, LevenbergMarquardtNeverRaisesTheCost) {
   // A valley that Gauss-Newton overshoots: cost = sqrt-like in one translation.
   SolverConfig config;
-  config.method = "levenberg_marquardt";
+  config.method = SolverMethod::kLevenbergMarquardt;
   config.max_step_m = 1;
   config.max_iterations = 30;
   const auto cost = [](const SE3& T) { return std::abs(T.t.x() - 0.5) + T.t.squaredNorm() * 1e-3; };

@@ -94,8 +94,8 @@ TEST(NearestForest, IndexesEachPointAFewTimesOnly) {
   EXPECT_LE(forest.trees(), 9u);
 }
 
-TargetPoint facing_target(const Eigen::Vector3f& point, const SE3& T_map_camera) {
-  const Eigen::Vector3f eye = T_map_camera.t.cast<float>();
+TargetPoint facing_target(const Eigen::Vector3f& point, const SE3& T_local_camera) {
+  const Eigen::Vector3f eye = T_local_camera.t.cast<float>();
   return {point, (eye - point).normalized(), 1e-6f};
 }
 
@@ -107,7 +107,7 @@ SourcePoint source_at(const Eigen::Vector3f& point) {
   return s;
 }
 
-class SearchTest : public testing::TestWithParam<std::string> {
+class SearchTest : public testing::TestWithParam<SearchMethod> {
  protected:
   SearchTest() {
     config_.method = GetParam();
@@ -118,7 +118,7 @@ class SearchTest : public testing::TestWithParam<std::string> {
 };
 
 TEST_P(SearchTest, FindsEachPointsOwnTarget) {
-  const SE3 T_map_camera(so3_exp({0.3, -0.5, 0.2}), {1.5, -2, 0.7});
+  const SE3 T_local_camera(so3_exp({0.3, -0.5, 0.2}), {1.5, -2, 0.7});
   TargetCloud cloud;
   SourceCloud source;
   std::vector<std::size_t> own;
@@ -127,22 +127,22 @@ TEST_P(SearchTest, FindsEachPointsOwnTarget) {
       const Eigen::Vector3d p = kCamera.back_project(u, v, 1.0 + 0.001 * u);
       source.points.push_back(source_at(p.cast<float>()));
       // The list runs backwards, and the target lies a centimetre deeper.
-      const Eigen::Vector3d q = T_map_camera * Eigen::Vector3d(p * (1 + 0.01 / p.norm()));
-      cloud.points.insert(cloud.points.begin(), facing_target(q.cast<float>(), T_map_camera));
+      const Eigen::Vector3d q = T_local_camera * Eigen::Vector3d(p * (1 + 0.01 / p.norm()));
+      cloud.points.insert(cloud.points.begin(), facing_target(q.cast<float>(), T_local_camera));
     }
   }
   // The prediction is a little off.
   Vector6d xi;
   xi << 0.003, -0.002, 0.004, 0.004, 0.003, -0.005;
-  search_->prepare(cloud, T_map_camera * SE3::exp(xi));
-  const SE3 T_reference_camera = search_->T_map_reference().inverse() * T_map_camera;
+  search_->prepare(cloud, T_local_camera * SE3::exp(xi));
+  const SE3 T_reference_camera = search_->T_local_reference().inverse() * T_local_camera;
   std::vector<int> matches;
   search_->match(source, T_reference_camera, matches);
   ASSERT_EQ(matches.size(), source.points.size());
   for (std::size_t i = 0; i < matches.size(); ++i) {
     ASSERT_GE(matches[i], 0) << i;
     const Eigen::Vector3d found =
-        search_->T_map_reference() *
+        search_->T_local_reference() *
         search_->targets()[static_cast<std::size_t>(matches[i])].point.cast<double>();
     const Eigen::Vector3d wanted = cloud.points[cloud.points.size() - 1 - i].point.cast<double>();
     EXPECT_LT((found - wanted).norm(), 1e-5);
@@ -169,7 +169,8 @@ TEST_P(SearchTest, GatesByDistanceAndFindsNothingInAnEmptyMap) {
   EXPECT_FALSE(search_->occupied({0.3f, 0, 1.47f}, {0, 0, -1}, 0.02f, 0.03f));
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, SearchTest, testing::Values("projective", "nearest"));
+INSTANTIATE_TEST_SUITE_P(Methods, SearchTest,
+                         testing::Values(SearchMethod::kProjective, SearchMethod::kNearest));
 
 TEST(ProjectiveSearch, NearestInDepthWinsAndBacksAreInvisible) {
   SearchConfig config;

@@ -59,14 +59,14 @@ TargetShortlist::TargetShortlist(const CellCamera& camera, int width, int height
   camera_.cy += static_cast<float>(margin(camera));
 }
 
-void TargetShortlist::update(const TargetCloud& cloud, const SE3& T_map_camera) {
+void TargetShortlist::update(const TargetCloud& cloud, const SE3& T_local_camera) {
   const std::size_t before = all_.size();
   const bool changed = follow(cloud);
-  const SE3 moved = T_map_look_.inverse() * T_map_camera;
+  const SE3 moved = T_local_look_.inverse() * T_local_camera;
   const double turn = Eigen::AngleAxisd(moved.R).angle();
   // Written so that NaN looks again.
   if (looks_ == 0 || changed || !(turn < kTurn_rad && moved.t.norm() < kShift_m)) {
-    look(T_map_camera);
+    look(T_local_camera);
   } else {
     for (std::size_t i = before; i < all_.size(); ++i) list(i);
   }
@@ -86,10 +86,10 @@ bool TargetShortlist::follow(const TargetCloud& cloud) {
   return afresh;
 }
 
-void TargetShortlist::look(const SE3& T_map_camera) {
+void TargetShortlist::look(const SE3& T_local_camera) {
   ++looks_;
-  T_map_look_ = T_map_camera;
-  const SE3 inverse = T_map_camera.inverse();
+  T_local_look_ = T_local_camera;
+  const SE3 inverse = T_local_camera.inverse();
   cells_.resize(all_.size());
   depths_.resize(all_.size());
   project_to_cells(all_.part(0, all_.size()), camera_, width_, height_, inverse.R.cast<float>(),

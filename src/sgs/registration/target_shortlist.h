@@ -35,8 +35,8 @@ class TargetShortlist {
   /// `camera` looks onto width x height cells, border included.
   TargetShortlist(const CellCamera& camera, int width, int height);
 
-  /// Takes over what changed in `cloud` and lists anew if needed for a camera at `T_map_camera`.
-  void update(const TargetCloud& cloud, const SE3& T_map_camera);
+  /// Takes over what changed in `cloud` and lists anew if needed for a camera at `T_local_camera`.
+  void update(const TargetCloud& cloud, const SE3& T_local_camera);
 
   const GrowingArrays& targets() const { return listed_; }
   /// Index in the cloud of each of targets(), rising.
@@ -46,7 +46,7 @@ class TargetShortlist {
 
  private:
   bool follow(const TargetCloud& cloud);
-  void look(const SE3& T_map_camera);
+  void look(const SE3& T_local_camera);
   void spread_depths();
   void list_near();
   void list(std::size_t i);
@@ -57,7 +57,7 @@ class TargetShortlist {
   std::uint64_t layout_ = 0, moves_ = 0;  // of the cloud they were taken from
   GrowingArrays listed_;
   std::vector<int> indices_;
-  SE3 T_map_look_;
+  SE3 T_local_look_;
   int looks_ = 0;
   // Of a look: cell and depth of each target, and the depth of the nearest in each cell.
   std::vector<int> cells_;

@@ -28,7 +28,8 @@ std::string record_line(const FrameRecord& r) {
   line += "," + cell(d.overlap) + "," + cell(d.cost) + "," + cell(d.visual_cost) + "," +
           cell(d.readout_s) + fmt::format(",{}", d.iterations);
   line += "," + cell(d.condition_number) + "," + cell(d.planarity);
-  line += fmt::format(",{},{:d},{}", d.prior_source, d.prior_active, d.degenerate_mask);
+  line += fmt::format(",{},{:d},{}", tracker::to_string(d.prior_source), d.prior_active,
+                      d.degenerate_mask);
   append_array(line, d.eigenvalues);
   append_array(line, d.snr);
   append_array(line, d.weights);

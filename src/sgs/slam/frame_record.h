@@ -17,8 +17,9 @@ struct FrameRecord {
   double timestamp_s = 0;
   bool bad = false;  ///< the frame could not be read; everything below is empty
   std::string bad_reason;
-  SE3 T_world_tracked;  ///< the tracker's pose, before keyframe refinement
+  SE3 T_odom_camera;  ///< the tracker's pose, before keyframe refinement (pose_correction.h)
   tracker::TrackingStatus status = tracker::TrackingStatus::kLost;
+  tracker::LostReason lost_reason = tracker::LostReason::kNone;
   bool tracking_keyframe = false;
   bool mapping_keyframe = false;
   bool heldout = false;

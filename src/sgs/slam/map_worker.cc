@@ -37,17 +37,14 @@ MapWorker::~MapWorker() {
 
 void MapWorker::process(const MapJob& job) {
   if (job.keyframe) {
-    KeyframePose keyframe{job.keyframe->index, job.keyframe->timestamp_s, job.T_world_tracked,
-                          job.T_world_tracked, job.T_world_tracked};
+    KeyframePose keyframe{job.keyframe->index, job.keyframe->timestamp_s, job.T_odom_camera,
+                          job.T_odom_camera};
     // A tracker with a world of its own does not notice that keyframes move; the newest keyframe's
     // correction carries its poses into the refined map.
     if (!tracker_follows_map_ && !keyframes_.empty()) {
-      const KeyframePose& last = keyframes_.back();
-      keyframe.T_world_inserted =
-          last.T_world_refined * last.T_world_tracked.inverse() * job.T_world_tracked;
-      keyframe.T_world_refined = keyframe.T_world_inserted;
+      keyframe.T_world_camera = T_world_odom(keyframes_.back()) * job.T_odom_camera;
     }
-    if (mapper_.add_keyframe(job.keyframe, keyframe.T_world_inserted, job.T_world_tracked) >= 0) {
+    if (mapper_.add_keyframe(job.keyframe, keyframe.T_world_camera, job.T_odom_camera) >= 0) {
       keyframes_.push_back(keyframe);
     }
   }
@@ -65,7 +62,7 @@ void MapWorker::publish() {
   newest_ = {mapper_.snapshot(), mapper_.iterations()};
   const auto& refined = newest_.snapshot->T_world_keyframe;
   for (std::size_t i = 0; i < std::min(refined.size(), keyframes_.size()); ++i) {
-    keyframes_[i].T_world_refined = refined[i];
+    keyframes_[i].T_world_camera = refined[i];
   }
 }
 

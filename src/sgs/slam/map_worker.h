@@ -22,7 +22,7 @@ namespace sgs::slam {
 /// What the tracker hands to the mapper for every frame, in frame order.
 struct MapJob {
   std::shared_ptr<const RgbdFrame> keyframe;  ///< null when the frame is no mapping keyframe
-  SE3 T_world_tracked;                        ///< pose of that keyframe
+  SE3 T_odom_camera;                          ///< the tracker's pose of that keyframe
 };
 
 /// Map state that one frame may see.

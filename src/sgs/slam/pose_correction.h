@@ -9,20 +9,25 @@
 
 namespace sgs::slam {
 
-/// A mapping keyframe: where it was when it entered the map and where refinement has moved it.
+/// A mapping keyframe, in two worlds that start as one: `odom`, the world of the tracker, and
+/// `world`, that of the refined map. A tracker that follows points of its own drifts away from the
+/// map when its keyframes are refined; one that follows the map does not.
 struct KeyframePose {
   std::int64_t frame_index = 0;
   double timestamp_s = 0;
-  SE3 T_world_tracked;   ///< as the tracker saw it, in the tracker's world
-  SE3 T_world_inserted;  ///< as it was given to the mapper
-  SE3 T_world_refined;   ///< as the mapper has it now
+  SE3 T_odom_camera;   ///< as the tracker saw it
+  SE3 T_world_camera;  ///< as the mapper has it now
 };
 
-/// Carries tracked poses into the refined map: each keyframe's correction
-/// C = T_refined * T_tracked^-1 acts on the frames near it, interpolated in time between
-/// neighbouring keyframes and held constant before the first and after the last one.
-/// `keyframes` must be in increasing time order.
-SE3 corrected_pose(const SE3& T_world_tracked, double timestamp_s,
+/// Where the tracker's world lies in the map's, as a keyframe shows it.
+inline SE3 T_world_odom(const KeyframePose& keyframe) {
+  return keyframe.T_world_camera * keyframe.T_odom_camera.inverse();
+}
+
+/// Carries tracked poses into the refined map: each keyframe's T_world_odom acts on the frames near
+/// it, interpolated in time between neighbouring keyframes and held constant before the first and
+/// after the last one. `keyframes` must be in increasing time order.
+SE3 corrected_pose(const SE3& T_odom_camera, double timestamp_s,
                    const std::vector<KeyframePose>& keyframes);
 
 }  // namespace sgs::slam

@@ -16,7 +16,7 @@ SE3 pose(double x, double y, double z, double yaw) {
 }
 
 KeyframePose keyframe(std::int64_t index, double time_s, const SE3& tracked, const SE3& refined) {
-  return {index, time_s, tracked, tracked, refined};
+  return {index, time_s, tracked, refined};
 }
 
 double distance(const SE3& a, const SE3& b) { return (a.inverse() * b).log().norm(); }
@@ -31,9 +31,8 @@ TEST(PoseCorrection, PutsKeyframesWhereTheyWereRefined) {
       keyframe(0, 0, pose(0, 0, 0, 0), pose(0, 0, 0, 0)),
       keyframe(10, 1, pose(1, 0, 0, 0.2), pose(1.02, 0.01, 0, 0.21))};
   for (const KeyframePose& k : keyframes) {
-    EXPECT_LT(
-        distance(corrected_pose(k.T_world_tracked, k.timestamp_s, keyframes), k.T_world_refined),
-        1e-9);
+    EXPECT_LT(distance(corrected_pose(k.T_odom_camera, k.timestamp_s, keyframes), k.T_world_camera),
+              1e-9);
   }
 }
 
@@ -54,8 +53,8 @@ TEST(PoseCorrection, DoesNotDependOnTheWorldOrigin) {
   const SE3 T = pose(0.4, 0.1, 0, 0.1);
   const SE3 expected = shift * corrected_pose(T, 0.4, keyframes);
   for (KeyframePose& k : keyframes) {
-    k.T_world_tracked = shift * k.T_world_tracked;
-    k.T_world_refined = shift * k.T_world_refined;
+    k.T_odom_camera = shift * k.T_odom_camera;
+    k.T_world_camera = shift * k.T_world_camera;
   }
   EXPECT_LT(distance(corrected_pose(shift * T, 0.4, keyframes), expected), 1e-9);
 }

@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/slam/session.h"
 
-#include <algorithm>
-
+#include "sgs/core/log.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/ply.h"
 #include "sgs/io/trajectory_io.h"
+#include "sgs/slam/track_stopwatch.h"
 
 namespace sgs::slam {
 
@@ -38,77 +38,90 @@ Session::Session(const SessionConfig& config, const PinholeCamera& camera,
 
 Session::~Session() = default;
 
+const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& frame) {
+  SGS_CHECK(frame != nullptr, "feed() needs a frame");
+  SGS_CHECK(frame->color.width() == camera_.width && frame->color.height() == camera_.height &&
+                frame->depth.width() == camera_.width && frame->depth.height() == camera_.height,
+            "frame size differs from the session's camera");
+  const MapView view = wait_for_map();
+  double cpu_ms = 0;
+  const tracker::TrackResult result = track(*frame, view.snapshot, cpu_ms);
+  FrameRecord record = make_record(*frame, view, result);
+  record.track_ms = cpu_ms;
+  hand_to_mapper(frame, record);
+  report_loss(record);
+  records_.push_back(std::move(record));
+  if (on_frame_) on_frame_(records_.back());
+  return records_.back();
+}
+
+MapView Session::wait_for_map() {
+  const ScopedTimer timer(track_times_, "wait for map");
+  return worker_->view_for(frames_fed_);
+}
+
+std::unique_ptr<ThreadPool::Recess> Session::take_core() {
+  const double since_s = wall_time_s();
+  auto recess = worker_->leave_core();
+  if (recess) track_times_.add_interval("wait for core", since_s, 1e3 * (wall_time_s() - since_s));
+  return recess;
+}
+
+tracker::TrackResult Session::track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot,
+                                    double& cpu_ms) {
+  const auto recess = take_core();
+  const TrackStopwatch stopwatch;
+  tracker::TrackResult result = tracker_->track(frame, snapshot);
+  cpu_ms = stopwatch.note(result.diagnostics, track_times_);
+  return result;
+}
+
+FrameRecord Session::make_record(const RgbdFrame& frame, const MapView& view,
+                                 const tracker::TrackResult& result) const {
+  FrameRecord record;
+  record.index = frame.index;
+  record.timestamp_s = frame.timestamp_s;
+  record.heldout = is_heldout(frame.index, config_.heldout_interval);
+  record.gaussians = view.snapshot ? static_cast<std::int64_t>(view.snapshot->gaussians.size()) : 0;
+  record.iterations = view.iterations;
+  record.T_odom_camera = result.T_world_camera;
+  record.status = result.status;
+  record.lost_reason = result.lost_reason;
+  record.tracking_keyframe = result.keyframe;
+  record.diagnostics = result.diagnostics;
+  return record;
+}
+
 bool Session::wants_mapping_keyframe(const FrameRecord& record) const {
   if (record.heldout || record.status == tracker::TrackingStatus::kLost) return false;
   return keyframe_pending_ || last_mapping_keyframe_ < 0 ||
          frames_fed_ - last_mapping_keyframe_ >= config_.keyframe_interval;
 }
 
-const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& frame) {
-  SGS_CHECK(frame != nullptr, "feed() needs a frame");
-  SGS_CHECK(frame->color.width() == camera_.width && frame->color.height() == camera_.height &&
-                frame->depth.width() == camera_.width && frame->depth.height() == camera_.height,
-            "frame size differs from the session's camera");
-  const double waiting_since_s = wall_time_s();
-  const MapView view = worker_->view_for(frames_fed_);
-  track_times_.add_interval("wait for map", waiting_since_s,
-                            1e3 * (wall_time_s() - waiting_since_s));
-
-  FrameRecord record;
-  record.index = frame->index;
-  record.timestamp_s = frame->timestamp_s;
-  record.heldout = is_heldout(frame->index, config_.heldout_interval);
-  record.gaussians = view.snapshot ? static_cast<std::int64_t>(view.snapshot->gaussians.size()) : 0;
-  record.iterations = view.iterations;
-
-  const double leaving_since_s = wall_time_s();
-  auto recess = worker_->leave_core();
-  if (recess != nullptr) {
-    track_times_.add_interval("wait for core", leaving_since_s,
-                              1e3 * (wall_time_s() - leaving_since_s));
-  }
-  const double wall_start_s = wall_time_s(), start_s = thread_cpu_time_s();
-  const tracker::TrackResult result = tracker_->track(*frame, view.snapshot);
-  record.track_ms = 1e3 * (thread_cpu_time_s() - start_s);
-  const double wall_ms = 1e3 * (wall_time_s() - wall_start_s);
-  recess.reset();
-  record.T_world_tracked = result.T_world_camera;
-  record.status = result.status;
-  record.tracking_keyframe = result.keyframe;
-  record.diagnostics = result.diagnostics;
-  keyframe_pending_ = keyframe_pending_ || result.keyframe;
-
+void Session::hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame, FrameRecord& record) {
+  keyframe_pending_ = keyframe_pending_ || record.tracking_keyframe;
   MapJob job;
   if (wants_mapping_keyframe(record)) {
     record.mapping_keyframe = true;
     last_mapping_keyframe_ = frames_fed_;
     keyframe_pending_ = false;
-    job = {frame, result.T_world_camera};
+    job = {frame, record.T_odom_camera};
   }
   worker_->submit(std::move(job));
   ++frames_fed_;
-
-  note_times(record, wall_start_s, wall_ms);
-  records_.push_back(std::move(record));
-  if (on_frame_) on_frame_(records_.back());
-  return records_.back();
 }
 
-/// Stage times are CPU time of the thread; their place on the time line is where they would lie had
-/// nothing interrupted them.
-void Session::note_times(const FrameRecord& record, double wall_start_s, double wall_ms) {
-  const tracker::Diagnostics& d = record.diagnostics;
-  track_times_.add("track", record.track_ms);
-  track_times_.add_trace_only("track", wall_start_s, wall_ms);
-  double at_s = wall_start_s;
-  const std::pair<const char*, double> parts[] = {{"track/points", d.ms_points},
-                                                  {"track/index", d.ms_index},
-                                                  {"track/geometry", d.ms_geometry},
-                                                  {"track/visual", d.ms_visual},
-                                                  {"track/update", d.ms_update}};
-  for (const auto& [name, ms] : parts) {
-    track_times_.add_interval(name, at_s, ms);
-    at_s += 1e-3 * ms;
+// One line when tracking is lost and one when it is back, however long that takes.
+void Session::report_loss(const FrameRecord& record) {
+  if (record.status != tracker::TrackingStatus::kLost) {
+    if (frames_lost_ > 0) {
+      log().info("frame {} ({:.3f} s): tracking is back after {} lost frames", record.index,
+                 record.timestamp_s, frames_lost_);
+    }
+    frames_lost_ = 0;
+  } else if (frames_lost_++ == 0) {
+    log().warn("frame {} ({:.3f} s): tracking is lost. {}", record.index, record.timestamp_s,
+               tracker::explain(record.lost_reason));
   }
 }
 
@@ -133,7 +146,7 @@ Trajectory Session::trajectory() const {
   for (const FrameRecord& r : records_) {
     if (r.bad) continue;
     poses.push_back(
-        {r.timestamp_s, corrected_pose(r.T_world_tracked, r.timestamp_s, worker_->keyframes())});
+        {r.timestamp_s, corrected_pose(r.T_odom_camera, r.timestamp_s, worker_->keyframes())});
   }
   return Trajectory(std::move(poses));
 }
@@ -141,7 +154,7 @@ Trajectory Session::trajectory() const {
 Trajectory Session::keyframe_trajectory() const {
   std::vector<StampedPose> poses;
   for (const KeyframePose& k : worker_->keyframes()) {
-    poses.push_back({k.timestamp_s, k.T_world_refined});
+    poses.push_back({k.timestamp_s, k.T_world_camera});
   }
   return Trajectory(std::move(poses));
 }

@@ -57,7 +57,7 @@ class Session {
   map::SnapshotPtr snapshot();
   const std::deque<FrameRecord>& records() const { return records_; }
   /// Poses of all tracked frames carried into the refined map (after finish()); frames that were
-  /// lost carry the pose held for them.
+  /// lost carry the tracker's guess at their pose.
   Trajectory trajectory() const;
   /// Poses of the mapping keyframes as refined (after finish()).
   Trajectory keyframe_trajectory() const;
@@ -79,8 +79,16 @@ class Session {
  private:
   Session(const SessionConfig& config, const PinholeCamera& camera, const SessionOptions& options,
           std::unique_ptr<tracker::Tracker> tracker);
+  // The steps of a frame.
+  MapView wait_for_map();
+  tracker::TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot,
+                             double& cpu_ms);
+  std::unique_ptr<ThreadPool::Recess> take_core();
+  FrameRecord make_record(const RgbdFrame& frame, const MapView& view,
+                          const tracker::TrackResult& result) const;
   bool wants_mapping_keyframe(const FrameRecord& record) const;
-  void note_times(const FrameRecord& record, double wall_start_s, double wall_ms);
+  void hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame, FrameRecord& record);
+  void report_loss(const FrameRecord& record);
 
   SessionConfig config_;
   PinholeCamera camera_;
@@ -91,6 +99,7 @@ class Session {
   std::int64_t frames_fed_ = 0;
   std::int64_t last_mapping_keyframe_ = -1;  // in frames fed
   bool keyframe_pending_ = true;  // a tracking keyframe waits for a frame the mapper may use
+  std::int64_t frames_lost_ = 0;  // in a row, up to the last frame
   StageTimes track_times_{"tracking"};
   FrameEvent on_frame_;
 };

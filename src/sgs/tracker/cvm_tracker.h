@@ -8,20 +8,28 @@
 namespace sgs::tracker {
 
 /// Constant velocity without looking at the images: every frame repeats the first motion, which is
-/// none. The trivial yardstick of the ablations; never lost, never right for long.
+/// none. The trivial yardstick of the ablations; never right for long, and lost only where a
+/// timestamp is not a number.
 class CvmTracker : public Tracker {
  public:
-  CvmTracker(const TrackerConfig& config, const SE3& T_world_first)
-      : motion_(config.motion, T_world_first) {}
+  CvmTracker(const MotionConfig& config, const SE3& T_world_first)
+      : motion_(config, T_world_first) {}
 
   TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr&) override {
     TrackResult result;
-    result.T_world_camera = motion_.predict(frame.timestamp_s);
-    result.diagnostics.prior_source = "cvm";
+    result.diagnostics.prior_source = PriorSource::kConstantVelocity;
     result.diagnostics.prior_active = true;
-    result.keyframe = first_;
-    first_ = false;
-    motion_.accept(result.T_world_camera, frame.timestamp_s);
+    const SE3 T = motion_.predict(frame.timestamp_s);
+    result.lost_reason = motion_.judge(T);
+    if (result.lost_reason != LostReason::kNone) {
+      motion_.hold();
+      result.status = TrackingStatus::kLost;
+    } else {
+      motion_.accept(T, frame.timestamp_s);
+      result.keyframe = first_;
+      first_ = false;
+    }
+    result.T_world_camera = motion_.pose();
     return result;
   }
   bool follows_map() const override { return false; }

@@ -3,9 +3,8 @@
 #pragma once
 
 #include "sgs/degeneracy/observability.h"
-#include "sgs/tracker/geometric_term.h"
-#include "sgs/tracker/motion_model.h"
-#include "sgs/tracker/tracker.h"
+#include "sgs/degeneracy/spectrum.h"
+#include "sgs/tracker/registration_tracker.h"
 
 namespace sgs::tracker {
 
@@ -13,22 +12,23 @@ namespace sgs::tracker {
 /// 2024) with the `paper` preset's settings, projective point to plane with the `default` ones.
 /// Geometry alone: where it does not see a direction the pose slides, which status and
 /// diagnostics say (kDegenerate) but nothing here prevents.
-class GicpTracker : public Tracker {
+class GicpTracker : public RegistrationTracker {
  public:
-  GicpTracker(const TrackerConfig& config, const PinholeCamera& camera, const SE3& T_world_first);
-
-  TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) override;
-  bool follows_map() const override { return geometry_.targets().follows_map(); }
+  GicpTracker(const GicpConfig& config, const PinholeCamera& camera, const SE3& T_world_first)
+      : RegistrationTracker(config, camera, T_world_first) {}
 
  private:
-  bool register_frame(double timestamp_s, SE3& T_map_camera, Diagnostics& d);
-  void describe_spectrum(const Matrix6d& H, Diagnostics& d);
+  Registration register_frame(double timestamp_s) override;
+  void describe_axes(bool registered, Diagnostics& d) const override;
+  void find_unseen_axes(const Matrix6d& H);
 
-  TrackerConfig config_;
-  SE3 T_world_map_;
-  GeometricTerm geometry_;
-  MotionModel motion_;  // camera to map
   degeneracy::HysteresisState hysteresis_;
+  // Of the last registration. The default detector needs the noise of the normals, which only the
+  // plane fit gives; with the paper's sampling the condition number decides.
+  degeneracy::Spectrum spectrum_;
+  degeneracy::Observability observability_;
+  bool by_condition_ = config_.geometry.points.method != registration::SamplingMethod::kPlaneFit;
+  unsigned mask_ = 0;
 };
 
 }  // namespace sgs::tracker

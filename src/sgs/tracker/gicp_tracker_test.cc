@@ -10,7 +10,7 @@
 
 #include "sgs/registration/cloud_sampler.h"
 #include "sgs/tracker/motion_model.h"
-#include "sgs/tracker/target_map.h"
+#include "sgs/tracker/targets/target_map.h"
 #include "sgs/tracker/tracker.h"
 #include "sgs/tracker/tracker_config.h"
 
@@ -104,13 +104,13 @@ RoomRun run_room(const TrackerConfig& config, int frames, const SE3& T_world_roo
 
 TrackerConfig gicp_config() {
   TrackerConfig config;
-  config.type = "gicp";
+  config.type = TrackerType::kGicp;
   return config;
 }
 
 TrackerConfig paper_on_own_points() {
   TrackerConfig config = paper_tracker_config();
-  config.type = "gicp";
+  config.type = TrackerType::kGicp;
   config.points.max_depth_m = 5;
   return config;
 }
@@ -262,7 +262,7 @@ std::shared_ptr<map::Snapshot> snapshot_of(const SE3& T, const SE3& T_world_room
   return snapshot;
 }
 
-class SnapshotTargetsTest : public testing::TestWithParam<std::tuple<std::string, bool>> {
+class SnapshotTargetsTest : public testing::TestWithParam<std::tuple<TargetSource, bool>> {
  protected:
   TrackerConfig config() const {
     TrackerConfig c = std::get<1>(GetParam()) ? paper_on_own_points() : gicp_config();
@@ -286,7 +286,7 @@ TEST_P(SnapshotTargetsTest, TracksAgainstTheGaussiansOfASnapshot) {
 }
 
 TEST_P(SnapshotTargetsTest, SurvivorsKeepTheirIndexAndPrunedOnesDie) {
-  const auto targets = make_target_map(config(), SE3{}, kCamera.fx);
+  const auto targets = make_target_map(GeometryConfig(config()), SE3{}, kCamera.fx);
   auto first = snapshot_of(pose_at(0), SE3{}, 16);
   const std::size_t n = first->anchors.size();
   targets->update(first);
@@ -323,7 +323,9 @@ TEST_P(SnapshotTargetsTest, SurvivorsKeepTheirIndexAndPrunedOnesDie) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Sources, SnapshotTargetsTest,
-                         testing::Combine(testing::Values("anchor", "optimised"), testing::Bool()));
+                         testing::Combine(testing::Values(TargetSource::kAnchor,
+                                                          TargetSource::kOptimised),
+                                          testing::Bool()));
 
 TEST(TrackablePoints, AddsOnlyWhereNothingIsAndFollowsKeyframes) {
   registration::SourceCloud source;
@@ -363,34 +365,59 @@ TEST(MotionModel, RepeatsTheDecayedMotionScaledWithTime) {
 TEST(MotionModel, RefusesImpossibleMotions) {
   MotionModel motion(MotionConfig{}, SE3{});
   const auto shifted = [](double x) { return SE3(Eigen::Matrix3d::Identity(), {x, 0, 0}); };
-  EXPECT_TRUE(motion.plausible(shifted(0.2)));
-  EXPECT_FALSE(motion.plausible(shifted(0.3)));
-  EXPECT_FALSE(motion.plausible(SE3(so3_exp({0, 0.6, 0}), {0, 0, 0})));
-  EXPECT_FALSE(motion.plausible(shifted(std::nan(""))));
+  EXPECT_EQ(motion.judge(shifted(0.2)), LostReason::kNone);
+  EXPECT_EQ(motion.judge(shifted(0.3)), LostReason::kImplausibleMotion);
+  EXPECT_EQ(motion.judge(SE3(so3_exp({0, 0.6, 0}), {0, 0, 0})), LostReason::kImplausibleMotion);
+  EXPECT_EQ(motion.judge(shifted(std::nan(""))), LostReason::kNotFinite);
   motion.hold();  // twice the time, twice the way
-  EXPECT_TRUE(motion.plausible(shifted(0.3)));
+  EXPECT_EQ(motion.judge(shifted(0.3)), LostReason::kNone);
   for (int i = 0; i < 100; ++i) motion.hold();
-  EXPECT_FALSE(motion.plausible(shifted(1.1)));
+  EXPECT_EQ(motion.judge(shifted(1.1)), LostReason::kImplausibleMotion);
 }
 
 TEST(MakeTracker, ConstantVelocityNeverLooks) {
   TrackerConfig config;
-  config.type = "cvm";
+  config.type = TrackerType::kCvm;
   const auto tracker = must_make(config, pose_at(0));
   for (int i = 0; i < 3; ++i) {
     const TrackResult r = tracker->track(render(room(), true, pose_at(i), i), nullptr);
     EXPECT_EQ(r.T_world_camera.t, pose_at(0).t);
-    EXPECT_EQ(r.diagnostics.prior_source, "cvm");
+    EXPECT_EQ(r.diagnostics.prior_source, PriorSource::kConstantVelocity);
   }
+}
+
+TEST(MotionModel, GoesOnWithTheLastVelocityOnlyWhereItIsMeantTo) {
+  const auto shifted = [](double x) { return SE3(Eigen::Matrix3d::Identity(), {x, 0, 0}); };
+  MotionModel motion(MotionConfig{}, SE3{});
+  motion.accept(SE3{}, 0.0);
+  motion.accept(shifted(0.1), 0.1);
+  motion.miss();
+  EXPECT_NEAR(motion.predict(0.2).t.x(), 0.195, 1e-12);
+  EXPECT_EQ(motion.frames_held(), 1);
+  motion.jump_to(shifted(5));
+  EXPECT_EQ(motion.predict(0.3).t.x(), 5);
+  EXPECT_EQ(motion.judge(shifted(5.4)), LostReason::kNone);  // still two frames' worth
+  motion.accept(shifted(5.4), 0.3);
+  EXPECT_EQ(motion.frames_held(), 0);
+  EXPECT_EQ(motion.predict(0.4).t.x(), 5.4);  // a jump is no velocity
 }
 
 TEST(MakeTracker, NamesWhatIsWrong) {
   TrackerConfig config;
-  config.type = "magic";
-  const auto unknown = make_tracker(config, kCamera, SE3{});
-  ASSERT_FALSE(unknown.has_value());
-  EXPECT_THAT(unknown.error().message, testing::HasSubstr("magic"));
+  config.loss.min_points = 2;
+  const auto refused = make_tracker(config, kCamera, SE3{});
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_THAT(refused.error().message, testing::HasSubstr("loss.min_points"));
   EXPECT_FALSE(make_tracker(TrackerConfig{}, PinholeCamera{}, SE3{}).has_value());
+}
+
+TEST(TrackerConfig, FormerPriorFusionIsRefusedWithTheNewName) {
+  TrackerConfig config;
+  ParameterList list;
+  config.declare(list);
+  const auto refused = list.set("fusion", "prior");
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_THAT(refused.error().remedy, testing::HasSubstr("tracker.type = \"paper\""));
 }
 
 TEST(TrackerConfig, EveryKeyIsDeclaredOnceAndPresetsAreInRange) {

@@ -3,7 +3,7 @@
 #include "sgs/tracker/cvm_tracker.h"
 #include "sgs/tracker/gicp_tracker.h"
 #include "sgs/tracker/orb_tracker.h"
-#include "sgs/tracker/prior_tracker.h"
+#include "sgs/tracker/paper_tracker.h"
 #include "sgs/tracker/spectral_tracker.h"
 #include "sgs/tracker/tracker.h"
 
@@ -16,17 +16,20 @@ Result<std::unique_ptr<Tracker>> make_tracker(const TrackerConfig& config,
     return fail(ErrorCode::kInvalidArgument, "the tracker needs a camera with positive size",
                 "check the sequence's calibration");
   }
-  if (config.type == "gicp") return std::make_unique<GicpTracker>(config, camera, T_world_first);
-  if (config.type == "spectral" && config.fusion != "prior") {
-    return std::make_unique<SpectralTracker>(config, camera, T_world_first);
+  SGS_RETURN_IF_ERROR(check(config));
+  switch (config.type) {
+    case TrackerType::kSpectral:
+      return std::make_unique<SpectralTracker>(SpectralConfig(config), camera, T_world_first);
+    case TrackerType::kPaper:
+      return std::make_unique<PaperTracker>(PaperConfig(config), camera, T_world_first);
+    case TrackerType::kGicp:
+      return std::make_unique<GicpTracker>(GicpConfig(config), camera, T_world_first);
+    case TrackerType::kOrb:
+      return std::make_unique<OrbTracker>(OrbTrackerConfig(config), T_world_first);
+    case TrackerType::kCvm:
+      return std::make_unique<CvmTracker>(config.motion, T_world_first);
   }
-  if (config.type == "cvm") return std::make_unique<CvmTracker>(config, T_world_first);
-  if (config.type == "orb") return std::make_unique<OrbTracker>(config, T_world_first);
-  if (config.type == "spectral" && config.fusion == "prior") {
-    return std::make_unique<PriorTracker>(config, camera, T_world_first);
-  }
-  return fail(ErrorCode::kInvalidArgument, fmt::format("unknown tracker '{}'", config.type),
-              "use --tracker spectral, gicp, orb or cvm");
+  return fail(ErrorCode::kInvalidArgument, "the tracker's type is none of those there are");
 }
 
 }  // namespace sgs::tracker

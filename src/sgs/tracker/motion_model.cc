@@ -11,7 +11,7 @@ constexpr int kMaxLimitGrowth = 4;
 }  // namespace
 
 SE3 MotionModel::predict(double timestamp_s) const {
-  if (config_.start == "previous" || interval_s_ <= 0) return T_;
+  if (config_.start == MotionStart::kPrevious || interval_s_ <= 0) return T_;
   const double ratio =
       std::clamp((timestamp_s - timestamp_s_) / interval_s_, 0.0, kMaxIntervalRatio);
   return T_ * SE3::exp(config_.velocity_decay * ratio * velocity_);
@@ -20,16 +20,17 @@ SE3 MotionModel::predict(double timestamp_s) const {
 Vector6d MotionModel::rate_to(const SE3& T, double timestamp_s) const {
   constexpr double kLongest_s = 0.2;
   const double dt = timestamp_s - timestamp_s_;
-  if (!has_pose_ || frames_held_ > 0 || !(dt > 0) || dt > kLongest_s) return Vector6d::Zero();
+  if (!has_pose_ || !(dt > 0) || dt > kLongest_s) return Vector6d::Zero();
   return (T_.inverse() * T).log() / dt;
 }
 
-bool MotionModel::plausible(const SE3& T) const {
-  if (!T.all_finite()) return false;
+LostReason MotionModel::judge(const SE3& T) const {
+  if (!T.all_finite()) return LostReason::kNotFinite;
   const SE3 motion = T_.inverse() * T;
   const double growth = std::min(frames_held_ + 1, kMaxLimitGrowth);
-  return motion.t.norm() <= growth * config_.max_translation_m &&
-         motion.angle() <= growth * config_.max_rotation_rad;
+  const bool possible = motion.t.norm() <= growth * config_.max_translation_m &&
+                        motion.angle() <= growth * config_.max_rotation_rad;
+  return possible ? LostReason::kNone : LostReason::kImplausibleMotion;
 }
 
 void MotionModel::accept(const SE3& T, double timestamp_s) {
@@ -46,6 +47,13 @@ void MotionModel::hold() {
   ++frames_held_;
   velocity_.setZero();
   interval_s_ = 0;
+}
+
+void MotionModel::jump_to(const SE3& T) {
+  T_ = T;
+  velocity_.setZero();
+  interval_s_ = 0;
+  has_pose_ = false;
 }
 
 }  // namespace sgs::tracker

@@ -3,12 +3,13 @@
 #pragma once
 
 #include "sgs/geometry/se3.h"
+#include "sgs/tracker/lost_reason.h"
 #include "sgs/tracker/tracker_config.h"
 
 namespace sgs::tracker {
 
 /// What every tracker knows about motion: where the next frame probably is, and which motions are
-/// impossible. Holds the last trusted pose; a lost frame keeps the pose and forgets the velocity.
+/// impossible. Holds the last trusted pose and counts the frames since.
 class MotionModel {
  public:
   MotionModel(const MotionConfig& config, const SE3& T_start) : config_(config), T_(T_start) {}
@@ -19,13 +20,18 @@ class MotionModel {
   /// Mean camera twist per second from the last trusted pose to `T` at `timestamp_s`; zero where
   /// that is unknown or long ago.
   Vector6d rate_to(const SE3& T, double timestamp_s) const;
-  /// Whether going from the last trusted pose to `T` is possible. After lost frames the limits grow
-  /// with the time passed, up to fourfold.
-  bool plausible(const SE3& T) const;
-  /// Takes `T` as the trusted pose of the frame at `timestamp_s`.
+  /// Whether going from the last trusted pose to `T` is possible: kNone, kNotFinite or
+  /// kImplausibleMotion. After lost frames the limits grow with their number, up to fourfold.
+  LostReason judge(const SE3& T) const;
+  /// Takes `T` as the trusted pose of the frame at `timestamp_s`. The motion after lost frames is
+  /// no velocity.
   void accept(const SE3& T, double timestamp_s);
-  /// Notes a frame without a trusted pose.
+  /// Notes a frame without a trusted pose; predictions go on with the last velocity.
+  void miss() { ++frames_held_; }
+  /// The same, but the velocity is forgotten: predictions stay at the last pose.
   void hold();
+  /// The camera was found again, perhaps far away: motions are judged from `T` on.
+  void jump_to(const SE3& T);
 
   const SE3& pose() const { return T_; }
   /// Frames since the last trusted pose.

@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "sgs/tracker/cpu_timer.h"
+#include "sgs/tracker/step_times.h"
 
 namespace sgs::tracker {
 namespace {
@@ -26,9 +26,23 @@ DepthSummary summarise_depth(const features::OrbFrame& frame) {
   return s;
 }
 
+LostReason lost_reason(features::Verdict verdict) {
+  switch (verdict) {
+    case features::Verdict::kOk:
+      return LostReason::kNone;
+    case features::Verdict::kTooFewMatches:
+      return LostReason::kTooFewFeatureMatches;
+    case features::Verdict::kTooFewInliers:
+      return LostReason::kTooFewFeatureInliers;
+    case features::Verdict::kImplausibleMotion:
+      return LostReason::kImplausibleMotion;
+  }
+  return LostReason::kNone;
+}
+
 }  // namespace
 
-OrbTracker::OrbTracker(const TrackerConfig& config, const SE3& T_world_first)
+OrbTracker::OrbTracker(const OrbTrackerConfig& config, const SE3& T_world_first)
     : config_(config),
       extractor_(config.orb),
       map_(config.visual_pose),
@@ -37,43 +51,49 @@ OrbTracker::OrbTracker(const TrackerConfig& config, const SE3& T_world_first)
 TrackResult OrbTracker::track(const RgbdFrame& frame, const map::SnapshotPtr&) {
   TrackResult result;
   Diagnostics& d = result.diagnostics;
+  StepTimes times;
   features::OrbFrame current;
   {
-    const CpuTimer timer(d.ms_points);
+    const CpuTimer timer(times.points);
     current = extractor_.extract(frame);
   }
   d.source_points = summarise_depth(current).count;
-  d.prior_source = "orb";
+  d.prior_source = PriorSource::kOrb;
 
   const bool first = map_.size() == 0;
-  bool tracked = d.source_points >= config_.visual_pose.min_matches;
-  bool elsewhere = false;
   SE3 T = motion_.pose();
   int matches = 0;
-  if (!first && tracked) {
-    const CpuTimer timer(d.ms_visual);
+  if (d.source_points < config_.visual_pose.min_matches) {
+    result.lost_reason = LostReason::kTooFewFeatures;
+  } else if (!first) {
+    const CpuTimer timer(times.visual);
     features::VisualPose pose = localise(current, frame.timestamp_s);
-    if (pose.verdict != features::Verdict::kOk) pose = find_again(current, elsewhere);
-    tracked = pose.verdict == features::Verdict::kOk;
+    if (pose.verdict != features::Verdict::kOk) {
+      if (const auto elsewhere = find_again(current)) {
+        pose = *elsewhere;
+        motion_.jump_to(pose.T_world_camera);
+      }
+    }
+    result.lost_reason = lost_reason(pose.verdict);
     matches = pose.matches;
     d.inliers = d.visual_inliers = pose.inliers;
     T = pose.T_world_camera;
   }
-  if (!tracked) {
+
+  if (result.lost_reason != LostReason::kNone) {
     motion_.hold();
     result.status = TrackingStatus::kLost;
-    result.T_world_camera = motion_.pose();
-    return result;
+    T = motion_.pose();
+  } else {
+    motion_.accept(T, frame.timestamp_s);
+    result.keyframe = first || wants_keyframe(current, T, matches);
   }
-
-  if (elsewhere) motion_ = MotionModel(config_.motion, T);  // a jump is no velocity
-  motion_.accept(T, frame.timestamp_s);
-  result.keyframe = first || wants_keyframe(current, T, matches);
   if (result.keyframe) {
-    const CpuTimer timer(d.ms_update);
+    const CpuTimer timer(times.update);
     insert_keyframe(current, T);
   }
-  previous_ = std::move(current);
+  if (result.status != TrackingStatus::kLost) previous_ = std::move(current);
+  times.write_to(d);
   result.T_world_camera = T.normalized();
   return result;
 }
@@ -82,7 +102,8 @@ TrackResult OrbTracker::track(const RgbdFrame& frame, const map::SnapshotPtr&) {
 features::VisualPose OrbTracker::localise(const features::OrbFrame& current,
                                           double timestamp_s) const {
   features::VisualPose pose = map_.localise(current, motion_.predict(timestamp_s));
-  if (pose.verdict == features::Verdict::kOk && !motion_.plausible(pose.T_world_camera)) {
+  if (pose.verdict == features::Verdict::kOk &&
+      motion_.judge(pose.T_world_camera) != LostReason::kNone) {
     pose.verdict = features::Verdict::kImplausibleMotion;
   }
   if (pose.verdict == features::Verdict::kOk || !previous_) return pose;
@@ -90,16 +111,17 @@ features::VisualPose OrbTracker::localise(const features::OrbFrame& current,
 }
 
 // Among all keyframes, from the frame after the loss on and then now and then.
-features::VisualPose OrbTracker::find_again(const features::OrbFrame& current, bool& elsewhere) {
+std::optional<features::VisualPose> OrbTracker::find_again(
+    const features::OrbFrame& current) const {
   const int held = motion_.frames_held();
-  if (held == 0 || (held - 1) % config_.orb_tracking.relocalise_interval != 0) return {};
+  if (held == 0 || (held - 1) % config_.tracking.relocalise_interval != 0) return std::nullopt;
   features::VisualPose pose = map_.relocalise(current);
-  elsewhere = pose.verdict == features::Verdict::kOk;
+  if (pose.verdict != features::Verdict::kOk) return std::nullopt;
   return pose;
 }
 
 bool OrbTracker::wants_keyframe(const features::OrbFrame& current, const SE3& T, int matches) {
-  const OrbTrackingConfig& c = config_.orb_tracking;
+  const OrbTrackingConfig& c = config_.tracking;
   if (summarise_depth(current).count < config_.visual_pose.min_matches) return false;
   if (keyframe_matches_ == 0) keyframe_matches_ = matches;
   const SE3 motion = T_keyframe_.inverse() * T;

@@ -16,18 +16,18 @@ namespace sgs::tracker {
 /// for among the keyframes.
 class OrbTracker : public Tracker {
  public:
-  OrbTracker(const TrackerConfig& config, const SE3& T_world_first);
+  OrbTracker(const OrbTrackerConfig& config, const SE3& T_world_first);
 
   TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) override;
   bool follows_map() const override { return false; }
 
  private:
   features::VisualPose localise(const features::OrbFrame& current, double timestamp_s) const;
-  features::VisualPose find_again(const features::OrbFrame& current, bool& elsewhere);
+  std::optional<features::VisualPose> find_again(const features::OrbFrame& current) const;
   bool wants_keyframe(const features::OrbFrame& current, const SE3& T, int matches);
   void insert_keyframe(const features::OrbFrame& current, const SE3& T);
 
-  TrackerConfig config_;
+  OrbTrackerConfig config_;
   features::OrbExtractor extractor_;
   features::VisualMap map_;
   MotionModel motion_;                          // camera to world

@@ -11,7 +11,7 @@ namespace {
 
 TrackerConfig orb_config() {
   TrackerConfig config;
-  config.type = "orb";
+  config.type = TrackerType::kOrb;
   config.orb.features = 500;
   return config;
 }
@@ -32,7 +32,7 @@ TEST(OrbTracker, StaysWithinAMillimetreOrTwoAlongATexturedWall) {
     const TrackResult r = tracker->track(see_wall(wall_pose(i), i), nullptr);
     EXPECT_EQ(r.status, TrackingStatus::kOk);
     EXPECT_LT(error_m(r, i), 0.005) << i;
-    EXPECT_EQ(r.diagnostics.prior_source, "orb");
+    EXPECT_EQ(r.diagnostics.prior_source, PriorSource::kOrb);
     keyframes += r.keyframe;
   }
   EXPECT_GE(keyframes, 2);  // 32 cm at 18 cm per keyframe

@@ -4,32 +4,28 @@
 
 namespace sgs::tracker {
 
-Relocaliser::Relocaliser(const SpectralConfig& config, const features::OrbConfig& orb,
-                         const features::VisualPoseConfig& pose)
-    : config_(config), orb_(orb), pose_(pose) {}
-
-void Relocaliser::add_keyframe(const RgbdFrame& frame, const SE3& T_map_camera) {
+void Relocaliser::add_keyframe(const RgbdFrame& frame, const SE3& T_local_camera) {
   Keyframe keyframe;
-  if (static_cast<int>(keyframes_.size()) >= config_.relocalise_keyframes) {
+  if (static_cast<int>(keyframes_.size()) >= config_.memory.keyframes) {
     keyframe = std::move(keyframes_.front());  // its images' memory is used again
     keyframes_.pop_front();
   }
   keyframe.frame = frame;
-  keyframe.T_map_camera = T_map_camera;
+  keyframe.T_local_camera = T_local_camera;
   keyframes_.push_back(std::move(keyframe));
 }
 
 std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame) const {
-  features::OrbExtractor extractor(orb_);
+  features::OrbExtractor extractor(config_.orb);
   const features::OrbFrame current = extractor.extract(frame);
-  if (static_cast<int>(current.keypoints.size()) < pose_.min_matches) return std::nullopt;
+  if (static_cast<int>(current.keypoints.size()) < config_.pose.min_matches) return std::nullopt;
   // An even choice over time bounds the cost; the newest is always among them.
   constexpr std::size_t kCompared = 6;
-  features::VisualMap map(pose_);
+  features::VisualMap map(config_.pose);
   const std::size_t step = std::max<std::size_t>(1, keyframes_.size() / kCompared);
   for (std::size_t back = 0; back < keyframes_.size(); back += step) {
     const Keyframe& keyframe = keyframes_[keyframes_.size() - 1 - back];
-    map.insert(extractor.extract(keyframe.frame), keyframe.T_map_camera);
+    map.insert(extractor.extract(keyframe.frame), keyframe.T_local_camera);
   }
   const features::VisualPose found = map.relocalise(current);
   if (found.verdict != features::Verdict::kOk) return std::nullopt;

@@ -17,22 +17,19 @@ namespace sgs::tracker {
 /// never lost never pays for them.
 class Relocaliser {
  public:
-  Relocaliser(const SpectralConfig& config, const features::OrbConfig& orb,
-              const features::VisualPoseConfig& pose);
+  explicit Relocaliser(const RelocaliserConfig& config) : config_(config) {}
 
   /// Remembers a keyframe (colour and depth are copied); the oldest makes room.
-  void add_keyframe(const RgbdFrame& frame, const SE3& T_map_camera);
-  /// Pose of a frame among the remembered keyframes, camera to map; empty when none fits.
+  void add_keyframe(const RgbdFrame& frame, const SE3& T_local_camera);
+  /// Pose of a frame among the remembered keyframes, camera to local; empty when none fits.
   std::optional<SE3> relocalise(const RgbdFrame& frame) const;
 
  private:
   struct Keyframe {
     RgbdFrame frame;
-    SE3 T_map_camera;
+    SE3 T_local_camera;
   };
-  SpectralConfig config_;
-  features::OrbConfig orb_;
-  features::VisualPoseConfig pose_;
+  RelocaliserConfig config_;
   std::deque<Keyframe> keyframes_;
 };
 

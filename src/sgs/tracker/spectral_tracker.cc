@@ -6,8 +6,8 @@
 #include <algorithm>
 
 #include "sgs/degeneracy/planarity.h"
-#include "sgs/degeneracy/spectrum.h"
-#include "sgs/tracker/cpu_timer.h"
+#include "sgs/tracker/describe.h"
+#include "sgs/tracker/loss_checks.h"
 
 namespace sgs::tracker {
 namespace {
@@ -30,260 +30,308 @@ bool is_small(const Vector6d& xi, const registration::SolverConfig& config) {
   return xi.head<3>().norm() < config.stop_rad && xi.tail<3>().norm() < config.stop_m;
 }
 
+// Every fourth normal is plenty.
+double planarity_of(const registration::SourceCloud& source) {
+  constexpr std::size_t kStride = 4;
+  std::vector<Eigen::Vector3f> normals;
+  for (std::size_t i = 0; i < source.points.size(); i += kStride) {
+    normals.push_back(source.points[i].normal);
+  }
+  if (normals.empty()) return Diagnostics::kNone;
+  const std::vector<float> equal(normals.size(), 1.0f);
+  return degeneracy::planarity(normals, equal).eta;
+}
+
 }  // namespace
 
-SpectralTracker::SpectralTracker(const TrackerConfig& config, const PinholeCamera& camera,
+SpectralTracker::SpectralTracker(const SpectralConfig& config, const PinholeCamera& camera,
                                  const SE3& T_world_first)
     : config_(config),
-      remove_(config.fusion == "remove"),
-      T_world_map_(T_world_first),
-      geometry_(config, camera, T_world_first.inverse()),
-      vision_(config.photometric, config.spectral),
-      relocaliser_(config.spectral, config.orb, config.visual_pose),
+      T_world_local_(T_world_first),
+      geometry_(config.geometry, camera, T_world_first.inverse()),
+      vision_(config.vision),
+      relocaliser_(config.relocaliser),
       motion_(config.motion, SE3{}),
       readout_(config.readout) {}
 
 TrackResult SpectralTracker::track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) {
-  Diagnostics d;
-  {
-    const CpuTimer timer(d.ms_points);
-    geometry_.set_frame(frame, snapshot);
-    observe_geometry(d);
-  }
-  {
-    const CpuTimer timer(d.ms_visual);
-    vision_.set_frame(frame);
-  }
+  const double t = frame.timestamp_s;
+  look_at(frame, snapshot);
   const bool first = !geometry_.has_targets() && vision_.keyframes() == 0;
-  Outcome outcome{motion_.pose(), d.source_points >= config_.loss.min_points};
-  if (!first) {
-    const double t = frame.timestamp_s;
-    outcome = align(lost_frames_ > 0 ? T_bridge_ : motion_.predict(t), t, d);
-    if (lost_frames_ == 0 && (!outcome.trusted || fits_badly(d))) {
-      outcome = align_again(outcome, t, d);
-    }
-    if (!outcome.trusted) outcome = recover(frame, d);
-  }
-  if (!outcome.trusted) return lost(frame.timestamp_s, d);
+  const Alignment alignment = first                       ? start_map()
+                              : motion_.frames_held() > 0 ? find_camera(frame)
+                                                          : follow_camera(t);
+  if (!alignment.trusted()) return lost(alignment, t);
+  if (motion_.frames_held() == 0) learn_from(alignment, t);
+  motion_.accept(alignment.T_local_camera, t);
+  const bool keyframe = extend_map(frame, alignment);
+  return tracked(alignment, keyframe);
+}
 
-  if (!first && lost_frames_ == 0) {
-    learn_readout(outcome.T_map_camera, frame.timestamp_s, d);
-    constexpr double kForget = 0.1;
-    if (d.prior_source == "photometric") {
-      if (usual_visual_cost_ <= 0) usual_visual_cost_ = d.visual_cost;
-      usual_visual_cost_ += kForget * (d.visual_cost - usual_visual_cost_);
-    }
-  }
-  d.readout_s = readout_.readout_s();
-  if (lost_frames_ > 0) motion_.hold();  // whatever the velocity was, it is over
-  lost_frames_ = 0;
-  motion_.accept(outcome.T_map_camera, frame.timestamp_s);
-
-  TrackResult result;
+// Samples the frame, and tells which axes its own surfaces observe.
+void SpectralTracker::look_at(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) {
+  times_ = {};
   {
-    const CpuTimer timer(d.ms_update);
-    result.keyframe = extend_map(frame, outcome.T_map_camera, d);
+    const CpuTimer timer(times_.points);
+    geometry_.set_frame(frame, snapshot);
+    surfaces_ = geometry_.surface_information(config_.degeneracy.noise_stride);
+    observability_ = degeneracy::observe(surfaces_, config_.degeneracy, hysteresis_);
+    planarity_ = planarity_of(geometry_.source());
   }
-  result.T_world_camera = (T_world_map_ * outcome.T_map_camera).normalized();
-  result.status = d.degenerate_mask != 0 ? TrackingStatus::kDegenerate : TrackingStatus::kOk;
-  result.diagnostics = d;
-  return result;
+  const CpuTimer timer(times_.visual);
+  vision_.set_frame(frame);
+}
+
+bool SpectralTracker::enough_points() const {
+  return check_points(source_points(), config_.loss) == LostReason::kNone;
+}
+
+// The first frame is where the tracker was told it is; all it needs is depth.
+Alignment SpectralTracker::start_map() const {
+  Alignment a;
+  a.T_local_camera = motion_.pose();
+  a.lost_reason = check_points(source_points(), config_.loss);
+  return a;
+}
+
+// Aligns from the prediction. Where that fails or fits badly, the prediction may have been the
+// problem (an abrupt stop, a jerk between dropped frames): once more from the last pose. The better
+// of the two counts. The picture of a prediction that stands its ground still fits badly, so that
+// one is refined from where it ended, with the references and targets of that pose.
+Alignment SpectralTracker::follow_camera(double timestamp_s) {
+  Alignment predicted = align(motion_.predict(timestamp_s), timestamp_s, motion_);
+  if (predicted.trusted() && !fits_badly(predicted)) return predicted;
+  Alignment again = align(motion_.pose(), timestamp_s, motion_);
+  const bool better = again.trusted() && again.picture && predicted.picture &&
+                      again.picture->mean_cost < predicted.picture->mean_cost;
+  if (!predicted.trusted() || better) return again;
+  return align(predicted.T_local_camera, timestamp_s, motion_);
+}
+
+// The frames after a loss: from the pose carried on, and now and then from where the camera is
+// found among the keyframes.
+Alignment SpectralTracker::find_camera(const RgbdFrame& frame) {
+  Alignment carried_on = align(T_bridge_, frame.timestamp_s, motion_);
+  if (carried_on.trusted()) return carried_on;
+  if (motion_.frames_held() % config_.alignment.relocalise_interval != 0) return carried_on;
+  std::optional<SE3> found;
+  {
+    const CpuTimer timer(times_.visual);
+    found = relocaliser_.relocalise(frame);
+  }
+  if (!found) return carried_on;
+  // The jump is what relocalisation is for: judge the alignment as a motion from there.
+  MotionModel motion = motion_;
+  motion.jump_to(*found);
+  Alignment relocalised = align(*found, frame.timestamp_s, motion);
+  if (relocalised.trusted()) motion_ = motion;
+  return relocalised;
 }
 
 // The picture fits much worse than pictures lately did: perhaps not where the camera is.
-bool SpectralTracker::fits_badly(const Diagnostics& d) const {
-  return usual_visual_cost_ > 0 &&
-         d.visual_cost > config_.spectral.suspicious_cost * usual_visual_cost_;
+bool SpectralTracker::fits_badly(const Alignment& a) const {
+  return usual_visual_cost_ > 0 && a.picture &&
+         a.picture->mean_cost > config_.alignment.suspicious_cost * usual_visual_cost_;
 }
 
-// The prediction may have been the problem (an abrupt stop, a jerk between dropped frames): once
-// more from the last pose. The better of the two counts.
-SpectralTracker::Outcome SpectralTracker::align_again(const Outcome& first, double timestamp_s,
-                                                      Diagnostics& d) {
-  const double first_cost = d.visual_cost;
-  const Outcome second = align(motion_.pose(), timestamp_s, d);
-  if (!first.trusted || (second.trusted && d.visual_cost < first_cost)) return second;
-  return align(first.T_map_camera, timestamp_s, d);
-}
-
-// Which axes the frame's own surfaces observe, before anything is matched.
-void SpectralTracker::observe_geometry(Diagnostics& d) {
-  const auto& points = geometry_.source().points;
-  d.source_points = static_cast<int>(points.size());
-  surfaces_ = geometry_.surface_information();
-  observability_ = degeneracy::observe(surfaces_, config_.degeneracy, hysteresis_);
-  for (int k = 0; k < 6; ++k) {
-    d.snr[static_cast<std::size_t>(k)] = observability_.snr[k];
-    d.weights[static_cast<std::size_t>(k)] = observability_.weights[k];
-  }
-  d.axes = observability_.camera_axes;
-  d.degenerate_mask = observability_.mask;
-  constexpr std::size_t kStride = 4;
-  std::vector<Eigen::Vector3f> normals;
-  for (std::size_t i = 0; i < points.size(); i += kStride) normals.push_back(points[i].normal);
-  const std::vector<float> equal(normals.size(), 1.0f);
-  if (!normals.empty()) d.planarity = degeneracy::planarity(normals, equal).eta;
-}
-
-// Coarse to fine from one start pose.
-SpectralTracker::Outcome SpectralTracker::align(const SE3& T_start, double timestamp_s,
-                                                Diagnostics& d) {
-  const bool use_geometry = geometry_.has_targets() && d.source_points >= config_.loss.min_points;
+// Coarse to fine from one start pose; `motion` tells which poses are possible.
+Alignment SpectralTracker::align(const SE3& T_start, double timestamp_s,
+                                 const MotionModel& motion) {
+  Alignment a;
+  a.T_local_camera = T_start;
+  a.lost_reason = LostReason::kNotFinite;
+  if (!T_start.all_finite()) return a;
+  const bool with_geometry = geometry_.has_targets() && enough_points();
   {
-    const CpuTimer timer(d.ms_index);
-    vision_.choose_references(T_start);
-    if (use_geometry) geometry_.prepare(T_start);
+    const CpuTimer timer(times_.index);
+    a.fit = vision_.start(T_start);
+    if (with_geometry) geometry_.prepare(T_start);
   }
-  Outcome outcome{T_start, false};
-  const int coarsest = vision_.has_references() ? vision_.levels() - 1 : 0;
   const auto belief = [&] {
-    return readout_.predict(motion_.rate_to(outcome.T_map_camera, timestamp_s),
+    return readout_.predict(motion.rate_to(a.T_local_camera, timestamp_s),
                             vision_.newest_keyframe());
   };
-  vision_.set_readout(belief());
+  const int coarsest = a.fit.has_references() ? vision_.levels() - 1 : 0;
+  a.fit.set_readout(belief());
   for (int level = coarsest; level >= 0; --level) {
-    if (level < coarsest) vision_.update_belief(belief());
-    geometry_.set_readout(frame_readout());
-    align_level(level, use_geometry, outcome.T_map_camera, d);
+    if (level < coarsest) a.fit.update_belief(belief());
+    a.points_readout = frame_readout(a.fit);
+    geometry_.set_readout(a.points_readout);
+    align_level(level, with_geometry, a);
   }
-  outcome.trusted = explains_frame(outcome.T_map_camera, use_geometry, d);
-  return outcome;
+  if (with_geometry) a.geometry = geometry_at(a.T_local_camera);
+  if (a.fit.has_references()) a.picture = picture_at(a.T_local_camera, a.fit);
+  a.lost_reason = judge(a, motion);
+  return a;
 }
 
-void SpectralTracker::align_level(int level, bool use_geometry, SE3& T, Diagnostics& d) {
-  for (int i = 0; i < config_.spectral.max_iterations; ++i) {
-    ++d.iterations;
+void SpectralTracker::align_level(int level, bool with_geometry, Alignment& a) {
+  for (int i = 0; i < config_.alignment.max_iterations; ++i) {
+    ++a.iterations;
     degeneracy::NormalEquations geometry, vision;
-    if (use_geometry) {
-      const CpuTimer timer(d.ms_geometry);
-      geometry =
-          normal_equations(level > 0 ? geometry_.linearize_coarse(T, config_.spectral.coarse_stride)
-                                     : geometry_.linearize(T));
-    }
-    const CpuTimer timer(d.ms_visual);
-    if (vision_.has_references()) {
-      vision = vision_.linearize(level, T);
+    if (with_geometry) geometry = linearize_geometry(level, a.T_local_camera);
+    const CpuTimer timer(times_.visual);
+    if (a.fit.has_references()) {
+      vision = a.fit.linearize(level, a.T_local_camera);
       // A handful of pixels at a coarse level would only pull the pose somewhere.
-      if (vision_.used() < config_.spectral.min_pixels) vision = {};
+      if (a.fit.used() < config_.alignment.min_pixels) vision = {};
     }
     const auto joint =
-        remove_ ? degeneracy::fuse_removed(geometry, observability_.K, vision, config_.degeneracy)
-                : degeneracy::fuse_joint(geometry, vision, config_.degeneracy);
+        config_.fusion == Fusion::kRemove
+            ? degeneracy::fuse_removed(geometry, observability_.K, vision, config_.degeneracy)
+            : degeneracy::fuse_joint(geometry, vision, config_.degeneracy);
     const Vector6d xi = capped_step(joint, config_.solver);
-    T = T * SE3::exp(xi);
-    vision_.back_substitute(xi);
+    a.T_local_camera = a.T_local_camera * SE3::exp(xi);
+    a.fit.back_substitute(xi);
     if (is_small(xi, config_.solver)) break;
   }
 }
 
-// Whether geometry and vision together pin down all six axes at `T`, and agree with the frame.
-bool SpectralTracker::explains_frame(const SE3& T, bool use_geometry, Diagnostics& d) {
-  bool geometry_holds = false;
-  H_geometry_.setZero();
-  if (use_geometry) {
-    const CpuTimer timer(d.ms_geometry);
-    const auto g = geometry_.linearize(T);
-    H_geometry_ =
-        degeneracy::fuse_removed(normal_equations(g),
-                                 remove_ ? observability_.K : Matrix6d(Matrix6d::Identity()), {},
-                                 config_.degeneracy)
-            .H;
-    d.inliers = g.inliers;
-    d.cost = g.error;
-    d.overlap = geometry_.overlap(T);
-    const auto spectrum = degeneracy::spectrum(g.H);
-    for (int k = 0; k < 6; ++k) {
-      d.eigenvalues[static_cast<std::size_t>(k)] = spectrum.eigenvalues[k];
-    }
-    d.condition_number = spectrum.condition_number();
-    geometry_holds = d.inliers >= config_.loss.min_inliers &&
-                     d.inliers >= config_.loss.min_inlier_share * d.source_points;
+degeneracy::NormalEquations SpectralTracker::linearize_geometry(int level, const SE3& T) {
+  const CpuTimer timer(times_.geometry);
+  return normal_equations(level > 0 ? geometry_.linearize_coarse(T, config_.alignment.coarse_stride)
+                                    : geometry_.linearize(T));
+}
+
+Alignment::Geometry SpectralTracker::geometry_at(const SE3& T) {
+  const CpuTimer timer(times_.geometry);
+  const auto l = geometry_.linearize(T);
+  const Matrix6d K =
+      config_.fusion == Fusion::kRemove ? observability_.K : Matrix6d(Matrix6d::Identity());
+  Alignment::Geometry g;
+  g.inliers = l.inliers;
+  g.cost = l.error;
+  g.overlap = geometry_.overlap(T);
+  g.spectrum = degeneracy::spectrum(l.H);
+  g.H = degeneracy::fuse_removed(normal_equations(l), K, {}, config_.degeneracy).H;
+  g.holds = check_matches(g.inliers, source_points(), config_.loss) == LostReason::kNone;
+  return g;
+}
+
+Alignment::Picture SpectralTracker::picture_at(const SE3& T, VisualTerm::Fit& fit) {
+  const CpuTimer timer(times_.visual);
+  Alignment::Picture p;
+  p.H = fit.linearize(0, T).H;
+  p.pixels = fit.used();
+  p.mean_cost = fit.mean_cost();
+  p.holds =
+      p.pixels >= config_.alignment.min_pixels && p.mean_cost <= config_.alignment.max_mean_cost;
+  return p;
+}
+
+// Whether geometry and vision together pin down all six axes, and agree with how cameras move.
+LostReason SpectralTracker::judge(const Alignment& a, const MotionModel& motion) const {
+  const bool geometry_holds = a.geometry && a.geometry->holds;
+  Matrix6d H_vision = Matrix6d::Zero();  // on the scaled and centred twists of the axes
+  if (a.picture_holds()) {
+    const Matrix6d A = surfaces_.camera_from_scaled();
+    H_vision = A.transpose() * a.picture->H * A;
   }
-  Matrix6d H_vision = Matrix6d::Zero();
-  if (vision_.has_references()) {
-    const CpuTimer timer(d.ms_visual);
-    const auto v = vision_.linearize(0, T);
-    d.visual_inliers = vision_.used();
-    d.visual_cost = vision_.mean_cost();
-    if (vision_.used() >= config_.spectral.min_pixels &&
-        vision_.mean_cost() <= config_.spectral.max_mean_cost) {
-      const Matrix6d A = surfaces_.camera_from_scaled();
-      H_vision = A.transpose() * v.H * A;
-      d.prior_source = "photometric";
-    }
-  }
-  d.prior_active = d.degenerate_mask != 0 && d.prior_source == "photometric";
   for (int k = 0; k < 6; ++k) {
-    const bool seen = geometry_holds && ((d.degenerate_mask >> k) & 1u) == 0;
+    const bool seen = geometry_holds && ((observability_.mask >> k) & 1u) == 0;
     const Vector6d axis = observability_.axes.col(k);
-    if (!seen && axis.dot(H_vision * axis) < config_.spectral.min_information) return false;
+    if (!seen && axis.dot(H_vision * axis) < config_.alignment.min_information) {
+      return why_unseen(a);
+    }
   }
-  const SE3 motion = motion_.pose().inverse() * T;
-  constexpr int kMaxGrowth = 4;
-  const double growth = std::min(lost_frames_ + 1, kMaxGrowth);
-  return T.all_finite() && motion.t.norm() <= growth * config_.motion.max_translation_m &&
-         motion.angle() <= growth * config_.motion.max_rotation_rad;
+  return motion.judge(a.T_local_camera);
+}
+
+// What kept an axis from being seen: geometry is asked first.
+LostReason SpectralTracker::why_unseen(const Alignment& a) const {
+  const LostReason points = check_points(source_points(), config_.loss);
+  if (points != LostReason::kNone) return points;
+  if (!a.geometry || !a.geometry->holds) return LostReason::kTooFewMatches;
+  if (!a.picture || a.picture->pixels < config_.alignment.min_pixels) {
+    return LostReason::kTooFewPixels;
+  }
+  return a.picture->holds ? LostReason::kUnseenAxis : LostReason::kPoorPictureFit;
 }
 
 // Camera twist over the readout of the frame: what is seen, without the keyframe's share.
-Vector6d SpectralTracker::frame_readout() const {
-  Vector6d readout = vision_.readout();
+Vector6d SpectralTracker::frame_readout(const VisualTerm::Fit& fit) const {
+  Vector6d readout = fit.readout();
   readout.head<3>() -= readout_.keyframe_error(vision_.newest_keyframe());
   return readout;
 }
 
-// What this frame's picture tells about the sensor's readout time.
-void SpectralTracker::learn_readout(const SE3& T, double timestamp_s, const Diagnostics& d) {
-  if (d.prior_source != "photometric") return;
-  const Eigen::Vector3d rate = motion_.rate_to(T, timestamp_s).head<3>();
-  const auto seen = vision_.measured_readout(H_geometry_);
+// What this frame's picture tells about the sensor's readout time, and about how well pictures fit.
+void SpectralTracker::learn_from(const Alignment& a, double timestamp_s) {
+  if (!a.picture_holds()) return;
+  const Eigen::Vector3d rate = motion_.rate_to(a.T_local_camera, timestamp_s).head<3>();
+  const auto seen = a.fit.measured_readout(a.geometry ? a.geometry->H : Matrix6d(Matrix6d::Zero()));
   readout_.update(rate, seen.rotation, seen.information, vision_.newest_keyframe());
-}
-
-// The next frames after a loss: looks for the camera among the keyframes, now and then.
-SpectralTracker::Outcome SpectralTracker::recover(const RgbdFrame& frame, Diagnostics& d) {
-  Outcome outcome{motion_.pose(), false};
-  if (lost_frames_ == 0 || lost_frames_ % config_.spectral.relocalise_interval != 0) return outcome;
-  std::optional<SE3> found;
-  {
-    const CpuTimer timer(d.ms_visual);
-    found = relocaliser_.relocalise(frame);
-  }
-  if (!found) return outcome;
-  // The jump is what relocalisation is for: judge the alignment as a motion from there.
-  const MotionModel before = motion_;
-  motion_ = MotionModel(config_.motion, *found);
-  outcome = align(*found, frame.timestamp_s, d);
-  if (!outcome.trusted) motion_ = before;
-  return outcome;
-}
-
-TrackResult SpectralTracker::lost(double timestamp_s, const Diagnostics& d) {
-  if (lost_frames_ == 0) lost_since_s_ = timestamp_s;
-  ++lost_frames_;
-  if (timestamp_s - lost_since_s_ <= config_.spectral.bridge_s || lost_frames_ == 1) {
-    T_bridge_ = motion_.predict(timestamp_s);
-  }
-  TrackResult result;
-  result.status = TrackingStatus::kLost;
-  result.T_world_camera = (T_world_map_ * T_bridge_).normalized();
-  result.diagnostics = d;
-  return result;
+  constexpr double kForget = 0.1;
+  if (usual_visual_cost_ <= 0) usual_visual_cost_ = a.picture->mean_cost;
+  usual_visual_cost_ += kForget * (a.picture->mean_cost - usual_visual_cost_);
 }
 
 // Targets and visual keyframes grow independently; true when the targets did.
-bool SpectralTracker::extend_map(const RgbdFrame& frame, const SE3& T, const Diagnostics& d) {
-  const bool enough_depth = d.source_points >= config_.loss.min_points;
-  if (enough_depth && vision_.wants_keyframe(T)) {
+bool SpectralTracker::extend_map(const RgbdFrame& frame, const Alignment& a) {
+  const CpuTimer timer(times_.update);
+  if (!enough_points()) return false;
+  if (vision_.wants_keyframe(a.T_local_camera, a.fit)) {
     const int before = vision_.keyframes();
-    vision_.insert_keyframe(T, frame_readout(),
+    vision_.insert_keyframe(a.T_local_camera, a.fit, frame_readout(a.fit),
                             [this](int u, int v) { return geometry_.smooth_depth(u, v); });
-    if (vision_.keyframes() > before) relocaliser_.add_keyframe(frame, T);
+    if (vision_.keyframes() > before) relocaliser_.add_keyframe(frame, a.T_local_camera);
   }
-  const bool first = !geometry_.has_targets();
-  if (!enough_depth || (!first && !(d.overlap < config_.keyframe.min_overlap))) return false;
-  geometry_.insert_keyframe(T);
+  const bool unexplained =
+      a.geometry && a.geometry->overlap < config_.geometry.keyframe.min_overlap;
+  if (geometry_.has_targets() && !unexplained) return false;
+  geometry_.insert_keyframe(a.T_local_camera, a.points_readout);
   return true;
+}
+
+TrackResult SpectralTracker::tracked(const Alignment& alignment, bool keyframe) const {
+  TrackResult result;
+  result.T_world_camera = (T_world_local_ * alignment.T_local_camera).normalized();
+  result.status = observability_.mask != 0 ? TrackingStatus::kDegenerate : TrackingStatus::kOk;
+  result.keyframe = keyframe;
+  result.diagnostics = describe(alignment);
+  result.diagnostics.readout_s = readout_.readout_s();
+  return result;
+}
+
+TrackResult SpectralTracker::lost(const Alignment& alignment, double timestamp_s) {
+  if (motion_.frames_held() == 0) {
+    lost_since_s_ = timestamp_s;
+    T_bridge_ = motion_.pose();
+  }
+  motion_.miss();
+  const SE3 T_carried_on = motion_.predict(timestamp_s);
+  if (T_carried_on.all_finite() &&
+      (timestamp_s - lost_since_s_ <= config_.alignment.bridge_s || motion_.frames_held() == 1)) {
+    T_bridge_ = T_carried_on;
+  }
+  TrackResult result;
+  result.status = TrackingStatus::kLost;
+  result.lost_reason = alignment.lost_reason;
+  result.T_world_camera = (T_world_local_ * T_bridge_).normalized();
+  result.diagnostics = describe(alignment);
+  return result;
+}
+
+Diagnostics SpectralTracker::describe(const Alignment& a) const {
+  Diagnostics d;
+  times_.write_to(d);
+  d.source_points = source_points();
+  d.planarity = planarity_;
+  note_observability(observability_, d);
+  d.iterations = a.iterations;
+  if (a.geometry) {
+    d.inliers = a.geometry->inliers;
+    d.cost = a.geometry->cost;
+    d.overlap = a.geometry->overlap;
+    note_spectrum(a.geometry->spectrum, d);
+  }
+  if (a.picture) {
+    d.visual_inliers = a.picture->pixels;
+    d.visual_cost = a.picture->mean_cost;
+  }
+  if (a.picture_holds()) d.prior_source = PriorSource::kPhotometric;
+  d.prior_active = d.degenerate_mask != 0 && a.picture_holds();
+  return d;
 }
 
 }  // namespace sgs::tracker

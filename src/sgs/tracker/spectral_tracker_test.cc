@@ -44,12 +44,12 @@ TEST(SpectralTracker, HoldsOnToAPaperedWallWhereGeometrySlides) {
     const Diagnostics& d = spectral.results[i].diagnostics;
     EXPECT_EQ(spectral.results[i].status, TrackingStatus::kDegenerate) << i;
     EXPECT_TRUE(d.prior_active);
-    EXPECT_EQ(d.prior_source, "photometric");
+    EXPECT_EQ(d.prior_source, PriorSource::kPhotometric);
     // A plane leaves two translations and the rotation about its normal open.
     EXPECT_EQ(__builtin_popcount(d.degenerate_mask), 3) << i;
     EXPECT_GT(d.planarity, 0.9);
   }
-  config.type = "gicp";
+  config.type = TrackerType::kGicp;
   EXPECT_GT(run_wall(config, 40).worst_m, 0.1);
 }
 

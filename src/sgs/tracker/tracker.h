@@ -16,7 +16,8 @@ struct TrackerConfig;  // tracker/tracker_config.h
 
 /// Estimates the pose of each frame in the world of the first one. Synchronous, single-threaded,
 /// deterministic; the first frame gets the initial pose. Never throws on bad data: a frame
-/// that cannot be tracked comes back as kLost with the last pose held.
+/// that cannot be tracked comes back as kLost, with the reason and the best guess at its pose (the
+/// last one, which some trackers carry on at constant velocity for a moment).
 class Tracker {
  public:
   virtual ~Tracker() = default;
@@ -28,7 +29,8 @@ class Tracker {
   virtual bool follows_map() const = 0;
 };
 
-/// Makes the tracker that `config` names (gicp, spectral, ...). Fails on names this build lacks.
+/// Makes the tracker that `config.type` names. Fails on settings out of range and cameras without a
+/// size.
 Result<std::unique_ptr<Tracker>> make_tracker(const TrackerConfig& config,
                                               const PinholeCamera& camera,
                                               const SE3& T_world_first);

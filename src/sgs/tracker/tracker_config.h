@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
-
 #include "sgs/core/config.h"
 #include "sgs/degeneracy/degeneracy_config.h"
 #include "sgs/features/features_config.h"
@@ -12,99 +10,243 @@
 
 namespace sgs::tracker {
 
+enum class TrackerType { kSpectral, kPaper, kGicp, kOrb, kCvm };
+constexpr auto enum_names(TrackerType) {
+  using enum TrackerType;
+  return std::to_array<EnumName<TrackerType>>(
+      {{kSpectral, "spectral"}, {kPaper, "paper"}, {kGicp, "gicp"}, {kOrb, "orb"}, {kCvm, "cvm"}});
+}
+
+enum class Fusion { kRemove, kJoint };
+constexpr auto enum_names(Fusion) {
+  using enum Fusion;
+  return std::to_array<EnumName<Fusion>>({{kRemove, "remove"}, {kJoint, "joint"}});
+}
+
+enum class MotionStart { kConstantVelocity, kPrevious };
+constexpr auto enum_names(MotionStart) {
+  using enum MotionStart;
+  return std::to_array<EnumName<MotionStart>>(
+      {{kConstantVelocity, "constant_velocity"}, {kPrevious, "previous"}});
+}
+
+enum class TargetSource { kOptimised, kAnchor, kGrid };
+constexpr auto enum_names(TargetSource) {
+  using enum TargetSource;
+  return std::to_array<EnumName<TargetSource>>(
+      {{kOptimised, "optimised"}, {kAnchor, "anchor"}, {kGrid, "grid"}});
+}
+
+enum class PosePriorSource { kOrb, kConstantVelocity };
+constexpr auto enum_names(PosePriorSource) {
+  using enum PosePriorSource;
+  return std::to_array<EnumName<PosePriorSource>>({{kOrb, "orb"}, {kConstantVelocity, "cvm"}});
+}
+
 /// Start pose of a frame, and what counts as an impossible motion.
 struct MotionConfig {
-  std::string start = "constant_velocity";  ///< constant_velocity | previous
-  double velocity_decay = 0.95;             ///< share of the last motion that is repeated
-  double max_translation_m = 0.25;          ///< a frame that moves farther is refused
+  MotionStart start = MotionStart::kConstantVelocity;
+  double velocity_decay = 0.95;
+  double max_translation_m = 0.25;
   double max_rotation_rad = 0.5;
 
-  void declare(ParameterList& p);
+  void declare(ParameterList& p) {
+    p.add("start", start, "Pose at which the registration of a frame starts.");
+    p.add("velocity_decay", velocity_decay, "Share of the last motion that the start repeats.", "",
+          {0, 1});
+    p.add("max_translation_m", max_translation_m, "A frame that moves farther is refused.", "m",
+          {1e-3, 10});
+    p.add("max_rotation_rad", max_rotation_rad, "A frame that turns farther is refused.", "rad",
+          {1e-3, 3.2});
+  }
 };
 
 /// When a frame extends the tracker's targets.
 struct KeyframeConfig {
-  double min_overlap = 0.81;           ///< a frame the map explains less than this is a keyframe
-  double overlap_distance_m = 0.0316;  ///< a point this near to its target is explained
+  double min_overlap = 0.81;
+  double overlap_distance_m = 0.0316;
 
-  void declare(ParameterList& p);
+  void declare(ParameterList& p) {
+    p.add("min_overlap", min_overlap,
+          "A frame becomes a tracking keyframe when the map explains a smaller share of its "
+          "points.",
+          "", {0, 1});
+    p.add("overlap_distance_m", overlap_distance_m,
+          "A point is explained by a target nearer than this.", "m", {1e-3, 1});
+  }
 };
 
 /// When a pose is not to be trusted.
 struct LossConfig {
-  int min_points = 150;           ///< sampled points a frame must have
-  int min_inliers = 80;           ///< matched points it must have
-  double min_inlier_share = 0.1;  ///< matched share of its points
+  int min_points = 150;
+  int min_inliers = 80;
+  double min_inlier_share = 0.1;
 
-  void declare(ParameterList& p);
+  void declare(ParameterList& p) {
+    p.add("min_points", min_points, "Sampled points without which a frame is lost.", "", {6, 1e6});
+    p.add("min_inliers", min_inliers, "Matched points without which a frame is lost.", "",
+          {6, 1e6});
+    p.add("min_inlier_share", min_inlier_share,
+          "Matched share of the points without which a frame is lost.", "", {0, 1});
+  }
 };
 
-/// Which points of the map frames are registered to (METHOD section 7).
+/// Which points of the map frames are registered to (docs/method.md, section 7).
 struct TargetConfig {
-  std::string source = "grid";  ///< optimised | anchor | grid
-  double min_opacity = 0.09;    ///< of Gaussians that serve as targets
-  double scale_sigmas = 0;      ///< optimised: least scale in depth noises (the paper's "Scale")
-  int step_px = 4;              ///< grid: spacing of the pixels a keyframe contributes
-  double spacing = 1.0;         ///< grid: nothing is inserted nearer than this many of its steps
+  TargetSource source = TargetSource::kGrid;
+  double min_opacity = 0.09;
+  double scale_sigmas = 0;
+  int step_px = 4;
+  double spacing = 1.0;
 
-  void declare(ParameterList& p);
+  void declare(ParameterList& p) {
+    p.add("source", source,
+          "Targets of the registration: the optimised Gaussians, the points they were born with, "
+          "or points the tracker keeps itself.");
+    p.add("min_opacity", min_opacity, "Least opacity of Gaussians that serve as targets.", "",
+          {0, 1});
+    p.add("scale_sigmas", scale_sigmas,
+          "Least scale of optimised Gaussians as targets, in standard deviations of the depth they "
+          "were born from; 0 = as they are (the paper's ablation \"Scale\").",
+          "", {0, 100});
+    p.add("step_px", step_px, "Spacing of the pixels that a keyframe adds as own points.", "px",
+          {2, 64});
+    p.add("spacing", spacing, "No own point is added nearer than this to another one.", "steps",
+          {0, 10});
+  }
 };
 
-/// The joint geometric and photometric tracker (TRACKING section 2).
-struct SpectralConfig {
-  int coarse_stride = 9;               ///< geometry at coarse levels uses every n-th point
-  int max_iterations = 10;             ///< per pyramid level
-  double keyframe_translation = 0.12;  ///< in mean depths, from the last visual keyframe
-  double keyframe_rotation_deg = 8;
-  double keyframe_visible = 0.75;  ///< a smaller share of the keyframe's pixels makes a new one
-  int min_pixels = 40;             ///< fewer photometric pixels are no measurement
-  double max_mean_cost = 3;        ///< of the photometric residuals; more is no alignment
-  double suspicious_cost = 1.4;    ///< a cost so many times the usual one is tried again
-  double min_information = 2e4;    ///< vision must give on an unseen axis, 1/m^2
-  double bridge_s = 0.5;           ///< longest stretch carried on at constant velocity when lost
-  int max_references = 2;          ///< keyframes aligned to: the last one and older ones near by
-  double revisit_distance = 0.45;  ///< how far an older keyframe's view may be off
-  int relocalise_interval = 5;     ///< frames between relocalisation attempts while lost
-  int relocalise_keyframes = 20;   ///< newest visual keyframes kept for relocalisation
+/// The joint geometric and photometric alignment (docs/method.md, section 6), what it must achieve,
+/// and what follows a loss.
+struct AlignmentConfig {
+  int coarse_stride = 9;
+  int max_iterations = 10;
+  int min_pixels = 40;
+  double max_mean_cost = 3;
+  double suspicious_cost = 1.4;
+  double min_information = 2e4;
+  double bridge_s = 0.5;
+  int relocalise_interval = 5;
 
-  void declare(ParameterList& p);
+  void declare(ParameterList& p) {
+    p.add("coarse_stride", coarse_stride, "Geometry at coarse levels uses every n-th point.", "",
+          {1, 1000});
+    p.add("max_iterations", max_iterations, "Gauss-Newton steps per pyramid level.", "", {1, 100});
+    p.add("min_pixels", min_pixels, "Fewer photometric pixels are no measurement.", "", {8, 10000});
+    p.add("max_mean_cost", max_mean_cost, "A larger mean photometric cost is no alignment.", "",
+          {0, 100});
+    p.add("suspicious_cost", suspicious_cost,
+          "A frame whose photometric cost is so many times the usual one is aligned again from "
+          "another start.",
+          "", {1, 1000});
+    p.add("min_information", min_information,
+          "Information vision must give on an axis that geometry does not see, else the frame is "
+          "lost.",
+          "1/m^2", {0, 1e12});
+    p.add("bridge_s", bridge_s, "Longest stretch carried on at constant velocity when lost.", "s",
+          {0, 10});
+    p.add("relocalise_interval", relocalise_interval,
+          "Frames between relocalisation attempts while lost.", "frames", {1, 1000});
+  }
+};
+
+/// The keyframes whose pictures a frame is aligned to.
+struct VisualKeyframeConfig {
+  double keyframe_translation = 0.12;
+  double keyframe_rotation_deg = 8;
+  double keyframe_visible = 0.75;
+  int max_references = 2;
+  double revisit_distance = 0.45;
+
+  void declare(ParameterList& p) {
+    p.add("keyframe_translation", keyframe_translation,
+          "Distance from the last visual keyframe that makes a new one.", "mean depths", {0, 10});
+    p.add("keyframe_rotation_deg", keyframe_rotation_deg,
+          "Rotation from the last visual keyframe that makes a new one.", "deg", {0, 180});
+    p.add("keyframe_visible", keyframe_visible,
+          "A smaller usable share of the keyframe's pixels makes a new one.", "", {0, 1});
+    p.add("max_references", max_references,
+          "Keyframes a frame is aligned to: the last one and older ones near by.", "", {1, 8});
+    p.add("revisit_distance", revisit_distance,
+          "How far the view of an older keyframe may be off to serve again.", "image widths",
+          {0, 2});
+  }
+};
+
+/// How many pictures are kept to find the camera again after a loss.
+struct RelocalisationConfig {
+  int keyframes = 20;
+
+  void declare(ParameterList& p) {
+    p.add("relocalise_keyframes", keyframes, "Newest visual keyframes kept for relocalisation.", "",
+          {1, 1000});
+  }
 };
 
 /// Rolling shutter: time from the first row of a picture to the last.
 struct ReadoutConfig {
-  bool estimate = true;         ///< learn it from the pictures; off: it is `fixed_s`
-  double fixed_s = 0;           ///< 0 = global shutter
-  double prior_sigma_s = 0.01;  ///< belief before the first picture: 0 with this uncertainty
-  double rate_sigma = 0.1;      ///< change of the turning rate within a frame interval, rad/s
+  bool estimate = true;
+  double fixed_s = 0;
+  double prior_sigma_s = 0.01;
+  double rate_sigma = 0.1;
 
-  void declare(ParameterList& p);
+  void declare(ParameterList& p) {
+    p.add("estimate", estimate, "Learn the readout time of a rolling shutter; off: use fixed_s.");
+    p.add("fixed_s", fixed_s,
+          "Time from the first row of a picture to the last; 0 = global shutter.", "s",
+          {-0.1, 0.1});
+    p.add("prior_sigma_s", prior_sigma_s, "Uncertainty of a readout time of 0 at the start.", "s",
+          {1e-6, 0.1});
+    p.add("rate_sigma", rate_sigma, "Change of the turning rate within a frame interval.", "rad/s",
+          {1e-4, 10});
+  }
 };
 
-/// The paper's visual prior, `fusion = prior` (METHOD sections 4 to 6); its ablations are here, in
+/// The paper's visual prior (docs/method.md, sections 4 to 6); its ablations are here, in
 /// `degeneracy.soft_gate` and in `degeneracy.condition_threshold`.
 struct PriorConfig {
-  std::string source = "orb";  ///< orb | cvm (constant velocity, an ablation)
-  int first_frame = 4;         ///< number, from 0, of the first frame with a prior
-  bool planarity = true;       ///< off: eigenvalues alone decide, included axes have weight 1
-  bool only = false;           ///< pose = prior, nothing is registered
+  PosePriorSource source = PosePriorSource::kOrb;
+  int first_frame = 4;
+  bool planarity = true;
+  bool only = false;
 
-  void declare(ParameterList& p);
+  void declare(ParameterList& p) {
+    p.add("source", source,
+          "Prior of the paper's tracker: ORB to the last frame, or constant velocity (an "
+          "ablation).");
+    p.add("first_frame", first_frame, "Number of the first frame with a prior, from 0.", "frames",
+          {1, 1000});
+    p.add("planarity", planarity,
+          "Let planarity gate the prior; off = eigenvalues alone, included axes have weight 1.");
+    p.add("only", only, "Take the prior's pose as it is and register nothing.");
+  }
 };
 
 /// When the `orb` tracker extends its visual map, and how often it looks for itself when lost.
 struct OrbTrackingConfig {
-  double keyframe_translation = 0.12;  ///< in mean depths, from the last keyframe
+  double keyframe_translation = 0.12;
   double keyframe_rotation_deg = 8;
-  double keyframe_matches = 0.6;  ///< a smaller share of the first matches makes a new keyframe
-  int relocalise_interval = 5;    ///< frames between relocalisation attempts while lost
+  double keyframe_matches = 0.6;
+  int relocalise_interval = 5;
 
-  void declare(ParameterList& p);
+  void declare(ParameterList& p) {
+    p.add("keyframe_translation", keyframe_translation,
+          "Distance from the last keyframe that makes a new one.", "mean depths", {0, 10});
+    p.add("keyframe_rotation_deg", keyframe_rotation_deg,
+          "Rotation from the last keyframe that makes a new one.", "deg", {0, 180});
+    p.add("keyframe_matches", keyframe_matches,
+          "A smaller share of the matches there were right after the last keyframe makes a new "
+          "one.",
+          "", {0, 1});
+    p.add("relocalise_interval", relocalise_interval,
+          "Frames between relocalisation attempts while lost.", "frames", {1, 1000});
+  }
 };
 
-/// Settings of the tracker; the defaults are the `default` preset.
+/// Settings of all trackers, as they stand in a config file. Each tracker is given its own part.
 struct TrackerConfig {
-  std::string type = "spectral";  ///< gicp | spectral | orb | cvm
-  std::string fusion = "remove";  ///< of `spectral`: remove | joint | prior (the paper)
+  TrackerType type = TrackerType::kSpectral;
+  Fusion fusion = Fusion::kRemove;
   registration::SamplingConfig points;
   registration::SearchConfig search;
   registration::FactorConfig factor;
@@ -115,7 +257,9 @@ struct TrackerConfig {
   TargetConfig target;
   degeneracy::DegeneracyConfig degeneracy;
   registration::PhotometricConfig photometric;
-  SpectralConfig spectral;
+  AlignmentConfig alignment;
+  VisualKeyframeConfig visual_keyframes;
+  RelocalisationConfig relocalisation;
   ReadoutConfig readout;
   features::OrbConfig orb;
   features::VisualPoseConfig visual_pose;
@@ -125,7 +269,82 @@ struct TrackerConfig {
   void declare(ParameterList& p);
 };
 
-/// The paper's front end with the released parameters (METHOD section 2).
+/// The paper's front end with the released parameters (docs/method.md, section 2).
 TrackerConfig paper_tracker_config();
+
+/// The part of GeometricTerm and its targets.
+struct GeometryConfig {
+  registration::SamplingConfig points;
+  registration::SearchConfig search;
+  registration::FactorConfig factor;
+  TargetConfig target;
+  KeyframeConfig keyframe;
+
+  explicit GeometryConfig(const TrackerConfig& all);
+};
+
+/// The part of VisualTerm.
+struct VisionConfig {
+  registration::PhotometricConfig photometric;
+  VisualKeyframeConfig keyframes;
+
+  explicit VisionConfig(const TrackerConfig& all);
+};
+
+/// The part of Relocaliser.
+struct RelocaliserConfig {
+  RelocalisationConfig memory;
+  features::OrbConfig orb;
+  features::VisualPoseConfig pose;
+
+  explicit RelocaliserConfig(const TrackerConfig& all);
+};
+
+/// The part of SpectralTracker.
+struct SpectralConfig {
+  Fusion fusion;
+  AlignmentConfig alignment;
+  registration::SolverConfig solver;
+  degeneracy::DegeneracyConfig degeneracy;
+  MotionConfig motion;
+  LossConfig loss;
+  GeometryConfig geometry;
+  VisionConfig vision;
+  ReadoutConfig readout;
+  RelocaliserConfig relocaliser;
+
+  explicit SpectralConfig(const TrackerConfig& all);
+};
+
+/// The part of GicpTracker, which is all that trackers by registration have in common.
+struct GicpConfig {
+  registration::SolverConfig solver;
+  degeneracy::DegeneracyConfig degeneracy;
+  MotionConfig motion;
+  LossConfig loss;
+  GeometryConfig geometry;
+
+  explicit GicpConfig(const TrackerConfig& all);
+};
+
+/// The part of PaperTracker.
+struct PaperConfig {
+  GicpConfig registration;
+  PriorConfig prior;
+  features::OrbConfig orb;
+  features::VisualPoseConfig visual_pose;
+
+  explicit PaperConfig(const TrackerConfig& all);
+};
+
+/// The part of OrbTracker.
+struct OrbTrackerConfig {
+  MotionConfig motion;
+  features::OrbConfig orb;
+  features::VisualPoseConfig visual_pose;
+  OrbTrackingConfig tracking;
+
+  explicit OrbTrackerConfig(const TrackerConfig& all);
+};
 
 }  // namespace sgs::tracker

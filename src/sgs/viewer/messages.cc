@@ -107,7 +107,7 @@ std::string state_message(const FrameUpdate& update, bool paused) {
                {"condition", number(d.condition_number)},
                {"planarity", number(d.planarity)},
                {"prior_active", d.prior_active},
-               {"prior_source", d.prior_source},
+               {"prior_source", tracker::to_string(d.prior_source)},
                {"inliers", d.inliers},
                {"visual_inliers", d.visual_inliers},
                {"overlap", number(d.overlap)},

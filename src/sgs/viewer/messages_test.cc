@@ -34,7 +34,7 @@ TEST(Messages, StateCarriesWhatTheTrackerSaid) {
   u.record.diagnostics.weights = {0, 0, 1, 0.25, 0, 0};
   u.record.diagnostics.degenerate_mask = 4;
   u.record.diagnostics.snr = {1, 2, 3, 4, 5, INFINITY};
-  u.record.diagnostics.prior_source = "photometric";
+  u.record.diagnostics.prior_source = tracker::PriorSource::kPhotometric;
   u.truth = SE3();
   const json state = json::parse(state_message(u, true));
   EXPECT_EQ(state["type"], "state");

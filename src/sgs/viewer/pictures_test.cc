@@ -128,7 +128,7 @@ TEST(SessionFeed, PosesFollowTheRefinementOfTheNewestKeyframe) {
   std::deque<slam::FrameRecord> records(3);
   for (int i = 0; i < 3; ++i) {
     records[static_cast<std::size_t>(i)].index = 10 + i;
-    records[static_cast<std::size_t>(i)].T_world_tracked.t.x() = i;
+    records[static_cast<std::size_t>(i)].T_odom_camera.t.x() = i;
   }
   auto map = std::make_shared<map::Snapshot>();
   EXPECT_EQ(pose_in_map(records[2], records, nullptr).t.x(), 2);

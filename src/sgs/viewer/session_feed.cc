@@ -10,13 +10,13 @@ namespace sgs::viewer {
 
 SE3 pose_in_map(const slam::FrameRecord& record, const std::deque<slam::FrameRecord>& records,
                 const map::SnapshotPtr& snapshot) {
-  if (!snapshot || snapshot->keyframe_frames.empty()) return record.T_world_tracked;
+  if (!snapshot || snapshot->keyframe_frames.empty()) return record.T_odom_camera;
   const std::int64_t frame = snapshot->keyframe_frames.back();
   const auto it = std::lower_bound(
       records.begin(), records.end(), frame,
       [](const slam::FrameRecord& r, std::int64_t index) { return r.index < index; });
-  if (it == records.end() || it->index != frame || it->bad) return record.T_world_tracked;
-  return snapshot->T_world_keyframe.back() * it->T_world_tracked.inverse() * record.T_world_tracked;
+  if (it == records.end() || it->index != frame || it->bad) return record.T_odom_camera;
+  return snapshot->T_world_keyframe.back() * it->T_odom_camera.inverse() * record.T_odom_camera;
 }
 
 FrameUpdate SessionFeed::update(slam::Session& session, const slam::FeedItem& item,

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/tracker/visual_term.h"
+#include "sgs/tracker/terms/visual_term.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -30,21 +30,17 @@ double mean_depth(const DepthImage& depth, double max_depth_m) {
 
 }  // namespace
 
-VisualTerm::VisualTerm(const registration::PhotometricConfig& photometric,
-                       const SpectralConfig& config)
-    : photometric_(photometric), config_(config) {}
-
 void VisualTerm::set_frame(const RgbdFrame& frame) {
-  pyramid_.build(frame.color, frame.camera, photometric_.levels);
+  pyramid_.build(frame.color, frame.camera, config_.photometric.levels);
   levels_ = pyramid_.levels();
   frame_ = &frame;
 }
 
-// How different the view from `T_map_camera` is from a keyframe's: shift of the view's centre in
-// image widths, change of distance and roll, half each (TRACKING section 1, finding 6).
-double VisualTerm::view_distance(const Keyframe& keyframe, const SE3& T_map_camera) const {
+// How different the view from `T_local_camera` is from a keyframe's: shift of the view's centre in
+// image widths, change of distance and roll, half each (docs/method.md, section 5).
+double VisualTerm::view_distance(const Keyframe& keyframe, const SE3& T_local_camera) const {
   const PinholeCamera& camera = pyramid_.level(0).camera;
-  const SE3 T = keyframe.reference.T_world_keyframe().inverse() * T_map_camera;
+  const SE3 T = keyframe.reference.T_world_keyframe().inverse() * T_local_camera;
   const Eigen::Vector3d centre = T * Eigen::Vector3d(0, 0, keyframe.mean_depth_m);
   constexpr double kNear_m = 0.2, kFarAway = 9;
   if (centre.z() < kNear_m) return kFarAway;
@@ -54,38 +50,42 @@ double VisualTerm::view_distance(const Keyframe& keyframe, const SE3& T_map_came
   return shift + 0.5 * T.t.norm() / keyframe.mean_depth_m + 0.5 * roll;
 }
 
-void VisualTerm::choose_references(const SE3& T_map_predicted) {
-  references_.clear();
-  if (keyframes_.empty()) return;
-  const auto add = [this](std::size_t index) { references_.push_back({index, {}, {}}); };
+VisualTerm::Fit VisualTerm::start(const SE3& T_local_predicted) const {
+  Fit fit;
+  fit.term_ = this;
+  if (keyframes_.empty()) return fit;
+  const auto add = [&](std::size_t index) { fit.references_.push_back({index, {}, {}}); };
   add(newest_);
   std::vector<std::pair<double, std::size_t>> near;
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
     if (i == newest_) continue;
-    const double distance = view_distance(keyframes_[i], T_map_predicted);
-    if (distance < config_.revisit_distance) near.emplace_back(distance, i);
+    const double distance = view_distance(keyframes_[i], T_local_predicted);
+    if (distance < config_.keyframes.revisit_distance) near.emplace_back(distance, i);
   }
   std::sort(near.begin(), near.end());
   for (const auto& [distance, index] : near) {
-    if (static_cast<int>(references_.size()) >= config_.max_references) break;
+    if (static_cast<int>(fit.references_.size()) >= config_.keyframes.max_references) break;
     add(index);
   }
+  return fit;
 }
 
-void VisualTerm::set_readout(const ReadoutEstimator::Belief& belief) {
+void VisualTerm::Fit::set_readout(const ReadoutEstimator::Belief& belief) {
   belief_ = belief;
   readout_ = belief.mean;
 }
 
-degeneracy::NormalEquations VisualTerm::linearize(int level, const SE3& T_map_camera) {
+degeneracy::NormalEquations VisualTerm::Fit::linearize(int level, const SE3& T_local_camera) {
+  SGS_CHECK(has_references(), "nothing to align to");
   sum_ = {};
   const registration::ReadoutMotion readout(readout_);
   readout_free_ = level <= kCoarsestReadoutLevel;
   for (Reference& r : references_) {
-    const auto& reference = keyframes_[r.keyframe].reference;
+    const auto& reference = term_->keyframes_[r.keyframe].reference;
     if (level >= reference.levels()) continue;
-    r.last = registration::linearize(reference, level, pyramid_, frame_->depth, T_map_camera,
-                                     r.brightness, photometric_, readout, readout_free_);
+    r.last = registration::linearize(reference, level, term_->pyramid_, term_->frame_->depth,
+                                     T_local_camera, r.brightness, term_->config_.photometric,
+                                     readout, readout_free_);
     sum_.H += r.last.H;
     sum_.b += r.last.b;
     sum_.H_pose_readout += r.last.H_pose_readout;
@@ -93,7 +93,7 @@ degeneracy::NormalEquations VisualTerm::linearize(int level, const SE3& T_map_ca
     sum_.b_readout += r.last.b_readout;
     sum_.cost += r.last.cost;
     sum_.used += r.last.used;
-    if (r.keyframe == newest_) {
+    if (r.keyframe == term_->newest_) {
       newest_share_ = static_cast<double>(r.last.used) /
                       static_cast<double>(std::max<std::size_t>(1, reference.points(level).size()));
     }
@@ -107,7 +107,7 @@ degeneracy::NormalEquations VisualTerm::linearize(int level, const SE3& T_map_ca
           sum_.cost + 0.5 * off.dot(belief_.information * off)};
 }
 
-void VisualTerm::back_substitute(const Vector6d& xi) {
+void VisualTerm::Fit::back_substitute(const Vector6d& xi) {
   Eigen::Vector3d step = Eigen::Vector3d::Zero();
   if (readout_free_) {
     const Eigen::Matrix3d H_readout = sum_.H_readout + belief_.information;
@@ -119,7 +119,8 @@ void VisualTerm::back_substitute(const Vector6d& xi) {
   for (Reference& r : references_) r.brightness = r.last.updated(r.brightness, xi, step);
 }
 
-VisualTerm::ReadoutMeasurement VisualTerm::measured_readout(const Matrix6d& H_others) const {
+VisualTerm::Fit::ReadoutMeasurement VisualTerm::Fit::measured_readout(
+    const Matrix6d& H_others) const {
   const auto pose = (sum_.H + H_others).ldlt();
   const Eigen::Matrix<double, 6, 3> G = pose.solve(sum_.H_pose_readout);
   ReadoutMeasurement out;
@@ -131,32 +132,32 @@ VisualTerm::ReadoutMeasurement VisualTerm::measured_readout(const Matrix6d& H_ot
 }
 
 // Within `share` of the limits that make a new keyframe.
-bool VisualTerm::is_near(const Keyframe& keyframe, const SE3& T_map_camera, double share) const {
-  const SE3 T = keyframe.reference.T_world_keyframe().inverse() * T_map_camera;
-  return T.t.norm() < share * config_.keyframe_translation * keyframe.mean_depth_m &&
-         T.angle() < share * config_.keyframe_rotation_deg * std::numbers::pi / 180;
+bool VisualTerm::is_near(const Keyframe& keyframe, const SE3& T_local_camera, double share) const {
+  const SE3 T = keyframe.reference.T_world_keyframe().inverse() * T_local_camera;
+  return T.t.norm() < share * config_.keyframes.keyframe_translation * keyframe.mean_depth_m &&
+         T.angle() < share * config_.keyframes.keyframe_rotation_deg * std::numbers::pi / 180;
 }
 
-bool VisualTerm::wants_keyframe(const SE3& T_map_camera) const {
-  return keyframes_.empty() || !is_near(keyframes_[newest_], T_map_camera, 1.0) ||
-         newest_share_ < config_.keyframe_visible;
+bool VisualTerm::wants_keyframe(const SE3& T_local_camera, const Fit& fit) const {
+  return keyframes_.empty() || !is_near(keyframes_[newest_], T_local_camera, 1.0) ||
+         fit.newest_share_ < config_.keyframes.keyframe_visible;
 }
 
-void VisualTerm::insert_keyframe(const SE3& T_map_camera, const Vector6d& readout,
+void VisualTerm::insert_keyframe(const SE3& T_local_camera, const Fit& fit, const Vector6d& readout,
                                  const registration::DepthLookup& smooth_depth) {
   constexpr double kSameView = 0.8;
-  for (const Reference& r : references_) {
-    if (r.keyframe == newest_ || !is_near(keyframes_[r.keyframe], T_map_camera, kSameView))
+  for (const Fit::Reference& r : fit.references_) {
+    if (r.keyframe == newest_ || !is_near(keyframes_[r.keyframe], T_local_camera, kSameView))
       continue;
     const auto points = keyframes_[r.keyframe].reference.points(0).size();
-    if (r.last.used < config_.keyframe_visible * static_cast<double>(points)) continue;
+    if (r.last.used < config_.keyframes.keyframe_visible * static_cast<double>(points)) continue;
     newest_ = r.keyframe;
     return;
   }
-  keyframes_.push_back(
-      {registration::PhotometricReference(pyramid_, frame_->depth, T_map_camera, photometric_,
-                                          smooth_depth, registration::ReadoutMotion(readout)),
-       mean_depth(frame_->depth, photometric_.max_depth_m)});
+  keyframes_.push_back({registration::PhotometricReference(pyramid_, frame_->depth, T_local_camera,
+                                                           config_.photometric, smooth_depth,
+                                                           registration::ReadoutMotion(readout)),
+                        mean_depth(frame_->depth, config_.photometric.max_depth_m)});
   newest_ = keyframes_.size() - 1;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/tracker/snapshot_targets.h"
+#include "sgs/tracker/targets/snapshot_targets.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -18,26 +18,26 @@ constexpr double kMaxDeadShare = 0.3;
 
 }  // namespace
 
-SnapshotTargets::SnapshotTargets(Kind kind, const TrackerConfig& config, const SE3& T_map_world,
+SnapshotTargets::SnapshotTargets(const GeometryConfig& config, const SE3& T_local_world,
                                  const TrackablePoints::Spacing& spacing)
-    : kind_(kind),
+    : at_anchors_(config.target.source == TargetSource::kAnchor),
       min_opacity_logit_(
           static_cast<float>(std::log(std::max(config.target.min_opacity, 1e-9) /
                                       std::max(1 - config.target.min_opacity, 1e-9)))),
       covariance_floor_(static_cast<float>(config.points.covariance_floor)),
       scale_sigmas_(static_cast<float>(config.target.scale_sigmas)),
-      with_ellipses_(config.factor.type == "gicp"),
-      R_map_world_(T_map_world.R.cast<float>()),
-      t_map_world_(T_map_world.t.cast<float>()),
+      with_ellipses_(config.factor.type == registration::FactorType::kGicp),
+      R_local_world_(T_local_world.R.cast<float>()),
+      t_local_world_(T_local_world.t.cast<float>()),
       before_(spacing) {}
 
 const registration::TargetCloud& SnapshotTargets::cloud() const {
   return has_snapshot_ ? cloud_ : before_.cloud();
 }
 
-void SnapshotTargets::insert(const registration::SourceCloud& source, const SE3& T_map_camera,
+void SnapshotTargets::insert(const registration::SourceCloud& source, const SE3& T_local_camera,
                              const registration::CorrespondenceSearch* search) {
-  if (!has_snapshot_) before_.insert(source, T_map_camera, search);
+  if (!has_snapshot_) before_.insert(source, T_local_camera, search);
 }
 
 void SnapshotTargets::append(const map::Anchor& anchor) {
@@ -74,24 +74,24 @@ void SnapshotTargets::set_target(std::size_t target, const map::Gaussian& g,
   p.variance_m2 = std::max(anchor.sigma_n_m * anchor.sigma_n_m, 1e-10f);
   if (!(g.opacity_logit > min_opacity_logit_)) p.variance_m2 = 0;
   p.opacity = map::opacity(g);
-  if (kind_ == Kind::kAnchor) {
-    p.point = R_map_world_ * anchor.point + t_map_world_;
-    p.normal = R_map_world_ * anchor.normal;
+  if (at_anchors_) {
+    p.point = R_local_world_ * anchor.point + t_local_world_;
+    p.normal = R_local_world_ * anchor.normal;
     if (with_ellipses_) {
       cloud_.covariances[target] = registration::plane_ellipse(p.normal, covariance_floor_);
     }
     return;
   }
-  const Eigen::Matrix3f axes =
-      R_map_world_ * Eigen::Quaternionf(g.rotation[0], g.rotation[1], g.rotation[2], g.rotation[3])
-                         .normalized()
-                         .toRotationMatrix();
+  const Eigen::Matrix3f axes = R_local_world_ * Eigen::Quaternionf(g.rotation[0], g.rotation[1],
+                                                                   g.rotation[2], g.rotation[3])
+                                                    .normalized()
+                                                    .toRotationMatrix();
   Eigen::Vector3f log_scale(g.log_scale[0], g.log_scale[1], g.log_scale[2]);
   Eigen::Index thin = 0;
   log_scale.minCoeff(&thin);
-  p.point = R_map_world_ * Eigen::Vector3f(g.mean[0], g.mean[1], g.mean[2]) + t_map_world_;
+  p.point = R_local_world_ * Eigen::Vector3f(g.mean[0], g.mean[1], g.mean[2]) + t_local_world_;
   p.normal = axes.col(thin);
-  if (p.normal.dot(R_map_world_ * anchor.normal) < 0) p.normal = -p.normal;
+  if (p.normal.dot(R_local_world_ * anchor.normal) < 0) p.normal = -p.normal;
   if (!p.point.allFinite() || !p.normal.allFinite()) p.variance_m2 = 0;
   if (!with_ellipses_) return;
   if (scale_sigmas_ > 0 && anchor.sigma_n_m > 0) {

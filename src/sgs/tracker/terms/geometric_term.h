@@ -10,18 +10,19 @@
 #include "sgs/registration/cloud_sampler.h"
 #include "sgs/registration/correspondence_search.h"
 #include "sgs/registration/geometric_cost.h"
-#include "sgs/tracker/target_map.h"
-#include "sgs/tracker/track_result.h"
+#include "sgs/tracker/targets/target_map.h"
+#include "sgs/tracker/tracker_config.h"
 
 namespace sgs::tracker {
 
 /// The geometric half of tracking, without a policy of its own: samples the frame, searches the
 /// target map from a predicted pose and gives normal equations at any pose near it. Trackers
-/// iterate over it, alone or together with other terms. Poses are camera to map; the map's frame
+/// iterate over it, alone or together with other terms. Poses are camera to local: the local frame
 /// is the tracker's first camera, so that nothing depends on where the world's origin lies.
 class GeometricTerm {
  public:
-  GeometricTerm(const TrackerConfig& config, const PinholeCamera& camera, const SE3& T_map_world);
+  GeometricTerm(const GeometryConfig& config, const PinholeCamera& camera,
+                const SE3& T_local_world);
 
   /// Samples the frame's points and takes over the newest state of the Gaussian map.
   void set_frame(const RgbdFrame& frame, const map::SnapshotPtr& snapshot);
@@ -30,17 +31,17 @@ class GeometricTerm {
   void set_readout(const Vector6d& readout);
   /// Whether there is anything to register to.
   bool has_targets() const { return !targets_->cloud().points.empty(); }
-  /// Prepares the search for a frame expected at `T_map_predicted`; needs targets.
-  void prepare(const SE3& T_map_predicted);
+  /// Prepares the search for a frame expected at `T_local_predicted`; needs targets.
+  void prepare(const SE3& T_local_predicted);
 
-  /// Linearises at `T_map_camera`, searching anew unless the last search was next to it
+  /// Linearises at `T_local_camera`, searching anew unless the last search was next to it
   /// (`search.keep_matches_m`); error() and overlap() then use the same matches.
-  registration::Linearization linearize(const SE3& T_map_camera);
-  double error(const SE3& T_map_camera) const;
+  registration::Linearization linearize(const SE3& T_local_camera);
+  double error(const SE3& T_local_camera) const;
   /// The same from every `stride`-th point, scaled up: for the first, coarse steps.
-  registration::Linearization linearize_coarse(const SE3& T_map_camera, int stride);
+  registration::Linearization linearize_coarse(const SE3& T_local_camera, int stride);
   /// Share of the frame's points the map explains, with the matches of the last linearize().
-  double overlap(const SE3& T_map_camera) const;
+  double overlap(const SE3& T_local_camera) const;
   /// Targets matched in the last linearize(): their numbers in the search, normals and opacities.
   struct MatchedTargets {
     std::vector<int> indices;
@@ -48,10 +49,13 @@ class GeometricTerm {
     std::vector<float> opacities;
   };
   MatchedTargets matched_targets() const;
-  /// What the frame's own surfaces could tell about its motion, whatever the map holds.
-  degeneracy::SurfaceInformation surface_information();
-  /// Extends the targets by the frame last given to set_frame(), which must still exist.
-  void insert_keyframe(const SE3& T_map_camera);
+  /// What the frame's own surfaces could tell about its motion, whatever the map holds. Every
+  /// `noise_stride`-th point enters the expectation of what noise alone would tell.
+  degeneracy::SurfaceInformation surface_information(int noise_stride);
+  /// Extends the targets by the frame last given to set_frame(), which must still exist, where the
+  /// search last prepared finds none. `readout` is the camera's motion that its points are
+  /// corrected for.
+  void insert_keyframe(const SE3& T_local_camera, const Vector6d& readout = Vector6d::Zero());
 
   const registration::SourceCloud& source() const { return source_; }
   /// Depth smoothed by the plane fit at a pixel of the frame, 0 = none (always with the paper's
@@ -60,9 +64,9 @@ class GeometricTerm {
   const TargetMap& targets() const { return *targets_; }
 
  private:
-  SE3 in_reference(const SE3& T_map_camera) const { return T_reference_map_ * T_map_camera; }
+  SE3 in_reference(const SE3& T_local_camera) const { return T_reference_local_ * T_local_camera; }
 
-  TrackerConfig config_;
+  GeometryConfig config_;
   std::unique_ptr<registration::CloudSampler> source_sampler_, target_sampler_;
   std::unique_ptr<registration::CorrespondenceSearch> search_;
   std::unique_ptr<TargetMap> targets_;
@@ -72,7 +76,7 @@ class GeometricTerm {
   registration::SourceCloud coarse_source_;  // every n-th point of source_, made on demand
   const DepthImage* depth_ = nullptr;        // of the current frame
   Vector6d readout_ = Vector6d::Zero();      // that its points are corrected for
-  SE3 T_reference_map_;
+  SE3 T_reference_local_;
   std::optional<SE3> T_searched_;  // pose of the last full search with these points
   bool prepared_ = false;
   std::vector<Eigen::Vector3f> sample_points_, sample_normals_;  // scratch of surface_information()

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/tracker/prior_tracker.h"
+#include "sgs/tracker/paper_tracker.h"
 
 #include <gtest/gtest.h>
 
@@ -31,14 +31,13 @@ WallRun run_wall(const TrackerConfig& config, bool papered = true) {
 
 TrackerConfig paper_config() {
   TrackerConfig config = paper_tracker_config();
-  config.type = "spectral";
   config.orb.features = 400;
   return config;
 }
 
-TEST(PriorTracker, FollowsATexturedWallAlongWhichRegistrationSlides) {
+TEST(PaperTracker, FollowsATexturedWallAlongWhichRegistrationSlides) {
   TrackerConfig gicp = paper_config();
-  gicp.type = "gicp";
+  gicp.type = TrackerType::kGicp;
   const double sliding = run_wall(gicp).end_error_m;
   // The camera moves 16 cm before the eyes of the prior (and 3 cm before they open).
   EXPECT_GT(sliding, 0.10);
@@ -46,7 +45,7 @@ TEST(PriorTracker, FollowsATexturedWallAlongWhichRegistrationSlides) {
   EXPECT_LT(run.end_error_m, 0.05);
   const Diagnostics& d = run.results.back().diagnostics;
   EXPECT_EQ(run.results.back().status, TrackingStatus::kDegenerate);
-  EXPECT_EQ(d.prior_source, "orb");
+  EXPECT_EQ(d.prior_source, PriorSource::kOrb);
   EXPECT_TRUE(d.prior_active);
   EXPECT_EQ(d.planarity, 1);
   EXPECT_GT(d.condition_number, 200);
@@ -54,28 +53,28 @@ TEST(PriorTracker, FollowsATexturedWallAlongWhichRegistrationSlides) {
   EXPECT_EQ(d.weights[0], 1);  // all of Omega
 }
 
-TEST(PriorTracker, HasNoPriorBeforeItsFirstFrame) {
+TEST(PaperTracker, HasNoPriorBeforeItsFirstFrame) {
   TrackerConfig config = paper_config();
   config.prior.first_frame = 7;
   const WallRun run = run_wall(config);
   for (int i = 0; i < kFrames; ++i) {
     const Diagnostics& d = run.results[static_cast<std::size_t>(i)].diagnostics;
     EXPECT_EQ(d.prior_active, i >= 7) << i;
-    EXPECT_EQ(d.prior_source, i >= 7 ? "orb" : "none") << i;
+    EXPECT_EQ(d.prior_source, i >= 7 ? PriorSource::kOrb : PriorSource::kNone) << i;
   }
 }
 
-TEST(PriorTracker, RejectedPriorStandsForNoMotion) {
+TEST(PaperTracker, RejectedPriorStandsForNoMotion) {
   TrackerConfig config = paper_config();
   config.prior.first_frame = 1;
   const WallRun run = run_wall(config, false);
-  EXPECT_EQ(run.results.back().diagnostics.prior_source, "zero");
+  EXPECT_EQ(run.results.back().diagnostics.prior_source, PriorSource::kZero);
   // Along the wall the pose is locked; off it the wall itself is still seen.
   EXPECT_NEAR(run.results.back().T_world_camera.t.x(), 0, 0.02);
   EXPECT_NEAR(run.results.back().T_world_camera.t.z(), wall_pose(kFrames - 1).t.z(), 0.01);
 }
 
-TEST(PriorTracker, PlanarityAloneCallsForThePrior) {
+TEST(PaperTracker, PlanarityAloneCallsForThePrior) {
   TrackerConfig config = paper_config();
   config.degeneracy.condition_threshold = 1e12;
   const WallRun run = run_wall(config);
@@ -85,19 +84,19 @@ TEST(PriorTracker, PlanarityAloneCallsForThePrior) {
   EXPECT_EQ(last.status, TrackingStatus::kDegenerate);
 }
 
-TEST(PriorTracker, PlanarityAloneDoesNotHoldThePoseForWantOfAPrior) {
+TEST(PaperTracker, PlanarityAloneDoesNotHoldThePoseForWantOfAPrior) {
   TrackerConfig config = paper_config();
   config.degeneracy.condition_threshold = 1e12;
   const TrackResult last = run_wall(config, false).results.back();
-  EXPECT_EQ(last.diagnostics.prior_source, "zero");
+  EXPECT_EQ(last.diagnostics.prior_source, PriorSource::kZero);
   EXPECT_FALSE(last.diagnostics.prior_active);
 }
 
-TEST(PriorTracker, AnUnreachableThresholdSwitchesThePriorOff) {
+TEST(PaperTracker, AnUnreachableThresholdSwitchesThePriorOff) {
   TrackerConfig config = paper_config(), gicp = config;
   config.degeneracy.condition_threshold = 1e12;
   config.degeneracy.planarity_alone = false;
-  gicp.type = "gicp";
+  gicp.type = TrackerType::kGicp;
   const WallRun a = run_wall(config), b = run_wall(gicp);
   for (std::size_t i = 0; i < a.results.size(); ++i) {
     EXPECT_FALSE(a.results[i].diagnostics.prior_active);
@@ -105,7 +104,7 @@ TEST(PriorTracker, AnUnreachableThresholdSwitchesThePriorOff) {
   }
 }
 
-TEST(PriorTracker, AblationsChangeWhatTheySay) {
+TEST(PaperTracker, AblationsChangeWhatTheySay) {
   TrackerConfig no_planarity = paper_config();
   no_planarity.prior.planarity = false;
   const Diagnostics axes = run_wall(no_planarity).results.back().diagnostics;
@@ -122,13 +121,13 @@ TEST(PriorTracker, AblationsChangeWhatTheySay) {
   EXPECT_EQ(prior_only.results.back().diagnostics.iterations, 0);
 
   TrackerConfig constant = paper_config();
-  constant.prior.source = "cvm";
+  constant.prior.source = PosePriorSource::kConstantVelocity;
   const WallRun cvm = run_wall(constant);
-  EXPECT_EQ(cvm.results.back().diagnostics.prior_source, "cvm");
+  EXPECT_EQ(cvm.results.back().diagnostics.prior_source, PriorSource::kConstantVelocity);
   EXPECT_EQ(cvm.results.back().diagnostics.visual_inliers, 0);
 }
 
-TEST(PriorTracker, HoldsThePoseWithoutDepth) {
+TEST(PaperTracker, HoldsThePoseWithoutDepth) {
   auto made = make_tracker(paper_config(), kWallCamera, wall_pose(0));
   SE3 last;
   for (int i = 0; i < 6; ++i)
@@ -142,7 +141,7 @@ TEST(PriorTracker, HoldsThePoseWithoutDepth) {
   EXPECT_NE((*made)->track(see_wall(wall_pose(7), 7), nullptr).status, TrackingStatus::kLost);
 }
 
-TEST(PriorTracker, SameInputGivesTheSameBits) {
+TEST(PaperTracker, SameInputGivesTheSameBits) {
   const WallRun a = run_wall(paper_config()), b = run_wall(paper_config());
   for (std::size_t i = 0; i < a.results.size(); ++i) {
     EXPECT_EQ(a.results[i].T_world_camera.t, b.results[i].T_world_camera.t);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "sgs/tracker/target_map.h"
+#include "sgs/tracker/targets/target_map.h"
 
 namespace sgs::tracker {
 
@@ -15,13 +15,12 @@ namespace sgs::tracker {
 /// what changed. A snapshot in another order is taken over as a whole.
 class SnapshotTargets : public TargetMap {
  public:
-  enum class Kind { kOptimised, kAnchor };
-
-  SnapshotTargets(Kind kind, const TrackerConfig& config, const SE3& T_map_world,
+  /// `config.target.source` tells which of the two: kOptimised or kAnchor.
+  SnapshotTargets(const GeometryConfig& config, const SE3& T_local_world,
                   const TrackablePoints::Spacing& spacing);
 
   void update(const map::SnapshotPtr& snapshot) override;
-  void insert(const registration::SourceCloud& source, const SE3& T_map_camera,
+  void insert(const registration::SourceCloud& source, const SE3& T_local_camera,
               const registration::CorrespondenceSearch* search) override;
   const registration::TargetCloud& cloud() const override;
   bool wants_keyframes() const override { return !has_snapshot_; }
@@ -32,13 +31,13 @@ class SnapshotTargets : public TargetMap {
   void set_target(std::size_t target, const map::Gaussian& gaussian, const map::Anchor& anchor);
   bool assign_targets(const map::Snapshot& snapshot);
 
-  Kind kind_;
+  bool at_anchors_;
   float min_opacity_logit_;
   float covariance_floor_;
   float scale_sigmas_;
   bool with_ellipses_;
-  Eigen::Matrix3f R_map_world_;
-  Eigen::Vector3f t_map_world_;
+  Eigen::Matrix3f R_local_world_;
+  Eigen::Vector3f t_local_world_;
   std::uint64_t version_ = 0;
   bool has_snapshot_ = false;
   std::vector<std::size_t> target_of_;  // per Gaussian of the snapshot

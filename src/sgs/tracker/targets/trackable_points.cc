@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/tracker/trackable_points.h"
+#include "sgs/tracker/targets/trackable_points.h"
 
 namespace sgs::tracker {
 
-int TrackablePoints::insert(const registration::SourceCloud& source, const SE3& T_map_camera,
+int TrackablePoints::insert(const registration::SourceCloud& source, const SE3& T_local_camera,
                             const registration::CorrespondenceSearch* search) {
-  const Eigen::Matrix3f R = T_map_camera.R.cast<float>();
-  const Eigen::Vector3f t = T_map_camera.t.cast<float>();
-  const SE3 T = search ? search->T_map_reference().inverse() * T_map_camera : SE3{};
+  const Eigen::Matrix3f R = T_local_camera.R.cast<float>();
+  const Eigen::Vector3f t = T_local_camera.t.cast<float>();
+  const SE3 T = search ? search->T_local_reference().inverse() * T_local_camera : SE3{};
   const Eigen::Matrix3f R_search = T.R.cast<float>();
   const Eigen::Vector3f t_search = T.t.cast<float>();
   const bool with_ellipses = !source.covariances.empty();
@@ -22,14 +22,14 @@ int TrackablePoints::insert(const registration::SourceCloud& source, const SE3& 
     cloud_.points.push_back({R * p.point + t, R * p.normal, p.variance_m2});
     if (with_ellipses) cloud_.covariances.push_back(R * source.covariances[i] * R.transpose());
   }
-  keyframes_.push_back({T_map_camera, begin, cloud_.points.size()});
+  keyframes_.push_back({T_local_camera, begin, cloud_.points.size()});
   return static_cast<int>(cloud_.points.size() - begin);
 }
 
-void TrackablePoints::move_keyframe(int keyframe, const SE3& T_map_camera) {
+void TrackablePoints::move_keyframe(int keyframe, const SE3& T_local_camera) {
   SGS_CHECK(keyframe >= 0 && keyframe < keyframes(), "no such keyframe");
   Keyframe& k = keyframes_[static_cast<std::size_t>(keyframe)];
-  const SE3 motion = T_map_camera * k.T_map_camera.inverse();
+  const SE3 motion = T_local_camera * k.T_local_camera.inverse();
   const Eigen::Matrix3f R = motion.R.cast<float>();
   const Eigen::Vector3f t = motion.t.cast<float>();
   for (std::size_t i = k.begin; i < k.end; ++i) {
@@ -41,7 +41,7 @@ void TrackablePoints::move_keyframe(int keyframe, const SE3& T_map_camera) {
     }
   }
   ++cloud_.moves;
-  k.T_map_camera = T_map_camera;
+  k.T_local_camera = T_local_camera;
 }
 
 }  // namespace sgs::tracker

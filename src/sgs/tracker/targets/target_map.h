@@ -6,13 +6,13 @@
 
 #include "sgs/map/gaussian.h"
 #include "sgs/registration/correspondence_search.h"
-#include "sgs/tracker/trackable_points.h"
+#include "sgs/tracker/targets/trackable_points.h"
 #include "sgs/tracker/tracker_config.h"
 
 namespace sgs::tracker {
 
-/// The points frames are registered to (METHOD section 7's open question: which ones). Map
-/// coordinates are those of the tracker's first camera.
+/// The points frames are registered to (which ones: docs/method.md, section 7), in local
+/// coordinates: those of the tracker's first camera.
 class TargetMap {
  public:
   virtual ~TargetMap() = default;
@@ -20,7 +20,7 @@ class TargetMap {
   virtual void update(const map::SnapshotPtr& snapshot) = 0;
   /// Extends the targets by a tracking keyframe, if they are the tracker's own. `search` is
   /// prepared for this frame, or null for the first one.
-  virtual void insert(const registration::SourceCloud& source, const SE3& T_map_camera,
+  virtual void insert(const registration::SourceCloud& source, const SE3& T_local_camera,
                       const registration::CorrespondenceSearch* search) = 0;
   /// Whether insert() does anything now.
   virtual bool wants_keyframes() const = 0;
@@ -29,9 +29,9 @@ class TargetMap {
   virtual bool follows_map() const = 0;
 };
 
-/// The target map that `config.target.source` names. `T_map_world` takes snapshots into map
+/// The target map that `config.target.source` names. `T_local_world` takes snapshots into local
 /// coordinates; `focal_px` relates the sampling step to metres.
-std::unique_ptr<TargetMap> make_target_map(const TrackerConfig& config, const SE3& T_map_world,
+std::unique_ptr<TargetMap> make_target_map(const GeometryConfig& config, const SE3& T_local_world,
                                            double focal_px);
 
 }  // namespace sgs::tracker

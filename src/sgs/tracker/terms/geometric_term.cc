@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/tracker/geometric_term.h"
+#include "sgs/tracker/terms/geometric_term.h"
 
 #include "sgs/registration/rolling_shutter.h"
 
@@ -28,19 +28,23 @@ double displacement_m(const SE3& motion) {
   return motion.t.norm() + kDistance_m * motion.angle();
 }
 
+bool needs_ellipses(const GeometryConfig& config) {
+  return config.factor.type == registration::FactorType::kGicp;
+}
+
 }  // namespace
 
-GeometricTerm::GeometricTerm(const TrackerConfig& config, const PinholeCamera& camera,
-                             const SE3& T_map_world)
+GeometricTerm::GeometricTerm(const GeometryConfig& config, const PinholeCamera& camera,
+                             const SE3& T_local_world)
     : config_(config),
-      source_sampler_(make_sampler(config.points, camera, config.factor.type == "gicp")),
+      source_sampler_(make_sampler(config.points, camera, needs_ellipses(config))),
       search_(registration::make_search(config.search, camera)),
-      targets_(make_target_map(config, T_map_world, camera.fx)),
+      targets_(make_target_map(config, T_local_world, camera.fx)),
       cost_(config.factor),
       coarse_cost_(config.factor) {
   registration::SamplingConfig target_points = config.points;
   target_points.step_px = config.target.step_px;
-  target_sampler_ = make_sampler(target_points, camera, config.factor.type == "gicp");
+  target_sampler_ = make_sampler(target_points, camera, needs_ellipses(config));
 }
 
 void GeometricTerm::set_frame(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) {
@@ -63,17 +67,17 @@ void GeometricTerm::set_readout(const Vector6d& readout) {
   coarse_source_.covariances.clear();
 }
 
-void GeometricTerm::prepare(const SE3& T_map_predicted) {
+void GeometricTerm::prepare(const SE3& T_local_predicted) {
   SGS_CHECK(has_targets(), "no targets to search in");
-  search_->prepare(targets_->cloud(), T_map_predicted);
-  T_reference_map_ = search_->T_map_reference().inverse();
+  search_->prepare(targets_->cloud(), T_local_predicted);
+  T_reference_local_ = search_->T_local_reference().inverse();
   T_searched_.reset();
   prepared_ = true;
 }
 
-registration::Linearization GeometricTerm::linearize(const SE3& T_map_camera) {
+registration::Linearization GeometricTerm::linearize(const SE3& T_local_camera) {
   SGS_CHECK(prepared_, "prepare() comes first");
-  const SE3 T = in_reference(T_map_camera);
+  const SE3 T = in_reference(T_local_camera);
   if (T_searched_ && displacement_m(T_searched_->inverse() * T) < config_.search.keep_matches_m) {
     return cost_.relinearize(source_, *search_, T);
   }
@@ -81,7 +85,7 @@ registration::Linearization GeometricTerm::linearize(const SE3& T_map_camera) {
   return cost_.linearize(source_, *search_, T);
 }
 
-registration::Linearization GeometricTerm::linearize_coarse(const SE3& T_map_camera, int stride) {
+registration::Linearization GeometricTerm::linearize_coarse(const SE3& T_local_camera, int stride) {
   SGS_CHECK(prepared_, "prepare() comes first");
   if (coarse_source_.points.empty()) {
     for (std::size_t i = 0; i < source_.points.size(); i += static_cast<std::size_t>(stride)) {
@@ -91,7 +95,7 @@ registration::Linearization GeometricTerm::linearize_coarse(const SE3& T_map_cam
       }
     }
   }
-  auto sum = coarse_cost_.linearize(coarse_source_, *search_, in_reference(T_map_camera));
+  auto sum = coarse_cost_.linearize(coarse_source_, *search_, in_reference(T_local_camera));
   sum.H *= stride;
   sum.b *= stride;
   sum.error *= stride;
@@ -99,12 +103,12 @@ registration::Linearization GeometricTerm::linearize_coarse(const SE3& T_map_cam
   return sum;
 }
 
-double GeometricTerm::error(const SE3& T_map_camera) const {
-  return cost_.error(source_, *search_, in_reference(T_map_camera));
+double GeometricTerm::error(const SE3& T_local_camera) const {
+  return cost_.error(source_, *search_, in_reference(T_local_camera));
 }
 
-double GeometricTerm::overlap(const SE3& T_map_camera) const {
-  return cost_.overlap(source_, *search_, in_reference(T_map_camera),
+double GeometricTerm::overlap(const SE3& T_local_camera) const {
+  return cost_.overlap(source_, *search_, in_reference(T_local_camera),
                        config_.keyframe.overlap_distance_m);
 }
 
@@ -121,7 +125,7 @@ GeometricTerm::MatchedTargets GeometricTerm::matched_targets() const {
   return out;
 }
 
-degeneracy::SurfaceInformation GeometricTerm::surface_information() {
+degeneracy::SurfaceInformation GeometricTerm::surface_information(int noise_stride) {
   sample_points_.clear();
   sample_normals_.clear();
   sample_weights_.clear();
@@ -133,16 +137,16 @@ degeneracy::SurfaceInformation GeometricTerm::surface_information() {
     sample_noise_.push_back(p.normal_sigma);
   }
   return degeneracy::accumulate({sample_points_, sample_normals_, sample_weights_, sample_noise_},
-                                config_.degeneracy.noise_stride);
+                                noise_stride);
 }
 
-void GeometricTerm::insert_keyframe(const SE3& T_map_camera) {
+void GeometricTerm::insert_keyframe(const SE3& T_local_camera, const Vector6d& readout) {
   if (!targets_->wants_keyframes()) return;
   // Denser than the source points: keyframes are rare, and a dense map leaves less of a curved
   // surface between a point and its target.
   target_sampler_->sample(*depth_, keyframe_source_);
-  if (!readout_.isZero(0)) move_points(keyframe_source_, readout_, depth_->height());
-  targets_->insert(keyframe_source_, T_map_camera, prepared_ ? search_.get() : nullptr);
+  if (!readout.isZero(0)) move_points(keyframe_source_, readout, depth_->height());
+  targets_->insert(keyframe_source_, T_local_camera, prepared_ ? search_.get() : nullptr);
 }
 
 }  // namespace sgs::tracker

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "sgs/camera/pyramid.h"
@@ -14,36 +13,72 @@
 
 namespace sgs::tracker {
 
-/// The photometric half of tracking, without a policy of its own: the current frame's pyramid, the
-/// keyframes it is aligned to, and their summed normal equations. Poses are camera to map.
+/// The photometric half of tracking, without a policy of its own: the current frame's pyramid and
+/// the keyframes it can be aligned to. Poses are camera to the tracker's local frame.
 ///
 /// References are the last keyframe and, when the camera looks again at a place it has left, the
 /// older keyframe that saw it best: that one carries no drift of the way in between.
 class VisualTerm {
  public:
-  VisualTerm(const registration::PhotometricConfig& photometric, const SpectralConfig& config);
+  explicit VisualTerm(const VisionConfig& config) : config_(config) {}
 
   /// Builds the pyramid of a frame; keeps a reference to its depth, which must outlive its use.
   void set_frame(const RgbdFrame& frame);
-  /// Chooses the keyframes for a frame expected at `T_map_predicted`.
-  void choose_references(const SE3& T_map_predicted);
-  bool has_references() const { return !references_.empty(); }
   int levels() const { return levels_; }
 
+  class Fit;
+  /// The fit of a frame expected at `T_local_predicted`, to the keyframes chosen for that pose.
+  Fit start(const SE3& T_local_predicted) const;
+
+  /// Whether the frame, fitted at `T_local_camera`, is far enough from the newest keyframe to
+  /// become one.
+  bool wants_keyframe(const SE3& T_local_camera, const Fit& fit) const;
+  /// Makes the current frame a keyframe, unless an old one that sees the same takes its place.
+  /// `readout`: camera twist over its readout.
+  void insert_keyframe(const SE3& T_local_camera, const Fit& fit, const Vector6d& readout,
+                       const registration::DepthLookup& smooth_depth);
+  int keyframes() const { return static_cast<int>(keyframes_.size()); }
+  /// Number of the keyframe the camera was last at.
+  std::size_t newest_keyframe() const { return newest_; }
+
+ private:
+  struct Keyframe {
+    registration::PhotometricReference reference;
+    double mean_depth_m;
+  };
+  double view_distance(const Keyframe& keyframe, const SE3& T_local_camera) const;
+  bool is_near(const Keyframe& keyframe, const SE3& T_local_camera, double share) const;
+
+  VisionConfig config_;
+  GrayPyramid pyramid_;
+  const RgbdFrame* frame_ = nullptr;
+  int levels_ = 0;
+  std::vector<Keyframe> keyframes_;
+  std::size_t newest_ = 0;  // the keyframe the camera was last at: not always the last made
+};
+
+/// One alignment of the current frame to its references, as far as it has come: their summed normal
+/// equations, and what those leave out of the pose (each reference's gain and offset, the turn of
+/// the camera during the readout). A value, good until the term gets a new frame or keyframe.
+class VisualTerm::Fit {
+ public:
+  /// A fit to nothing.
+  Fit() = default;
+
+  bool has_references() const { return !references_.empty(); }
   /// What is believed of the camera's motion during the readout of the frame; the estimate starts
   /// there.
   void set_readout(const ReadoutEstimator::Belief& belief);
   /// The same once the pose is known better: the estimate stays.
   void update_belief(const ReadoutEstimator::Belief& belief) { belief_ = belief; }
+
   /// Normal equations of all references at a level, gains, offsets and the readout's rotation
   /// eliminated; needs references.
-  degeneracy::NormalEquations linearize(int level, const SE3& T_map_camera);
+  degeneracy::NormalEquations linearize(int level, const SE3& T_local_camera);
   /// Back-substitutes what linearize() eliminated after the pose has moved by `xi`.
   void back_substitute(const Vector6d& xi);
   /// Camera twist over the readout of the frame, as it appears against the newest keyframe.
   const Vector6d& readout() const { return readout_; }
-  /// Number of the keyframe the camera was last at.
-  std::size_t newest_keyframe() const { return newest_; }
   /// The rotation over the readout that the last linearize() sees without any belief about it,
   /// with its information; `H_others` is what other terms know of the pose.
   struct ReadoutMeasurement {
@@ -52,46 +87,25 @@ class VisualTerm {
   };
   ReadoutMeasurement measured_readout(const Matrix6d& H_others) const;
 
-  /// Of the last linearize(): pixels used, mean cost per pixel, and the newest reference's share of
-  /// its pixels that were used.
+  /// Of the last linearize(): pixels used, and mean cost per pixel.
   int used() const { return sum_.used; }
   double mean_cost() const { return sum_.used > 0 ? sum_.cost / sum_.used : 0.0; }
-  double newest_share() const { return newest_share_; }
-
-  /// Whether the frame at `T_map_camera` is far enough from the newest keyframe to become one.
-  bool wants_keyframe(const SE3& T_map_camera) const;
-  /// Makes the current frame a keyframe, unless an old one that sees the same takes its place.
-  /// `readout`: camera twist over its readout.
-  void insert_keyframe(const SE3& T_map_camera, const Vector6d& readout,
-                       const registration::DepthLookup& smooth_depth);
-  int keyframes() const { return static_cast<int>(keyframes_.size()); }
 
  private:
-  struct Keyframe {
-    registration::PhotometricReference reference;
-    double mean_depth_m;
-  };
+  friend class VisualTerm;
   struct Reference {
     std::size_t keyframe;
     registration::AffineBrightness brightness;
     registration::PhotometricLinearization last;
   };
-  double view_distance(const Keyframe& keyframe, const SE3& T_map_camera) const;
-  bool is_near(const Keyframe& keyframe, const SE3& T_map_camera, double share) const;
 
-  registration::PhotometricConfig photometric_;
-  SpectralConfig config_;
-  GrayPyramid pyramid_;
-  const RgbdFrame* frame_ = nullptr;
-  int levels_ = 0;
-  std::vector<Keyframe> keyframes_;
-  std::size_t newest_ = 0;  // the keyframe the camera was last at: not always the last made
+  const VisualTerm* term_ = nullptr;
   std::vector<Reference> references_;
   ReadoutEstimator::Belief belief_;
   Vector6d readout_ = Vector6d::Zero();
   bool readout_free_ = false;                   // at the level of the last linearize()
   registration::PhotometricLinearization sum_;  // over references; the readout not eliminated
-  double newest_share_ = 0;
+  double newest_share_ = 0;                     // of the newest keyframe's pixels that were used
 };
 
 }  // namespace sgs::tracker

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/tracker/target_map.h"
+#include "sgs/tracker/targets/target_map.h"
 
-#include "sgs/tracker/snapshot_targets.h"
+#include "sgs/tracker/targets/snapshot_targets.h"
 
 namespace sgs::tracker {
 namespace {
@@ -12,9 +12,9 @@ class GridTargets : public TargetMap {
  public:
   explicit GridTargets(const TrackablePoints::Spacing& spacing) : points_(spacing) {}
   void update(const map::SnapshotPtr&) override {}
-  void insert(const registration::SourceCloud& source, const SE3& T_map_camera,
+  void insert(const registration::SourceCloud& source, const SE3& T_local_camera,
               const registration::CorrespondenceSearch* search) override {
-    points_.insert(source, T_map_camera, search);
+    points_.insert(source, T_local_camera, search);
   }
   const registration::TargetCloud& cloud() const override { return points_.cloud(); }
   bool wants_keyframes() const override { return true; }
@@ -26,17 +26,13 @@ class GridTargets : public TargetMap {
 
 }  // namespace
 
-std::unique_ptr<TargetMap> make_target_map(const TrackerConfig& config, const SE3& T_map_world,
+std::unique_ptr<TargetMap> make_target_map(const GeometryConfig& config, const SE3& T_local_world,
                                            double focal_px) {
   const TrackablePoints::Spacing spacing{
       static_cast<float>(config.target.spacing * config.target.step_px / focal_px),
       static_cast<float>(config.keyframe.overlap_distance_m)};
-  if (config.target.source == "grid") return std::make_unique<GridTargets>(spacing);
-  SGS_CHECK(config.target.source == "anchor" || config.target.source == "optimised",
-            "unknown target source " + config.target.source);
-  const auto kind = config.target.source == "anchor" ? SnapshotTargets::Kind::kAnchor
-                                                     : SnapshotTargets::Kind::kOptimised;
-  return std::make_unique<SnapshotTargets>(kind, config, T_map_world, spacing);
+  if (config.target.source == TargetSource::kGrid) return std::make_unique<GridTargets>(spacing);
+  return std::make_unique<SnapshotTargets>(config, T_local_world, spacing);
 }
 
 }  // namespace sgs::tracker

@@ -13,7 +13,7 @@ namespace sgs::tracker {
 /// Target points the tracker keeps itself: a sparse surfel map on the sampling grid. Each point
 /// belongs to the keyframe that saw it and is stored relative to it, so that it can follow when the
 /// keyframe's pose is refined. Points are never averaged: that gains nothing for tracking
-/// (TRACKING section 1, finding 5).
+/// (docs/method.md, section 7).
 class TrackablePoints {
  public:
   struct Spacing {
@@ -23,19 +23,20 @@ class TrackablePoints {
 
   explicit TrackablePoints(const Spacing& spacing) : spacing_(spacing) {}
 
-  /// Adds the points of a keyframe at `T_map_camera` where no target is near, as `search` (prepared
-  /// for this frame) tells; all of them when `search` is null. Returns how many were added.
-  int insert(const registration::SourceCloud& source, const SE3& T_map_camera,
+  /// Adds the points of a keyframe at `T_local_camera` where no target is near, as `search`
+  /// (prepared for this frame) tells; all of them when `search` is null. Returns how many were
+  /// added.
+  int insert(const registration::SourceCloud& source, const SE3& T_local_camera,
              const registration::CorrespondenceSearch* search);
-  /// Moves keyframe number `keyframe` (in order of insertion) and its points to `T_map_camera`.
-  void move_keyframe(int keyframe, const SE3& T_map_camera);
+  /// Moves keyframe number `keyframe` (in order of insertion) and its points to `T_local_camera`.
+  void move_keyframe(int keyframe, const SE3& T_local_camera);
 
   int keyframes() const { return static_cast<int>(keyframes_.size()); }
   const registration::TargetCloud& cloud() const { return cloud_; }
 
  private:
   struct Keyframe {
-    SE3 T_map_camera;
+    SE3 T_local_camera;
     std::size_t begin, end;  // of its points
   };
 

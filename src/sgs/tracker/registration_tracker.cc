@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/tracker/registration_tracker.h"
+
+#include <optional>
+
+#include "sgs/tracker/loss_checks.h"
+
+namespace sgs::tracker {
+
+RegistrationTracker::RegistrationTracker(const GicpConfig& config, const PinholeCamera& camera,
+                                         const SE3& T_world_first)
+    : config_(config),
+      geometry_(config.geometry, camera, T_world_first.inverse()),
+      motion_(config.motion, SE3{}),
+      T_world_local_(T_world_first) {}
+
+TrackResult RegistrationTracker::track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) {
+  times_ = {};
+  {
+    const CpuTimer timer(times_.points);
+    geometry_.set_frame(frame, snapshot);
+  }
+  look_at(frame);
+
+  TrackResult result;
+  const bool first = !geometry_.has_targets();
+  std::optional<Registration> r;
+  result.lost_reason =
+      check_points(static_cast<int>(geometry_.source().points.size()), config_.loss);
+  if (!first && result.lost_reason == LostReason::kNone) {
+    r = register_frame(frame.timestamp_s);
+    result.lost_reason = judge(*r);
+  }
+  const SE3 T = r ? r->T_local_camera : motion_.pose();
+  if (result.lost_reason == LostReason::kNone) {
+    accept(T, frame.timestamp_s);
+    result.keyframe = first || r->overlap < config_.geometry.keyframe.min_overlap;
+    if (r && r->degenerate) result.status = TrackingStatus::kDegenerate;
+  } else {
+    hold();
+    result.status = TrackingStatus::kLost;
+  }
+  if (result.keyframe) {
+    const CpuTimer timer(times_.update);
+    geometry_.insert_keyframe(T);
+  }
+  result.T_world_camera = (T_world_local_ * motion_.pose()).normalized();
+  result.diagnostics = describe(r ? &*r : nullptr);
+  return result;
+}
+
+LostReason RegistrationTracker::judge(const Registration& r) const {
+  if (!r.T_local_camera.all_finite()) return LostReason::kNotFinite;
+  const auto points = static_cast<int>(geometry_.source().points.size());
+  const LostReason matches = check_matches(r.at_end.inliers, points, config_.loss);
+  return matches != LostReason::kNone ? matches : motion_.judge(r.T_local_camera);
+}
+
+void RegistrationTracker::accept(const SE3& T_local_camera, double timestamp_s) {
+  motion_.accept(T_local_camera, timestamp_s);
+}
+
+void RegistrationTracker::hold() { motion_.hold(); }
+
+Diagnostics RegistrationTracker::describe(const Registration* r) const {
+  Diagnostics d;
+  times_.write_to(d);
+  d.source_points = static_cast<int>(geometry_.source().points.size());
+  if (r != nullptr) {
+    d.iterations = r->iterations;
+    d.inliers = r->at_end.inliers;
+    d.cost = r->cost;
+    d.overlap = r->overlap;
+  }
+  describe_axes(r != nullptr, d);
+  return d;
+}
+
+}  // namespace sgs::tracker
