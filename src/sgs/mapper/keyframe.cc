@@ -39,7 +39,7 @@ float merged_depth(const std::array<float, 4>& depths) {
 
 MapKeyframe::MapKeyframe(const RgbdFrame& frame, const SE3& T, double max_depth_m)
     : T_world_camera(T),
-      T_world_tracked(T),
+      T_odom_camera(T),
       camera_(frame.camera),
       frame_index_(frame.index),
       color_(frame.color),

@@ -33,7 +33,7 @@ class MapKeyframe {
   std::int64_t frame_index() const { return frame_index_; }
 
   SE3 T_world_camera;                     ///< refined
-  SE3 T_world_tracked;                    ///< where the tracker holds it to be
+  SE3 T_odom_camera;                      ///< where the tracker holds it to be
   std::array<float, 3> gain = {1, 1, 1};  ///< measured colour = gain * scene colour
   int visits = 0;                         ///< optimisation steps so far
   /// Of its half-resolution view (pose_information), made when it is needed first.

@@ -34,7 +34,7 @@ Matrix6d pose_information(const render::TrainingImage& image, const render::Loss
 /// One Gauss-Newton step of a keyframe's pose: `config.pose_share` of the way to the minimum of the
 /// loss, quadratic with keyframe.pose_information, plus
 ///   1/2 pixels (pose_prior_rotation |phi|^2 + pose_prior_translation |rho|^2),
-///   [phi; rho] = log(T_world_tracked^-1 T_world_camera).
+///   [phi; rho] = log(T_odom_camera^-1 T_world_camera).
 /// `gradient`: d loss / d xi summed over as many pixels as keyframe.pose_information is; `pixels`:
 /// how many. A gradient that is not finite is passed over.
 void refine_pose(MapKeyframe& keyframe, const Vector6d& gradient, double pixels,

@@ -159,10 +159,10 @@ int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE
 }
 
 int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE3& T,
-                         const SE3& T_world_tracked) {
+                         const SE3& T_odom_camera) {
   Impl& m = *impl_;
   SGS_CHECK(frame && frame->camera == m.camera, "the keyframe's camera differs from the mapper's");
-  const bool finite = T.all_finite() && T_world_tracked.all_finite();
+  const bool finite = T.all_finite() && T_odom_camera.all_finite();
   if (!finite || !has_depth(*frame, m.config.insertion.max_depth_m)) {
     log().warn("frame {} is not used for mapping: {}", frame->index,
                finite ? "it has hardly any depth" : "its pose is not finite");
@@ -175,7 +175,7 @@ int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE
     m.keyframes.emplace_back(*frame, T, m.config.insertion.max_depth_m);
   }
   MapKeyframe& keyframe = m.keyframes.back();
-  keyframe.T_world_tracked = T_world_tracked;
+  keyframe.T_odom_camera = T_odom_camera;
   // Rarely more than one new Gaussian for every 4x4 pixels.
   reserve(m.store,
           m.store.size() + static_cast<std::size_t>(m.camera.width * m.camera.height / 16));

@@ -31,13 +31,13 @@ class Mapper {
   ~Mapper();
 
   /// Adds a keyframe at `T_world_camera` and inserts Gaussians where the map does not explain it.
-  /// Refinement of its pose is pulled towards `T_world_tracked`, where the tracker holds it to be
+  /// Refinement of its pose is pulled towards `T_odom_camera`, where the tracker holds it to be
   /// (by default the same): the map alone would let the poses of a long run drift.
   /// Returns the keyframe's index, or -1 when the frame cannot be used (a pose that is not finite,
   /// hardly any depth): nothing changes then.
   int add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE3& T_world_camera);
   int add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE3& T_world_camera,
-                   const SE3& T_world_tracked);
+                   const SE3& T_odom_camera);
   /// Runs `count` optimisation steps over the keyframes; nothing happens without keyframes.
   IterationReport iterate(int count);
 
