@@ -13,6 +13,6 @@ namespace sgs::io {
 std::string gzip_compressed(std::string_view bytes);
 
 /// What a gzip member holds; empty when it is damaged, truncated or larger than `max_bytes`.
-std::optional<std::string> gzip_decompressed(std::string_view stream, std::size_t max_bytes);
+std::optional<std::string> gzip_decompressed(std::string_view bytes, std::size_t max_bytes);
 
 }  // namespace sgs::io

@@ -97,6 +97,7 @@ Result<std::vector<map::Gaussian>> read_binary(const fs::path& path, const PlyHe
     offsets.push_back(stride);
     stride += ply_size(property.type);
   }
+  SGS_CHECK(stride > 0, "a header with the columns that were found");
   if (header.vertices > body.size() / stride) {
     return bad_file(path, fmt::format("truncated: {} vertices announced, {} present",
                                       header.vertices, body.size() / stride));
