@@ -6,16 +6,17 @@
 #include <sgs/io/trajectory_io.h>
 #include <sgs/run/input.h>
 #include <sgs/run/play.h>
-#include <sgs/slam/session.h>
+#include <sgs/run/run.h>
 
 sgs::Status run(const char* name, const char* output) {
-  SGS_ASSIGN_OR_RETURN(const auto input, sgs::run::open_input({.input = name}, 2));
+  const sgs::run::InputSpec spec{.input = name};
+  SGS_ASSIGN_OR_RETURN(const auto input, sgs::run::open_input(spec, 2));
   SGS_ASSIGN_OR_RETURN(const auto config, sgs::slam::make_session_config("default"));
   SGS_ASSIGN_OR_RETURN(const auto slam,
                        sgs::slam::Session::create(config, input.source->camera(), {}));
   SGS_RETURN_IF_ERROR(sgs::run::play(*input.source, *slam, {}));
   fmt::print("{}", sgs::io::trajectory_text(slam->trajectory()));
-  return slam->save(output);
+  return sgs::run::save_run(sgs::run::run_of(*slam, input, spec, config), output);
 }
 
 int main(int argc, char** argv) {

@@ -7,7 +7,7 @@
 #include <sgs/io/trajectory_io.h>
 #include <sgs/run/input.h>
 #include <sgs/run/play.h>
-#include <sgs/slam/session.h>
+#include <sgs/run/run.h>
 
 namespace {
 
@@ -35,7 +35,8 @@ class KnownPoses : public sgs::tracker::Tracker {
 };
 
 sgs::Status run(const char* sequence, const char* poses_file, const char* output) {
-  SGS_ASSIGN_OR_RETURN(const auto input, sgs::run::open_input({.input = sequence}, 2));
+  const sgs::run::InputSpec spec{.input = sequence};
+  SGS_ASSIGN_OR_RETURN(const auto input, sgs::run::open_input(spec, 2));
   SGS_ASSIGN_OR_RETURN(const auto poses, sgs::io::load_trajectory(poses_file));
   SGS_ASSIGN_OR_RETURN(const auto config, sgs::slam::make_session_config("default"));
   SGS_ASSIGN_OR_RETURN(const auto slam,
@@ -43,7 +44,7 @@ sgs::Status run(const char* sequence, const char* poses_file, const char* output
                                                   std::make_unique<KnownPoses>(poses.trajectory)));
   SGS_RETURN_IF_ERROR(sgs::run::play(*input.source, *slam, {}));
   fmt::print("{} Gaussians\n", slam->snapshot() ? slam->snapshot()->gaussians.size() : 0);
-  return slam->save(output);
+  return sgs::run::save_run(sgs::run::run_of(*slam, input, spec, config), output);
 }
 
 }  // namespace
