@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sgs/core/error.h"
+#include "sgs/dataset/feed_item.h"
 #include "sgs/eval/metrics.h"
 #include "sgs/run/input.h"
 #include "sgs/slam/session.h"

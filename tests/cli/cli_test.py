@@ -22,7 +22,7 @@ import zlib
 SGS = pathlib.Path(sys.argv.pop(1)).resolve()
 FRAMES = 16
 RUN_FILES = (
-    "config.toml trajectory.txt keyframes.txt groundtruth.txt map.ply metrics.json "
+    "config.toml camera.txt trajectory.txt keyframes.txt groundtruth.txt map.ply metrics.json "
     "frames.csv timings.json report.html log.txt"
 ).split()
 
@@ -172,6 +172,62 @@ class Contract(Case):
         self.sgs("render", out, "--every", 8, "-o", self.folder / "pictures", "--depth", "--quiet")
         self.assertEqual(len(list((self.folder / "pictures").glob("render_*.png"))), 2)
         self.assertEqual(len(list((self.folder / "pictures").glob("depth_*.png"))), 2)
+
+    def test_a_run_needs_no_recording(self):
+        sequence = self.sequence()
+        out, _ = self.run_folder(sequence)
+        page = (out / "report.html").read_text()
+        shutil.rmtree(sequence)
+        self.sgs("render", out, "--every", 8, "-o", self.folder / "pictures", "--quiet")
+        self.assertEqual(len(list((self.folder / "pictures").glob("render_*.png"))), 2)
+        for form in ("ply", "splat", "spz", "points", "html", "mesh", "colmap", "tum", "kitti"):
+            target = self.folder / f"x.{form}"
+            self.sgs("export", out, form, target)
+            self.assertTrue(target.exists(), form)
+        cameras = (self.folder / "x.colmap/sparse/0/cameras.txt").read_text()
+        self.assertIn("640 480", cameras)
+        self.assertTrue(list((self.folder / "x.colmap/images").glob("*.png")))
+        (out / "report.html").unlink()
+        self.sgs("eval", out, "--report")
+        again = (out / "report.html").read_text()
+        for section in ("Trajectory", "Degeneracy", "Rendering against truth", "Scores"):
+            self.assertEqual(section in again, section in page, section)
+        failed = self.sgs("eval", out, code=1)
+        self.assertIn(str(sequence), failed.stderr)
+
+    def test_view_needs_no_recording(self):
+        sequence = self.sequence()
+        out, _ = self.run_folder(sequence, "--no-eval")
+        shutil.rmtree(sequence)
+        view = subprocess.Popen(
+            [SGS, "view", out, "--port", "0"], stderr=subprocess.PIPE, text=True, cwd=self.folder
+        )
+        lines = []
+        while not lines or "Ctrl-C" not in lines[-1]:
+            line = view.stderr.readline()
+            self.assertTrue(line, lines)
+            lines.append(line)
+        self.assertIn("no camera pictures", "".join(lines))
+        view.send_signal(signal.SIGINT)
+        view.communicate(timeout=60)
+        self.assertEqual(view.returncode, 0)
+
+    def test_damaged_run_folders_are_named(self):
+        out, _ = self.run_folder(self.master, "--no-eval")
+        (out / "map.ply").write_text("nonsense")
+        failed = self.sgs("eval", out, code=1)
+        self.assertIn("map.ply", failed.stderr)
+        self.assertIn("sgs export RUN tum", failed.stderr)
+        self.sgs("export", out, "tum", self.folder / "x.txt")
+        (out / "frames.csv").unlink()
+        self.assertIn("frames.csv", self.sgs("view", out, code=1).stderr)
+        config = (out / "config.toml").read_text()
+        (out / "config.toml").write_text(config.replace("format = 2", "format = 3"))
+        self.assertIn("later version", self.sgs("eval", out, code=1).stderr)
+        old = config.replace('fusion = "remove"', 'fusion = "prior"')
+        self.assertNotEqual(old, config)
+        (out / "config.toml").write_text(old)
+        self.assertIn("tracker.type", self.sgs("eval", out, code=2).stderr)
 
     def test_compare_and_plots_draw_from_what_is_there(self):
         out, _ = self.run_folder(self.master)
