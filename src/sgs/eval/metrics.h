@@ -24,7 +24,7 @@ struct Metrics {
 
   Real ate_rmse_m, ate_mean_m, ate_median_m, ate_max_m;
   Real rpe_trans_1s_m, rpe_rot_1s_deg;
-  Real tracked_percent;
+  Real scale_error_percent, tracked_percent;
   Count frames, frames_tracked, frames_lost;
   Real degenerate_percent, prior_percent;
   Real psnr_db, psnr_db_full, psnr_db_heldout;
@@ -91,6 +91,10 @@ void visit_metrics(M&& m, Visitor&& visit) {
   visit(I{"rpe_rot_1s_deg", t, "RPE 1 s, rotation", "deg", 1, 3, kLess, kDetail,
           "Relative pose error over one second, rotation, root mean square."},
         m.rpe_rot_1s_deg);
+  visit(I{"scale_error_percent", t, "Scale error", "%", 1, 2, kNeither, kDetail,
+          "How much larger the estimated path is than the true one; the alignment for the ATE does "
+          "not correct it."},
+        m.scale_error_percent);
   visit(I{"tracked_percent", t, "Tracked", "%", 1, 1, kMore, kTile,
           "Share of the sequence's frames with a pose within 1 m of the truth after alignment."},
         m.tracked_percent);

@@ -260,6 +260,7 @@ Metrics scores_of(const TrajectoryMetrics& m) {
   Metrics scores;
   scores.frames = m.frames_total;
   scores.tracked_percent = m.tracked_percent;
+  if (m.scale) scores.scale_error_percent = 100 * (1 / *m.scale - 1);
   if (m.ate) {
     scores.ate_rmse_m = m.ate->rmse;
     scores.ate_mean_m = m.ate->mean;

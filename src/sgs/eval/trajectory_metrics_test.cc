@@ -206,5 +206,19 @@ TEST(Association, NamesRoundTrip) {
   EXPECT_FALSE(parse_association("nicest"));
 }
 
+TEST(TrajectoryMetrics, ScaleErrorSaysHowMuchLargerTheEstimateIs) {
+  std::vector<StampedPose> truth;
+  std::vector<PoseEstimate> estimates;
+  for (int i = 0; i < 20; ++i) {
+    const Eigen::Vector3d at(0.1 * i, std::sin(0.3 * i), 0);
+    const double t = 0.1 * i;
+    truth.push_back({t, SE3(Eigen::Matrix3d::Identity(), at)});
+    estimates.push_back({i, t, SE3(Eigen::Matrix3d::Identity(), 1.02 * at), false});
+  }
+  const auto m = evaluate_trajectory(estimates, Trajectory(truth));
+  ASSERT_TRUE(m.scores.scale_error_percent);
+  EXPECT_NEAR(*m.scores.scale_error_percent, 2, 1e-9);
+}
+
 }  // namespace
 }  // namespace sgs::eval
