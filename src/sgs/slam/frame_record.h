@@ -105,6 +105,7 @@ void visit_columns(Record& r, Visitor&& visit) {
         d.axes);
   visit(C{"lost_reason", "", "Why a lost frame has no pose that can be trusted; else `none`."},
         r.lost_reason);
+  visit(C{"targets", "", "Points of the map among which the registration searched."}, d.targets);
 }
 
 /// The first line of frames.csv, with its line feed.

@@ -43,7 +43,7 @@ TEST(FrameRecord, HeaderKeepsItsColumns) {
                  "eigenvalue_3,eigenvalue_4,eigenvalue_5,snr_0,"));
   EXPECT_THAT(frames_csv_header(), HasSubstr("weight_5,ms_points,ms_index,ms_geometry,ms_visual,"
                                              "ms_update,axis_0_0,axis_0_1,"));
-  EXPECT_THAT(frames_csv_header(), HasSubstr("axis_5_5,lost_reason"));
+  EXPECT_THAT(frames_csv_header(), HasSubstr("axis_5_5,lost_reason,targets"));
 }
 
 TEST(FrameRecord, WrittenAndReadBackIsTheSame) {

@@ -316,6 +316,7 @@ Diagnostics SpectralTracker::describe(const Alignment& a) const {
   Diagnostics d;
   times_.write_to(d);
   d.source_points = source_points();
+  d.targets = static_cast<int>(geometry_.targets().cloud().points.size());
   d.planarity = planarity_;
   note_observability(observability_, d);
   d.iterations = a.iterations;

@@ -59,6 +59,7 @@ struct Diagnostics {
   double planarity = kNone;         ///< eta of the Gaussians' normals, 0..1
   PriorSource prior_source = PriorSource::kNone;
   bool prior_active = false;
+  int targets = 0;             ///< points of the map that the search looks through
   int source_points = 0;       ///< sampled points of the frame
   int inliers = 0;             ///< matched ones at the final pose
   int visual_inliers = 0;      ///< photometric pixels or features used
