@@ -7,7 +7,6 @@
 namespace sgs::tracker {
 namespace {
 constexpr double kMaxIntervalRatio = 3;  // dropped frames; beyond, the velocity says little
-constexpr int kMaxLimitGrowth = 4;
 }  // namespace
 
 SE3 MotionModel::predict(double timestamp_s) const {
@@ -27,7 +26,7 @@ Vector6d MotionModel::rate_to(const SE3& T, double timestamp_s) const {
 LostReason MotionModel::judge(const SE3& T) const {
   if (!T.all_finite()) return LostReason::kNotFinite;
   const SE3 motion = T_.inverse() * T;
-  const double growth = std::min(frames_held_ + 1, kMaxLimitGrowth);
+  const double growth = std::min(frames_held_ + 1, config_.max_growth);
   const bool possible = motion.t.norm() <= growth * config_.max_translation_m &&
                         motion.angle() <= growth * config_.max_rotation_rad;
   return possible ? LostReason::kNone : LostReason::kImplausibleMotion;

@@ -49,6 +49,7 @@ struct MotionConfig {
   double velocity_decay = 0.95;
   double max_translation_m = 0.25;
   double max_rotation_rad = 0.5;
+  int max_growth = 4;
 
   void declare(ParameterList& p) {
     p.add("start", start, "Pose at which the registration of a frame starts.");
@@ -58,6 +59,8 @@ struct MotionConfig {
           {1e-3, 10});
     p.add("max_rotation_rad", max_rotation_rad, "A frame that turns farther is refused.", "rad",
           {1e-3, 3.2});
+    p.add("max_growth", max_growth, "Lost frames widen both limits, up to so many times.", "",
+          {1, 100});
   }
 };
 
