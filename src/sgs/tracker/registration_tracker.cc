@@ -67,6 +67,7 @@ Diagnostics RegistrationTracker::describe(const Registration* r) const {
   Diagnostics d;
   times_.write_to(d);
   d.source_points = static_cast<int>(geometry_.source().points.size());
+  d.targets = static_cast<int>(geometry_.targets().cloud().points.size());
   if (r != nullptr) {
     d.iterations = r->iterations;
     d.inliers = r->at_end.inliers;
