@@ -21,7 +21,8 @@ class MotionModel {
   /// that is unknown or long ago.
   Vector6d rate_to(const SE3& T, double timestamp_s) const;
   /// Whether going from the last trusted pose to `T` is possible: kNone, kNotFinite or
-  /// kImplausibleMotion. After lost frames the limits grow with their number, up to max_growth times.
+  /// kImplausibleMotion. After lost frames the limits grow with their number, up to max_growth
+  /// times.
   LostReason judge(const SE3& T) const;
   /// Takes `T` as the trusted pose of the frame at `timestamp_s`. The motion after lost frames is
   /// no velocity.

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { PerspectiveCamera, Vector3 } from "three";
-import type { Metrics, Pose } from "../../src/data/protocol";
+import type { Pose } from "../../src/data/protocol";
 import { valueText } from "../../src/panel/values";
 import { applyPose, forward, poseOf, upward } from "../../src/stage/pose";
 import { isSoftwareRenderer } from "../../src/stage/webgl";
