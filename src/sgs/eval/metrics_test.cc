@@ -38,7 +38,9 @@ TEST(Metrics, DeclarationsAreWhole) {
     EXPECT_TRUE(keys.insert(info.key).second) << info.key;
     EXPECT_TRUE(labels.insert(info.label).second) << info.label;
     EXPECT_TRUE(info.meaning.ends_with(".")) << info.key;
-    if (info.group != group) EXPECT_TRUE(groups.insert(info.group).second) << "split: " << info.key;
+    if (info.group != group) {
+      EXPECT_TRUE(groups.insert(info.group).second) << "split: " << info.key;
+    }
     group = info.group;
   });
 }
