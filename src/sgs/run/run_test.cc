@@ -62,7 +62,7 @@ class RunTest : public ::testing::Test {
 TEST_F(RunTest, LoadedIsWhatWasMade) {
   const auto loaded = load_run(folder(), kAllParts);
   ASSERT_TRUE(loaded) << loaded.error().text();
-  const Run& made = outcome_->run;
+  const auto& made = outcome_->run;
   EXPECT_EQ(loaded->camera.fx, made.camera.fx);
   EXPECT_EQ(loaded->camera.width, made.camera.width);
   EXPECT_EQ(loaded->frames.size(), 6u);
@@ -93,7 +93,7 @@ TEST_F(RunTest, ScoresOfTheFolderAreThoseOfTheRun) {
 
 TEST_F(RunTest, CancelledScoringHasNoScoreOfTheWhole) {
   std::stop_source stop;
-  Run run = outcome_->run;
+  auto run = outcome_->run;
   run.metrics.psnr_db = 99;
   const auto scores = score_run(
       run, {}, [&](std::int64_t) { stop.request_stop(); }, stop.get_token());
