@@ -88,7 +88,9 @@ Result<int> run_sequence(const RunCommand& command, const slam::SessionConfig& c
   const int failed = report_failures(folder);
   if (!outcome.input) return tl::unexpected(outcome.input.error());
   if (failed != kExitDone) return failed;
-  if (interrupted()) return kExitInterrupted;
+  // A viewer that was kept open ends with Ctrl-C, too: that is no interruption of the run.
+  const bool scoring_cancelled = scores.rendering && scores.rendering->cancelled;
+  if (outcome.stopped || scoring_cancelled) return kExitInterrupted;
   if (outcome.lost) {
     fmt::print(stderr, "sgs: tracking was lost; see frames.csv and the report\n");
     return kExitLost;

@@ -139,7 +139,7 @@ class Run(Case):
         with Client(program.port) as client:
             client.send({"type": "subscribe", "map": "splats", "panes": []})
             hello = client.receive()
-            self.assertEqual((hello["type"], hello["protocol"], hello["live"]), ("hello", 1, True))
+            self.assertEqual((hello["type"], hello["protocol"], hello["live"]), ("hello", 2, True))
             self.assertEqual(hello["camera"]["width"], 640)
             self.assertEqual(hello["frames_total"], FRAMES)
             with self.assertRaises(Closed) as closed:
@@ -314,7 +314,7 @@ class View(Case):
                     kinds.add("metrics")
                 else:
                     path.apply(message)
-                    axes.append(message.get("axes"))
+                    axes.append(message.get("values", {}).get("axis"))
                     if message.get("finished") and message["paused"]:
                         break
             self.assertGreater(time.monotonic() - started, 0.5 * FRAMES / 30)  # sensor rate
