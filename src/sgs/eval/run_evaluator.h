@@ -22,7 +22,7 @@ namespace sgs::eval {
 
 struct RunEvaluatorConfig {
   int stride = 1;        ///< every n-th frame of rules gsicp and full is rendered and compared
-  int lpips_stride = 5;  ///< every n-th of those frames also gets LPIPS
+  int lpips_stride = 8;  ///< every n-th of those frames also gets LPIPS
   int heldout_interval = kHeldoutInterval;  ///< what the run used; 0 = nothing held out
   int pictures = 6;                         ///< frames kept for the report, spread evenly
   int picture_width_px = 480;
