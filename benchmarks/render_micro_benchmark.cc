@@ -50,7 +50,7 @@ struct ProjectedRoom {
       std::vector<std::uint32_t> indices(std::min<std::size_t>(kChunk, gaussians.size() - first));
       std::iota(indices.begin(), indices.end(), static_cast<std::uint32_t>(first));
       const ChunkCount found =
-          project_chunk(view, {.gaussians = gaussians.data()}, indices,
+          project_chunk(view, gaussians.data(), indices,
                         {records.data() + first, keys.data() + first, rects.data() + first,
                          trained.data() + first, first_slot.data() + first});
       visible.push_back(found.visible);

@@ -1,6 +1,22 @@
 # SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 # SPDX-License-Identifier: Apache-2.0
 
+# With SGS_UNITE, compiles a target's sources a few at a time: most of the time goes into headers
+# (Eigen, OpenCV, CLI11, Boost), which each source would read again. Sources compiled once per
+# instruction set include themselves and stay alone.
+function(sgs_unite target)
+  if(NOT SGS_UNITE)
+    return()
+  endif()
+  foreach(source ${ARGN})
+    file(STRINGS "${source}" dispatched REGEX "hwy/foreach_target.h" LIMIT_COUNT 1)
+    if(dispatched)
+      set_source_files_properties("${source}" PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+    endif()
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${SGS_UNITE})
+endfunction()
+
 # sgs_add_module(NAME [DEPS sgs modules...] [LIBS third-party...] [PRIVATE_LIBS third-party...])
 #
 # One module = one static library `sgs_NAME` made of every *.cc below the module's folder, and one
@@ -17,6 +33,7 @@ function(sgs_add_module name)
 
   if(sources)
     add_library(sgs_${name} STATIC ${sources})
+    sgs_unite(sgs_${name} ${sources})
     target_include_directories(sgs_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>)
     target_link_libraries(sgs_${name} PUBLIC ${ARG_DEPS} ${ARG_LIBS} sgs_options
                           PRIVATE $<BUILD_INTERFACE:sgs_warnings> ${ARG_PRIVATE_LIBS})

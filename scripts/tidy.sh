@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Runs clang-tidy (checks and reasons: .clang-tidy) with the flags of build/release.
+# Runs clang-tidy (checks and reasons: .clang-tidy) with the flags of build/dev, where each source is compiled alone.
 #   scripts/tidy.sh              sources that differ from main
 #   scripts/tidy.sh --all        all sources (an hour on two cores)
 #   scripts/tidy.sh FILE|FOLDER  these
@@ -10,8 +10,8 @@
 # themselves once per instruction set, which clang-tidy takes for one file.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-build=${BUILD:-build/release}
-[[ -f $build/compile_commands.json ]] || { echo "First configure: cmake --preset release" >&2; exit 1; }
+build=${BUILD:-build/dev}
+[[ -f $build/compile_commands.json ]] || { echo "First configure: cmake --preset dev" >&2; exit 1; }
 command -v clang-tidy >/dev/null || { echo "clang-tidy is missing (Debian package clang-tidy)" >&2; exit 1; }
 
 case "${1:-}" in

@@ -5,7 +5,7 @@
 #include <nanoflann.hpp>
 
 namespace sgs::registration {
-namespace {
+namespace forest {  // named, since State holds them
 
 struct Entry {
   Eigen::Vector3f position;  // where the target was when it was indexed
@@ -65,7 +65,9 @@ class NearestAlive {
   const std::vector<Entry>* entries_ = nullptr;
 };
 
-}  // namespace
+}  // namespace forest
+
+using namespace forest;
 
 struct NearestForest::State {
   std::vector<std::unique_ptr<Tree>> trees;  // sizes fall from front to back

@@ -11,6 +11,7 @@
 #include "sgs/io/splat_check.h"
 #include "sgs/io/splat_file.h"
 #include "sgs/report/html.h"
+#include "sgs/report/page.h"
 #include "sgs/report/page_files.h"
 #include "sgs/report/plot/canvas.h"
 
@@ -18,9 +19,6 @@ namespace sgs::report {
 namespace {
 
 using Json = nlohmann::json;
-
-constexpr std::string_view kPolicy =
-    "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
 
 Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -50,17 +48,8 @@ Json page_json(const MapPage& page) {
 }  // namespace
 
 std::string map_page_html(std::span<const map::Gaussian> gaussians, const MapPage& page) {
-  std::string html =
-      "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
-      "content='width=device-width,initial-scale=1'><meta http-equiv='Content-Security-Policy' "
-      "content=\"";
-  html += kPolicy;
-  html += "\"><link rel='icon' href='data:,'><title>" + html_escaped(page.title) +
-          " · Spectral GS-SLAM</title><style>";
-  html += palette_css();
-  html += page_text("map.css");
-  html += "</style></head><body><canvas tabindex='0' role='img' aria-label='Map of " +
-          html_escaped(page.title) +
+  std::string html = page_head(page.title, page_text("map.css"));
+  html += "<body><canvas tabindex='0' role='img' aria-label='Map of " + html_escaped(page.title) +
           " in three dimensions; arrow keys turn it, plus and minus zoom, n and p change the "
           "view'></canvas><header><h1>" +
           html_escaped(page.title) + "</h1><small id='status'>" +

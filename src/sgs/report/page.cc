@@ -46,7 +46,7 @@ std::string slider_html(const eval::FramePictures& p) {
       p.heldout ? " (held out)" : "", p.psnr_full_db);
 }
 
-std::string page_html(std::string_view title, std::string_view body) {
+std::string page_head(std::string_view title, std::string_view style) {
   std::string html =
       "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
       "content='width=device-width,initial-scale=1'><meta http-equiv='Content-Security-Policy' "
@@ -55,9 +55,14 @@ std::string page_html(std::string_view title, std::string_view body) {
   html += "\"><link rel='icon' href='data:,'><title>" + html_escaped(title) +
           " · Spectral GS-SLAM</title><style>";
   html += palette_css();
-  html += svg_css();
-  html += page_text("report.css");
-  html += "</style></head><body><main>";
+  html += style;
+  return html + "</style></head>";
+}
+
+std::string page_html(std::string_view title, std::string_view body) {
+  std::string html =
+      page_head(title, std::string(svg_css()) + std::string(page_text("report.css")));
+  html += "<body><main>";
   html += body;
   html += "</main>";
   // A page without anything to move needs no script.

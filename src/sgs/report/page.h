@@ -22,8 +22,11 @@ std::string figures_html(const std::vector<Drawing>& drawings, bool side_by_side
 /// Truth against rendering with a slider between them, the error on request.
 std::string slider_html(const eval::FramePictures& pictures);
 
-/// The whole document around `body`: head, style, script. Nothing in it comes from outside, and a
-/// content security policy holds the browser to that.
+/// A document from its start to the end of its head: title, `style` after the palette, and a
+/// content security policy that lets nothing in from outside.
+std::string page_head(std::string_view title, std::string_view style);
+
+/// The whole document around `body`: head, style, script.
 std::string page_html(std::string_view title, std::string_view body);
 
 }  // namespace sgs::report

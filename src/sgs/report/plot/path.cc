@@ -14,7 +14,7 @@
 namespace sgs::report {
 namespace {
 
-constexpr double kLeft = 58, kRight = 14, kTop = 10, kBottom = 38, kBarWidth = 68;
+constexpr double kPathLeft = 58, kPathRight = 14, kPathTop = 10, kPathBottom = 38, kBarWidth = 68;
 constexpr std::size_t kMaxPoints = 2500;
 
 /// Widens the shorter axis until both have the same scale.
@@ -131,10 +131,10 @@ std::string plane_svg(const PlaneFigure& figure) {
     }
   }
   if (scale.x.empty()) return {};
-  scale.left = kLeft;
-  scale.right = figure.width - kRight - (bar ? kBarWidth : 0);
-  scale.top = kTop;
-  scale.bottom = figure.height - kBottom;
+  scale.left = kPathLeft;
+  scale.right = figure.width - kPathRight - (bar ? kBarWidth : 0);
+  scale.top = kPathTop;
+  scale.bottom = figure.height - kPathBottom;
   scale.x.pad(0.05);
   scale.y.pad(0.05);
   equalise(scale);
@@ -151,7 +151,7 @@ std::string plane_svg(const PlaneFigure& figure) {
         {path.label, heat ? fmt::format("heavy h{}", kHeatSteps / 2)
                           : fmt::format("{} c{}", path.band ? "band" : "heavy", path.color % 6)});
   }
-  body += svg_legend(entries, kLeft, height + 12, figure.width - kLeft, height);
+  body += svg_legend(entries, kPathLeft, height + 12, figure.width - kPathLeft, height);
   return svg_open(figure.width, height, figure.title) + body + "</svg>";
 }
 

@@ -14,7 +14,8 @@
 namespace sgs::report {
 namespace {
 
-constexpr double kLeft = 66, kRight = 14, kTop = 10, kBottom = 38, kBetween = 16, kRowHeight = 17;
+constexpr double kPlotLeft = 66, kPlotRight = 14, kPlotTop = 10, kPlotBottom = 38, kBetween = 16,
+                 kRowHeight = 17;
 
 bool has_rows(const PlotPanel& panel) { return !panel.rows.empty(); }
 
@@ -150,28 +151,28 @@ std::string figure_svg(const PlotFigure& figure) {
   }
   const Interval x = x_range(panels);
   if (x.empty()) return {};
-  const double right = figure.width - kRight;
+  const double right = figure.width - kPlotRight;
   const auto x_ticks = linear_ticks(x, std::max(2, figure.width / 100));
   std::string body;
-  double top = kTop;
+  double top = kPlotTop;
   for (const PlotPanel* panel : panels) {
-    const PanelScale scale{x,   value_range(*panel),        kLeft,       right,
+    const PanelScale scale{x,   value_range(*panel),        kPlotLeft,   right,
                            top, top + panel_height(*panel), panel->log_y};
     body += panel_svg(*panel, scale, x_ticks);
     top = scale.bottom + kBetween;
   }
   const double bottom = top - kBetween;
-  const PanelScale axis{x, {0, 1}, kLeft, right, kTop, bottom, false};
+  const PanelScale axis{x, {0, 1}, kPlotLeft, right, kPlotTop, bottom, false};
   for (const Tick& tick : x_ticks) {
     body += svg_text(axis.u(tick.at), bottom + 15, tick.text, TextAnchor::kMiddle);
   }
-  body +=
-      svg_text(0.5 * (kLeft + right), bottom + 31, figure.x_label, TextAnchor::kMiddle, "label");
-  double height = bottom + kBottom;
-  body += svg_legend(legend_of(figure, panels), kLeft, height + 12, right - kLeft, height);
+  body += svg_text(0.5 * (kPlotLeft + right), bottom + 31, figure.x_label, TextAnchor::kMiddle,
+                   "label");
+  double height = bottom + kPlotBottom;
+  body += svg_legend(legend_of(figure, panels), kPlotLeft, height + 12, right - kPlotLeft, height);
   const std::string cursor =
       figure.over_time ? fmt::format("class='time' data-axis='{:g} {:g} {:g} {:g} {:g} {:g}'",
-                                     x.min, x.max, kLeft, right, kTop, bottom)
+                                     x.min, x.max, kPlotLeft, right, kPlotTop, bottom)
                        : "";
   return svg_open(figure.width, height, figure.title, cursor) + body + "</svg>";
 }
