@@ -8,6 +8,7 @@
 #include "interrupt.h"
 #include "log_setup.h"
 #include "scoring.h"
+#include "sgs/core/print.h"
 #include "sgs/report/comparison.h"
 #include "sgs/report/make_report.h"
 #include "sgs/report/report.h"
@@ -53,7 +54,7 @@ Status draw_reports(const EvalCommand& command) {
     SGS_ASSIGN_OR_RETURN(const auto data, report::load_report(folder, command.score.association));
     const fs::path page = fs::path(folder) / run::files::kReport;
     SGS_RETURN_IF_ERROR(report::save_report(page, data));
-    fmt::print("{}\n", page.string());
+    print("{}\n", page.string());
   }
   return {};
 }
@@ -69,12 +70,12 @@ Status draw_runs(const EvalCommand& command) {
   if (!command.plots.empty()) {
     SGS_ASSIGN_OR_RETURN(const auto files,
                          report::save_drawings(command.plots, report::all_drawings(runs)));
-    for (const fs::path& file : files) fmt::print("{}\n", file.string());
+    for (const fs::path& file : files) print("{}\n", file.string());
   }
   if (command.compare) {
     const fs::path output = command.output.empty() ? "report.html" : command.output;
     SGS_RETURN_IF_ERROR(report::save_comparison(output, runs));
-    fmt::print("{}\n", output.string());
+    print("{}\n", output.string());
   }
   return {};
 }
@@ -101,14 +102,14 @@ int run_eval(EvalCommand& command) {
       text += fmt::format("{}\"{}\": {}", text.empty() ? "" : ",\n", name, eval::to_json(metrics));
     }
     if (results.size() == 1) {
-      fmt::print("{}\n", eval::to_json(results[0].second));
+      print("{}\n", eval::to_json(results[0].second));
     } else {
-      fmt::print("{{{}}}\n", text);
+      print("{{{}}}\n", text);
     }
   } else if (results.size() == 1) {
-    fmt::print("{}", eval::metrics_table(results[0].second));
+    print("{}", eval::metrics_table(results[0].second));
   } else {
-    fmt::print("{}", eval::comparison_table(results));
+    print("{}", eval::comparison_table(results));
   }
   return kExitDone;
 }

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/format.h>
 
 #include <array>
 #include <memory>
@@ -8,6 +7,7 @@
 #include "commands.h"
 #include "export_mesh.h"
 #include "log_setup.h"
+#include "sgs/core/print.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/ply.h"
 #include "sgs/io/splat_file.h"
@@ -130,7 +130,7 @@ int run_export(ExportCommand command) {
     any = true;
     const Status status = kFormats[i].write(command, command.outputs[i]);
     if (!status) return report(status.error());
-    fmt::print("{}\n", command.outputs[i]);
+    print("{}\n", command.outputs[i]);
   }
   if (any) return kExitDone;
   return report({ErrorCode::kInvalidArgument, "nothing to export",

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "sgs/core/print.h"
 #include "sgs/eval/metrics.h"
 #include "sgs/run/input.h"
 #include "sgs/slam/frame_record.h"
@@ -27,14 +28,13 @@ int print_config(const InfoOptions& options) {
   if (!config) return report(config.error());
   ParameterList list;
   config->declare(list);
-  fmt::print("{}", options.markdown ? list.to_markdown() : list.to_toml());
+  print("{}", options.markdown ? list.to_markdown() : list.to_toml());
   return kExitDone;
 }
 
 int print_scenes() {
   for (const auto& scene : synthetic::scene_names()) {
-    fmt::print("synth:{:<34} {:>5} frames  {}\n", scene.name, scene.default_frames,
-               scene.description);
+    print("synth:{:<34} {:>5} frames  {}\n", scene.name, scene.default_frames, scene.description);
   }
   return kExitDone;
 }
@@ -67,23 +67,21 @@ int print_sequence(const InfoOptions& options) {
         {"depth_without_color", info.depth_without_color},
         {"missing_images", info.missing_images},
         {"warnings", info.warnings}};
-    fmt::print("{}\n", json.dump(2));
+    print("{}\n", json.dump(2));
     return kExitDone;
   }
-  fmt::print("name         {}\nlayout       {}\n", info.name, info.layout);
-  fmt::print("frames       {} of {}, {:.3f} s\n", info.frames, info.frames_in_folder,
-             info.last_time_s - info.first_time_s);
-  fmt::print("camera       {}x{}  fx {} fy {} cx {} cy {}  (from {})\n", c.camera.width,
-             c.camera.height, c.camera.fx, c.camera.fy, c.camera.cx, c.camera.cy,
-             info.calibration_source);
+  print("name         {}\nlayout       {}\n", info.name, info.layout);
+  print("frames       {} of {}, {:.3f} s\n", info.frames, info.frames_in_folder,
+        info.last_time_s - info.first_time_s);
+  print("camera       {}x{}  fx {} fy {} cx {} cy {}  (from {})\n", c.camera.width, c.camera.height,
+        c.camera.fx, c.camera.fy, c.camera.cx, c.camera.cy, info.calibration_source);
   if (!c.distortion.is_zero()) {
-    fmt::print("distortion   k1 {} k2 {} p1 {} p2 {} k3 {} (removed while reading)\n",
-               c.distortion.k1, c.distortion.k2, c.distortion.p1, c.distortion.p2, c.distortion.k3);
+    print("distortion   k1 {} k2 {} p1 {} p2 {} k3 {} (removed while reading)\n", c.distortion.k1,
+          c.distortion.k2, c.distortion.p1, c.distortion.p2, c.distortion.k3);
   }
-  fmt::print("depth scale  {} units per metre\n", c.depth_scale);
-  fmt::print("ground truth {}\n",
-             info.truth_rows ? fmt::format("{} poses", info.truth_rows) : "none");
-  for (const std::string& warning : info.warnings) fmt::print("warning      {}\n", warning);
+  print("depth scale  {} units per metre\n", c.depth_scale);
+  print("ground truth {}\n", info.truth_rows ? fmt::format("{} poses", info.truth_rows) : "none");
+  for (const std::string& warning : info.warnings) print("warning      {}\n", warning);
   return kExitDone;
 }
 
@@ -106,8 +104,7 @@ void add_info(CLI::App& app, Action& action) {
     action = [options]() -> int {
       if (options->config) return print_config(*options);
       if (options->columns || options->metrics) {
-        fmt::print("{}",
-                   options->columns ? slam::frame_columns_markdown() : eval::metrics_markdown());
+        print("{}", options->columns ? slam::frame_columns_markdown() : eval::metrics_markdown());
         return kExitDone;
       }
       if (options->scenes) return print_scenes();

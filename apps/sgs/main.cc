@@ -1,13 +1,15 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/format.h>
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <new>
 
 #include "commands.h"
 #include "interrupt.h"
+#include "sgs/core/print.h"
 #include "sgs/run/version.h"
 
 namespace sgs::app {
@@ -24,14 +26,25 @@ int exit_code(const Error& error) {
 }
 
 int report(const Error& error) {
-  fmt::print(stderr, "sgs: {}\n", error.text());
+  say("sgs: {}\n", error.text());
   return exit_code(error);
 }
 
 }  // namespace sgs::app
 
-int main(int argc, char** argv) {
-  using namespace sgs::app;
+namespace sgs::app {
+namespace {
+
+/// What was printed may still fail to get to where it was to go. A reader that has seen enough and
+/// closed its pipe is no failure.
+int close_stdout(int code) {
+  const bool failed = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
+  if (!failed || errno == EPIPE) return code;
+  say("sgs: cannot write to standard output: {}\n", std::strerror(errno));
+  return code == kExitDone ? kExitFailed : code;
+}
+
+int parse_and_run(int argc, char** argv) {
   CLI::App app{
       "Spectral GS-SLAM: RGB-D SLAM that builds a photorealistic 3D Gaussian map on an ordinary "
       "CPU"};
@@ -57,10 +70,16 @@ int main(int argc, char** argv) {
     const int code = app.exit(error);
     return code == 0 ? kExitDone : kExitUsage;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "sgs: out of memory (use fewer or smaller frames)\n");
+    say("sgs: out of memory (use fewer or smaller frames)\n");
   } catch (const std::exception& error) {
-    fmt::print(stderr, "sgs: internal error: {} (please report it with the command line)\n",
-               error.what());
+    say("sgs: internal error: {} (please report it with the command line)\n", error.what());
   }
   return kExitFailed;
+}
+
+}  // namespace
+}  // namespace sgs::app
+
+int main(int argc, char** argv) {
+  return sgs::app::close_stdout(sgs::app::parse_and_run(argc, argv));
 }

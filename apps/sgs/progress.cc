@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "sgs/core/print.h"
 #include "sgs/core/stopwatch.h"
 
 namespace sgs::app {
@@ -49,16 +50,16 @@ void Progress::show(const std::string& detail) {
   }
   if (!detail.empty()) text += "  " + detail;
   if (terminal_) {
-    fmt::print(stderr, "\r\x1b[K{}", text);
+    say("\r\x1b[K{}", text);
     line_open_ = true;
   } else {
-    fmt::print(stderr, "{}\n", text);
+    say("{}\n", text);
   }
   std::fflush(stderr);
 }
 
 void Progress::finish() {
-  if (line_open_) fmt::print(stderr, "\n");
+  if (line_open_) say("\n");
   line_open_ = false;
 }
 

@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "interrupt.h"
 #include "progress.h"
+#include "sgs/core/print.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/image_io.h"
 #include "sgs/io/ply.h"
@@ -79,7 +80,7 @@ Status render_all(const RenderCommand& command) {
     progress.step("");
   }
   progress.finish();
-  fmt::print("{}\n", output.string());
+  print("{}\n", output.string());
   return {};
 }
 

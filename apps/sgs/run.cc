@@ -10,6 +10,7 @@
 #include "progress.h"
 #include "scoring.h"
 #include "sgs/core/log.h"
+#include "sgs/core/print.h"
 #include "sgs/dataset/preloaded_source.h"
 #include "sgs/run/execute.h"
 #include "sgs/run/run_config.h"
@@ -35,8 +36,7 @@ struct RunCommand {
 int report_failures(const run::RunFolder& folder) {
   for (const Error& error : folder.failures()) report(error);
   if (!folder.rescued_to().empty()) {
-    fmt::print(stderr, "sgs: what did not fit there was kept in {}\n",
-               folder.rescued_to().string());
+    say("sgs: what did not fit there was kept in {}\n", folder.rescued_to().string());
   }
   return folder.failures().empty() ? kExitDone : kExitFailed;
 }
@@ -61,11 +61,11 @@ run::Spectator spectator(Progress& progress, ViewerLink* viewer) {
 void print_result(const RunCommand& command, const eval::Metrics& metrics,
                   const std::filesystem::path& folder) {
   if (command.json) {
-    fmt::print("{}\n", eval::to_json(metrics));
+    print("{}\n", eval::to_json(metrics));
     return;
   }
-  fmt::print("{}\nrun     {}\nreport  {}\n", eval::metrics_table(metrics), folder.string(),
-             (folder / run::files::kReport).string());
+  print("{}\nrun     {}\nreport  {}\n", eval::metrics_table(metrics), folder.string(),
+        (folder / run::files::kReport).string());
 }
 
 /// Everything between an open input and the exit code.
@@ -92,7 +92,7 @@ Result<int> run_sequence(const RunCommand& command, const slam::SessionConfig& c
   const bool scoring_cancelled = scores.rendering && scores.rendering->cancelled;
   if (outcome.stopped || scoring_cancelled) return kExitInterrupted;
   if (outcome.lost) {
-    fmt::print(stderr, "sgs: tracking was lost; see frames.csv and the report\n");
+    say("sgs: tracking was lost; see frames.csv and the report\n");
     return kExitLost;
   }
   return kExitDone;

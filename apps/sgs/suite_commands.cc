@@ -9,6 +9,7 @@
 
 #include "commands.h"
 #include "interrupt.h"
+#include "sgs/core/print.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/suite/provenance.h"
 #include "sgs/suite/runner.h"
@@ -72,9 +73,9 @@ Result<int> run_bench(const BenchCommand& command) {
       "ATE RMSE in cm, mean (worst) over seeds; share of frames within 1 m where below 100 %");
   suite::add_publications(suite.publications, table);
   if (command.markdown) {
-    fmt::print("{}\n\n{}", suite::provenance(version_and_commit()), as_markdown(table));
+    print("{}\n\n{}", suite::provenance(version_and_commit()), as_markdown(table));
   } else {
-    fmt::print("{}", as_text(table));
+    print("{}", as_text(table));
   }
   return outcome.exit_code;
 }
@@ -93,10 +94,10 @@ Result<int> run_sweep(const SweepCommand& command) {
       [](const Job& job) { return job.sequence + " " + job.level; });
   const std::string title =
       fmt::format("{} of `{}`: ATE RMSE in cm, mean (worst) over seeds", range.key, base.name);
-  fmt::print("{}", as_text(suite::ate_table(grid, title)));
+  print("{}", as_text(suite::ate_table(grid, title)));
   const auto plot = std::filesystem::path(options.output) / "sweep.svg";
   SGS_RETURN_IF_ERROR(io::write_file(plot, suite::sweep_plot(grid, range.key)));
-  fmt::print("{}\n", plot.string());
+  print("{}\n", plot.string());
   return outcome.exit_code;
 }
 

@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "interrupt.h"
 #include "progress.h"
+#include "sgs/core/print.h"
 #include "sgs/dataset/tum_writer.h"
 #include "sgs/run/input.h"
 #include "sgs/synthetic/source.h"
@@ -52,7 +53,7 @@ int run_synth(const SynthCommand& command) {
     progress.step("");
   }
   progress.finish();
-  fmt::print("{}\n", command.folder);
+  print("{}\n", command.folder);
   return interrupted() ? kExitInterrupted : kExitDone;
 }
 

@@ -290,6 +290,22 @@ class Contract(Case):
         self.assertIn("16/16 frames", plain)
         self.assertNotRegex(plain, r"[\r\x1b]")
 
+    def test_a_terminal_that_is_gone_costs_no_run(self):
+        out = self.folder / "out"
+        command = [SGS, "run", "synth:room_desk", "--frames", "0:8", "--no-eval", "-o", out]
+        with open("/dev/full", "w") as full:
+            done = subprocess.run(command, stderr=full, stdout=subprocess.DEVNULL, timeout=240)
+        self.assertEqual(done.returncode, 0)
+        self.assertEqual(len(self.lists(out, "trajectory.txt")), 8)
+
+    def test_results_that_cannot_be_printed_are_a_failure(self):
+        with open("/dev/full", "w") as full:
+            done = subprocess.run(
+                [SGS, "info", "--config"], stdout=full, stderr=subprocess.PIPE, text=True
+            )
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("standard output", done.stderr)
+
     def test_suite_makes_a_table_and_resumes(self):
         command = [
             "bench",

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "interrupt.h"
+#include "sgs/core/print.h"
 #include "sgs/run/version.h"
 #include "sgs/viewer/server.h"
 #include "sgs/viewer/session_feed.h"
@@ -28,7 +29,7 @@ Result<std::unique_ptr<viewer::Server>> start_viewer(const ViewerRequest& reques
                 "give a number up to 65535; 0 takes any free port");
   }
   SGS_ASSIGN_OR_RETURN(auto server, viewer::Server::start(options, info));
-  fmt::print(stderr, "viewer  {}\n", server->url());
+  say("viewer  {}\n", server->url());
   return server;
 }
 
@@ -52,10 +53,10 @@ class Link : public ViewerLink {
     constexpr double kDrain_s = 2;
     server_->set_metrics(metrics);
     server_->drain(kDrain_s);
-    if (stay_ && !interrupted()) fmt::print(stderr, "viewer stays until Ctrl-C\n");
+    if (stay_ && !interrupted()) say("viewer stays until Ctrl-C\n");
     while (stay_ && !interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
     server_.reset();
-    fmt::print(stderr, "viewer closed; see the run again with: sgs view {}\n", folder.string());
+    say("viewer closed; see the run again with: sgs view {}\n", folder.string());
   }
 
  private:

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
@@ -11,6 +10,7 @@
 #include "commands.h"
 #include "interrupt.h"
 #include "log_setup.h"
+#include "sgs/core/print.h"
 #include "sgs/core/stopwatch.h"
 #include "viewer/replay.h"
 #include "viewer/start.h"
@@ -82,12 +82,11 @@ Status view(const ViewCommand& command) {
   SGS_ASSIGN_OR_RETURN(auto replay, load_replay(command.folder));
   ReplayImages images(replay.input);
   if (!images.available()) {
-    fmt::print(stderr, "sgs: the input '{}' is not there any more: no camera pictures\n",
-               replay.input.input);
+    say("sgs: the input '{}' is not there any more: no camera pictures\n", replay.input.input);
   }
   SGS_ASSIGN_OR_RETURN(const auto server, start_viewer(command.viewer, replay.info));
   server->set_metrics(replay.metrics);
-  fmt::print(stderr, "Ctrl-C ends\n");
+  say("Ctrl-C ends\n");
   while (!interrupted() && server->clients() == 0) nap_until(wall_time_s() + 0.05);
   while (!interrupted()) {
     play_once(replay, images, *server);

@@ -2,11 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
+#include <exception>
 #include <limits>
 #include <stdexcept>
 #include <thread>
@@ -232,6 +235,23 @@ TEST(Stopwatch, IntervalsKeepTheirThreadThroughMerging) {
   EXPECT_THAT(tracking.stages().at("track"), testing::ElementsAre(5, 3));
   EXPECT_EQ(tracking.stages().count("map/iteration"), 0u);
 }
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST(ThreadPool, ThreadsThatCannotBeMadeAreAnException) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto make_too_many = [] {
+    const rlimit little{400 << 20, 400 << 20};  // address space: a few dozen stacks
+    setrlimit(RLIMIT_AS, &little);
+    try {
+      const ThreadPool pool(250);
+    } catch (const std::exception&) {
+      std::_Exit(0);  // and not a deadlock
+    }
+    std::_Exit(1);
+  };
+  EXPECT_EXIT(make_too_many(), testing::ExitedWithCode(0), "");
+}
+#endif
 
 }  // namespace
 }  // namespace sgs

@@ -19,6 +19,7 @@ enum class ErrorCode {
   kIo,               ///< reading or writing failed (permissions, full disk, device)
   kUnsupported,      ///< valid, but not something this build can handle
   kInterrupted,      ///< the user asked to stop
+  kInternal,         ///< memory ran out, or the program made a mistake
 };
 
 /// Expected failure of files, config, formats and devices. `message` names the file, line or key;

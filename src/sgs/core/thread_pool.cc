@@ -121,6 +121,16 @@ struct ThreadPool::State {
     }
   }
 
+  void join() {
+    {
+      const std::scoped_lock lock(mutex);
+      stop = true;
+    }
+    wake.notify_all();
+    resumed.notify_all();
+    for (auto& worker : workers) worker.join();
+  }
+
   /// Sleeps through recesses; returns whether the pool still exists.
   bool rest() {
     std::unique_lock lock(mutex);
@@ -148,23 +158,21 @@ struct ThreadPool::State {
 ThreadPool::ThreadPool(int threads, int nice) : state_(std::make_unique<State>()) {
   SGS_CHECK(threads >= 1, "a thread pool needs at least one thread");
   state_->threads = threads;
-  for (int i = 1; i < threads; ++i) {
-    state_->workers.emplace_back([s = state_.get(), i, nice] {
-      if (nice > 0) lower_thread_priority(nice);
-      s->worker_loop(i);
-    });
+  try {
+    for (int i = 1; i < threads; ++i) {
+      state_->workers.emplace_back([s = state_.get(), i, nice] {
+        if (nice > 0) lower_thread_priority(nice);
+        s->worker_loop(i);
+      });
+    }
+  } catch (...) {
+    // The system gives no more threads; those that run must end before what they wait on does.
+    state_->join();
+    throw;
   }
 }
 
-ThreadPool::~ThreadPool() {
-  {
-    const std::scoped_lock lock(state_->mutex);
-    state_->stop = true;
-  }
-  state_->wake.notify_all();
-  state_->resumed.notify_all();
-  for (auto& worker : state_->workers) worker.join();
-}
+ThreadPool::~ThreadPool() { state_->join(); }
 
 int ThreadPool::threads() const { return state_->threads; }
 

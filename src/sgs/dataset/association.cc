@@ -61,7 +61,15 @@ std::vector<std::pair<std::size_t, std::size_t>> associate(const std::vector<dou
   for (std::size_t i = 0; i < a.size(); ++i) {
     while (begin < b.size() && b[begin] < a[i] - max_difference_s) ++begin;
     const std::size_t first_of_i = links.size();
-    for (std::size_t j = begin; j < b.size() && b[j] <= a[i] + max_difference_s; ++j) {
+    // Times in a wrong unit lie all within the tolerance: the nearest will do, or memory would grow
+    // with the square of their number.
+    constexpr std::size_t kCandidates = 64;
+    const auto nearest = static_cast<std::size_t>(
+        std::lower_bound(b.begin() + static_cast<std::ptrdiff_t>(begin), b.end(), a[i]) -
+        b.begin());
+    const std::size_t from = std::max(begin, nearest - std::min(nearest, kCandidates / 2));
+    const std::size_t to = std::min(b.size(), from + kCandidates);
+    for (std::size_t j = from; j < to && b[j] <= a[i] + max_difference_s; ++j) {
       const std::size_t previous = best.before(j, links);
       Link link{i, j, previous, 1, std::abs(a[i] - b[j])};
       if (previous != kNone) {

@@ -68,5 +68,15 @@ TEST(Association, IsOptimal) {
   }
 }
 
+TEST(Association, DenseTimesDoNotMultiply) {
+  std::vector<double> a, b;
+  for (int i = 0; i < 12'000; ++i) {
+    a.push_back(1e-6 * i);
+    b.push_back(1e-6 * i + 2e-7);
+  }
+  const Pairs pairs = associate(a, b, 0.02);
+  EXPECT_GT(pairs.size(), a.size() * 99 / 100);
+}
+
 }  // namespace
 }  // namespace sgs::dataset

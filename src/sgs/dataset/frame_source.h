@@ -37,6 +37,9 @@ class FrameSource {
   /// Reads the next frame into `frame`. On kBadFrame `error` names the file and the reason, and
   /// `frame.index` and `frame.timestamp_s` are valid.
   virtual FrameRead next(RgbdFrame& frame, Error& error) = 0;
+  /// Asks a next() that waits, and all later ones, to return kEnd soon. Thread-safe; a source that
+  /// never waits for long need not listen.
+  virtual void stop() {}
 };
 
 }  // namespace sgs::dataset

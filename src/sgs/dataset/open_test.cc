@@ -435,5 +435,40 @@ INSTANTIATE_TEST_SUITE_P(Data, RealSequences,
                                          RealCase{"tum_fr1_xyz_10frames", 10, "tum"},
                                          RealCase{"replica_room0_first20", 20, "replica"}));
 
+TEST_F(TumFolder, ALineOfSeparatorsIsNamed) {
+  for (const char* list : {"rgb.txt", "depth.txt"}) {
+    fs::remove_all(folder());
+    write(3);
+    put(list, get(list) + ",\n");
+    EXPECT_THAT(open_error(), HasSubstr(list));
+  }
+  put("associations.txt", " , ,\n");
+  fs::remove(folder() / "rgb.txt");
+  EXPECT_THAT(open_error(), HasSubstr("associations.txt:1"));
+}
+
+TEST_F(TumFolder, TimesTooCloseToRecordAreAnErrorNotAMistake) {
+  auto writer = TumSequenceWriter::create(folder(), kCamera);
+  ASSERT_TRUE(writer);
+  RgbdFrame frame = make_frame(0);
+  ASSERT_TRUE(writer->add(frame));
+  frame.timestamp_s += 1e-7;
+  const Status second = writer->add(frame);
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().text(), HasSubstr("microsecond"));
+}
+
+TEST_F(TumFolder, ImagesTooSmallToTrackAreRefused) {
+  const PinholeCamera tiny{2, 2, 30, 30, 0.5, 0.5};
+  auto writer = TumSequenceWriter::create(folder(), tiny);
+  ASSERT_TRUE(writer);
+  RgbdFrame frame = make_frame(0);
+  frame.camera = tiny;
+  frame.color = ColorImage(2, 2);
+  frame.depth = DepthImage(2, 2, 1.0f);
+  ASSERT_TRUE(writer->add(frame));
+  EXPECT_THAT(open_error(), HasSubstr("2x2"));
+}
+
 }  // namespace
 }  // namespace sgs::dataset

@@ -30,7 +30,7 @@ class PrefetchingSource : public FrameSource {
 
   /// Ends the decoding; frames already decoded can still be read, then comes kEnd. May be called
   /// from any thread.
-  void stop();
+  void stop() override;
 
  private:
   struct State;

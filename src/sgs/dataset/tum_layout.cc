@@ -53,7 +53,8 @@ Result<std::vector<ListedImage>> read_list(const fs::path& list,
   std::vector<ListedImage> images;
   for (const io::TextLine& line : io::content_lines(content)) {
     const auto fields = io::split_fields(line.text, ",");
-    const auto time = io::parse_double(fields[0]);
+    // A line of commas has no fields at all.
+    const auto time = fields.empty() ? std::nullopt : io::parse_double(fields[0]);
     if (fields.size() < 2 || !time || !std::isfinite(*time)) {
       return bad_line(list, line, "timestamp filename");
     }
@@ -101,7 +102,7 @@ Status read_associations(const fs::path& list, FrameList& out) {
   SGS_ASSIGN_OR_RETURN(const std::string content, io::read_file(list));
   for (const io::TextLine& line : io::content_lines(content)) {
     auto f = io::split_fields(line.text, ",");
-    const auto first = io::parse_double(f[0]);
+    const auto first = f.size() == 4 ? io::parse_double(f[0]) : std::nullopt;
     const auto second = f.size() == 4 ? io::parse_double(f[2]) : std::nullopt;
     if (!first || !second || !std::isfinite(*first) || !std::isfinite(*second)) {
       return bad_line(list, line, "timestamp color timestamp depth");

@@ -44,8 +44,14 @@ Status TumSequenceWriter::add(const RgbdFrame& frame) {
   SGS_CHECK(frame.color.width() == camera_.width && frame.color.height() == camera_.height &&
                 frame.depth.width() == camera_.width && frame.depth.height() == camera_.height,
             "frame size differs from the camera's");
-  SGS_CHECK(frames_ == 0 || frame.timestamp_s >= last_time_s_ + 0.5 * kTimeStep_s,
-            "frame times must increase");
+  if (frames_ > 0 && !(frame.timestamp_s >= last_time_s_ + 0.5 * kTimeStep_s)) {
+    return fail(
+        ErrorCode::kUnsupported,
+        fmt::format("frame {} at {:.9f} s cannot be recorded to {}: not a microsecond after "
+                    "the one before it",
+                    frame.index, frame.timestamp_s, folder_.string()),
+        "record without --record, or mend the times of the input");
+  }
   const std::string time = fmt::format("{:.6f}", frame.timestamp_s);
   const std::string color = fmt::format("rgb/{}.{}", time, options_.jpeg_color ? "jpg" : "png");
   const std::string depth = fmt::format("depth/{}.png", time);

@@ -25,6 +25,8 @@ std::string remedy_for(int code) {
       return "choose a place with the needed permissions";
     case ENOENT:
       return "check the path";
+    case ENAMETOOLONG:
+      return "choose a shorter name";
     case EISDIR:
       return "a file is needed here, not a folder";
     default:
@@ -60,7 +62,8 @@ class Descriptor {
 };
 
 /// Opens, writes everything, closes; returns errno of the first failure, else 0.
-int write_all(const fs::path& path, int flags, std::string_view bytes) {
+int write_all(const fs::path& path, int flags, std::string_view bytes,
+              Durability durability = Durability::kRelaxed) {
   Descriptor file(::open(path.c_str(), flags | O_WRONLY | O_CREAT | O_CLOEXEC, 0666));
   if (file.get() < 0) return errno;
   while (!bytes.empty()) {
@@ -69,7 +72,22 @@ int write_all(const fs::path& path, int flags, std::string_view bytes) {
     if (written < 0) return errno;
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
+  if (durability == Durability::kSynced && ::fsync(file.get()) != 0) return errno;
   return file.close() ? 0 : errno;
+}
+
+/// Puts a renamed entry of a folder on the disk. A file system that cannot (EINVAL) has done what
+/// it does.
+int sync_folder(const fs::path& path) {
+  const Descriptor folder(::open(path.empty() ? "." : path.c_str(), O_RDONLY | O_DIRECTORY));
+  if (folder.get() < 0) return errno == EACCES ? 0 : errno;  // writable, but not readable
+  return ::fsync(folder.get()) == 0 || errno == EINVAL ? 0 : errno;
+}
+
+tl::unexpected<Error> too_large(const fs::path& path, std::int64_t limit_bytes) {
+  return fail(ErrorCode::kUnsupported,
+              fmt::format("cannot read {}: larger than {} MB", path.string(), limit_bytes >> 20),
+              "is this the right file?");
 }
 
 Status make_parent(const fs::path& path) {
@@ -79,14 +97,21 @@ Status make_parent(const fs::path& path) {
 
 }  // namespace
 
-Result<std::string> read_file(const fs::path& path) {
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+Result<std::string> read_file(const fs::path& path, std::int64_t limit_bytes) {
+  // Without O_NONBLOCK, opening a pipe waits for somebody who writes to it.
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (file.get() < 0) return system_error("read", path, errno);
-  std::string content;
   struct stat info {};
-  if (::fstat(file.get(), &info) == 0 && S_ISREG(info.st_mode)) {
-    content.reserve(static_cast<std::size_t>(info.st_size) + 1);
+  if (::fstat(file.get(), &info) != 0) return system_error("read", path, errno);
+  if (S_ISDIR(info.st_mode)) return system_error("read", path, EISDIR);
+  if (!S_ISREG(info.st_mode)) {
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("cannot read {}: a pipe or a device", path.string()),
+                "copy its content to a file and give that");
   }
+  if (info.st_size > limit_bytes) return too_large(path, limit_bytes);
+  std::string content;
+  content.reserve(static_cast<std::size_t>(info.st_size) + 1);
   constexpr std::size_t kBlock = 1 << 16;
   while (true) {
     const std::size_t size = content.size();
@@ -97,13 +122,18 @@ Result<std::string> read_file(const fs::path& path) {
     if (got < 0 && code == EINTR) continue;
     if (got < 0) return system_error("read", path, code);
     if (got == 0) return content;
+    // Files of /proc have no size, and others grow.
+    if (static_cast<std::int64_t>(content.size()) > limit_bytes) {
+      return too_large(path, limit_bytes);
+    }
   }
 }
 
 Status make_folder(const fs::path& path) {
   std::error_code error;
   fs::create_directories(path, error);
-  if (error && !fs::is_directory(path)) {
+  std::error_code ignored;  // a path that is too long cannot be asked about either
+  if (error && !fs::is_directory(path, ignored)) {
     return fail(ErrorCode::kIo,
                 fmt::format("cannot create folder {}: {}", path.string(), error.message()),
                 remedy_for(error.value()));
@@ -111,7 +141,7 @@ Status make_folder(const fs::path& path) {
   return {};
 }
 
-Status write_file(const fs::path& path, std::string_view bytes) {
+Status write_file(const fs::path& path, std::string_view bytes, Durability durability) {
   SGS_RETURN_IF_ERROR(make_parent(path));
   struct stat info {};
   if (::stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode)) {
@@ -121,8 +151,9 @@ Status write_file(const fs::path& path, std::string_view bytes) {
   }
   fs::path temporary = path;
   temporary += fmt::format(".{}.tmp", ::getpid());
-  int code = write_all(temporary, O_TRUNC, bytes);
+  int code = write_all(temporary, O_TRUNC, bytes, durability);
   if (code == 0 && ::rename(temporary.c_str(), path.c_str()) != 0) code = errno;
+  if (code == 0 && durability == Durability::kSynced) code = sync_folder(path.parent_path());
   if (code == 0) return {};
   ::unlink(temporary.c_str());
   return system_error("write", path, code);

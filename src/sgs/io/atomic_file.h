@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -10,15 +11,27 @@
 
 namespace sgs::io {
 
-/// The whole content of a file. Folders, missing and unreadable files are errors that name it.
-Result<std::string> read_file(const std::filesystem::path& path);
+/// Largest file that is read whole unless a caller says otherwise: a map of 18 million Gaussians.
+inline constexpr std::int64_t kLargestFile_bytes = std::int64_t{4} << 30;
+
+/// The whole content of a regular file of at most `limit_bytes`. Folders, pipes, devices, files
+/// beyond the limit, missing and unreadable files are errors that name it: a pipe nobody writes to
+/// would block for ever, a device never end.
+Result<std::string> read_file(const std::filesystem::path& path,
+                              std::int64_t limit_bytes = kLargestFile_bytes);
+
+/// Whether what was written is on the disk, and not only with the system, when a write returns.
+enum class Durability {
+  kRelaxed,  ///< survives the program
+  kSynced,   ///< survives a power cut, too
+};
 
 /// Replaces `path` by `bytes` in one step: they are written to a temporary file beside it, which is
 /// then renamed, so that a reader never sees half a file and a failed write leaves the old one.
-/// (No fsync: protects against crashes of the program, not of the machine.) Devices and pipes are
-/// written to directly. Missing parent folders are created. Every failure, a full disk included, is
-/// an error that names the file and the system's reason.
-Status write_file(const std::filesystem::path& path, std::string_view bytes);
+/// Devices and pipes are written to directly. Missing parent folders are created. Every failure, a
+/// full disk included, is an error that names the file and the system's reason.
+Status write_file(const std::filesystem::path& path, std::string_view bytes,
+                  Durability durability = Durability::kSynced);
 
 /// Appends `bytes` to a file, creating it (and its parent folders) where it is missing.
 Status append_file(const std::filesystem::path& path, std::string_view bytes);

@@ -51,6 +51,8 @@ Result<CameraOption> parse_camera_option(std::string_view text) {
   return option;
 }
 
+constexpr int kSmallestSide_px = 8;
+
 Status check_calibration(const Calibration& c, std::string_view source) {
   const auto bad = [&](std::string what) {
     return fail(ErrorCode::kInvalidFormat,
@@ -61,6 +63,10 @@ Status check_calibration(const Calibration& c, std::string_view source) {
   const PinholeCamera& k = c.camera;
   if (k.width <= 0 || k.height <= 0) {
     return bad(fmt::format("image size {}x{} is not positive", k.width, k.height));
+  }
+  if (k.width < kSmallestSide_px || k.height < kSmallestSide_px) {
+    return bad(fmt::format("images of {}x{} pixels hold nothing to track; {} are the least",
+                           k.width, k.height, kSmallestSide_px));
   }
   if (!(k.fx > 0 && k.fy > 0 && std::isfinite(k.fx) && std::isfinite(k.fy))) {
     return bad(fmt::format("focal lengths fx={} fy={} must be positive", k.fx, k.fy));

@@ -194,5 +194,16 @@ TEST(Calibration, SequenceTomlRoundTripAndErrors) {
   EXPECT_THAT(message("[sequence]\ncolor = \"c\"\n"), HasSubstr("both"));
 }
 
+TEST(TomlConfig, KeysOfAHundredThousandPartsAreRefused) {
+  Settings s;
+  std::string key = "a";
+  for (int i = 0; i < 100'000; ++i) key += ".a";
+  for (const std::string& text : {key + " = 1", "[" + key + "]", "x = {" + key + " = 1}"}) {
+    const auto status = apply_toml_text(text, "x.toml", s.list);
+    ASSERT_FALSE(status);
+    EXPECT_THAT(status.error().text(), HasSubstr("x.toml"));
+  }
+}
+
 }  // namespace
 }  // namespace sgs::io

@@ -18,6 +18,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint16_t kRawSaturated = 65535;
+constexpr std::int64_t kLargestImageFile_bytes = std::int64_t{256} << 20;
+constexpr std::int64_t kLargestImage_px = 100'000'000;
 
 /// The library never prints; OpenCV's decoders would.
 void silence_opencv() {
@@ -35,7 +37,7 @@ struct Encoded {
 
 Result<Encoded> read_encoded(const fs::path& path) {
   Encoded encoded;
-  SGS_ASSIGN_OR_RETURN(encoded.bytes, read_file(path));
+  SGS_ASSIGN_OR_RETURN(encoded.bytes, read_file(path, kLargestImageFile_bytes));
   encoded.check = check_image_stream(encoded.bytes);
   if (!encoded.check.problem.empty()) {
     return fail(ErrorCode::kInvalidFormat,
@@ -45,6 +47,15 @@ Result<Encoded> read_encoded(const fs::path& path) {
   if (encoded.check.kind == StreamCheck::Kind::kUnknown) {
     return fail(ErrorCode::kUnsupported, fmt::format("{}: neither PNG nor JPEG", path.string()),
                 "convert the images to PNG or JPEG");
+  }
+  // A few hundred kilobytes can announce gigabytes of pixels.
+  const std::int64_t pixels = std::int64_t{encoded.check.width} * encoded.check.height;
+  if (pixels > kLargestImage_px) {
+    return fail(
+        ErrorCode::kUnsupported,
+        fmt::format("{}: {}x{} pixels, more than {} million", path.string(), encoded.check.width,
+                    encoded.check.height, kLargestImage_px / 1'000'000),
+        "reduce the images");
   }
   return encoded;
 }
@@ -97,7 +108,9 @@ Status encode_and_write(const fs::path& path, const char* extension, const cv::M
   if (bytes.empty()) {
     return fail(ErrorCode::kIo, fmt::format("{}: the image cannot be encoded", path.string()));
   }
-  return write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  // One of many, written while a camera runs: waiting for the disk would cost frames.
+  return write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()},
+                    Durability::kRelaxed);
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <zlib.h>
 
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
@@ -157,6 +159,35 @@ TEST(AtomicFile, FullDiskIsAnErrorWithARemedy) {
     EXPECT_THAT(status.error().text(), HasSubstr("No space left"));
     EXPECT_THAT(status.error().remedy, HasSubstr("space"));
   }
+}
+
+TEST(ReadFile, PipesDevicesAndGiantsAreRefused) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(mkfifo((folder / "pipe.png").c_str(), 0600), 0);
+  EXPECT_THAT(load_color(folder / "pipe.png").error().text(), HasSubstr("pipe"));
+  EXPECT_THAT(read_file("/dev/zero").error().text(), HasSubstr("device"));
+  ASSERT_TRUE(write_file(folder / "a", "12345"));
+  EXPECT_TRUE(read_file(folder / "a", 5));
+  EXPECT_THAT(read_file(folder / "a", 4).error().text(), HasSubstr("larger"));
+}
+
+TEST(WriteFile, ANameThatIsTooLongIsAnError) {
+  const TemporaryFolder folder;
+  const auto status = make_folder(folder / std::string(5000, 'a'));
+  ASSERT_FALSE(status);
+  EXPECT_THAT(status.error().text(), HasSubstr("shorter"));
+}
+
+TEST(ImageIo, GiganticImagesAreRefusedByTheirHeader) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(save_color(folder / "a.png", test_picture()));
+  std::string bytes = read_file(folder / "a.png").value();
+  const std::string side{'\0', '\0', '\x4e', '\x20'};  // 20000
+  bytes.replace(16, 8, side + side);
+  const auto sum = crc32(0, reinterpret_cast<const Bytef*>(bytes.data()) + 12, 17);
+  for (std::size_t i = 0; i < 4; ++i) bytes[29 + i] = static_cast<char>(sum >> (24 - 8 * i));
+  ASSERT_TRUE(write_file(folder / "a.png", bytes));
+  EXPECT_THAT(load_color(folder / "a.png").error().text(), HasSubstr("20000x20000"));
 }
 
 }  // namespace

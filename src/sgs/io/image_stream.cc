@@ -58,6 +58,8 @@ StreamCheck check_png(std::string_view bytes) {
       return result;
     }
     if (type == "IHDR" && length >= 9) {
+      result.width = static_cast<int>(big_endian(bytes, at + 8, 4) & 0x7fffffff);
+      result.height = static_cast<int>(big_endian(bytes, at + 12, 4) & 0x7fffffff);
       result.bits_per_channel = static_cast<int>(byte_at(bytes, at + 8 + 8));
     }
     has_pixels = has_pixels || type == "IDAT";
@@ -96,7 +98,9 @@ StreamCheck check_jpeg(std::string_view bytes) {
     const std::size_t length = big_endian(bytes, at + 2, 2);
     const bool frame_header =
         code >= 0xC0 && code <= 0xCF && code != 0xC4 && code != 0xC8 && code != 0xCC;
-    if (frame_header && at + 4 < bytes.size()) {
+    if (frame_header && at + 9 <= bytes.size()) {
+      result.height = static_cast<int>(big_endian(bytes, at + 5, 2));
+      result.width = static_cast<int>(big_endian(bytes, at + 7, 2));
       result.bits_per_channel = static_cast<int>(byte_at(bytes, at + 4));
     }
     has_scan = has_scan || code == kStartOfScan;

@@ -12,7 +12,8 @@ struct StreamCheck {
   enum class Kind { kPng, kJpeg, kUnknown } kind = Kind::kUnknown;
   int bits_per_channel = 8;
   /// Empty when the stream runs from its signature to its end marker; otherwise what is wrong.
-  std::string problem;
+  std::string problem = {};
+  int width = 0, height = 0;  ///< as announced; 0 where nothing was
 };
 
 /// Walks the chunks of a PNG (to IEND, with their checksums) or the segments of a JPEG (to EOI).

@@ -78,7 +78,29 @@ std::string toml_place(const toml::node& node, std::string_view source) {
   return fmt::format("{}:{}", source, node.source().begin.line);
 }
 
+namespace {
+
+/// Length of the longest chain of dots between two separators: the depth of tables that a dotted
+/// key makes. The parser bounds the depth of arrays and inline tables, but neither that of keys.
+std::size_t longest_dotted_key(std::string_view text) {
+  std::size_t longest = 0, dots = 0;
+  for (const char c : text) {
+    if (c == '.') longest = std::max(longest, ++dots);
+    if (c == '\n' || c == ',' || c == '=' || c == '[' || c == ']' || c == '{' || c == '}') dots = 0;
+  }
+  return longest;
+}
+
+}  // namespace
+
 Result<toml::table> parse_toml(std::string_view text, std::string_view source) {
+  constexpr std::size_t kLargestText_bytes = 1 << 20, kDeepestKey = 500;
+  if (text.size() > kLargestText_bytes || longest_dotted_key(text) > kDeepestKey) {
+    return fail(
+        ErrorCode::kUnsupported,
+        fmt::format("{}: larger than 1 MB, or a key of more than {} parts", source, kDeepestKey),
+        "is this a configuration?");
+  }
   try {
     return toml::parse(text, source);
   } catch (const toml::parse_error& e) {

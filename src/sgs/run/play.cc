@@ -3,6 +3,8 @@
 #include "sgs/run/play.h"
 
 #include <algorithm>
+#include <exception>
+#include <new>
 
 #include "sgs/core/log.h"
 #include "sgs/core/stopwatch.h"
@@ -49,6 +51,20 @@ Status feed_item(const dataset::FeedItem& item, slam::Session& session,
   return options.recorder != nullptr ? options.recorder->add(*item.frame) : Status{};
 }
 
+/// Calls `work` and makes an error of what it throws.
+template <class Work>
+Status guarded(Work&& work) {
+  try {
+    work();
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorCode::kInternal, "out of memory", "use fewer or smaller frames");
+  } catch (const std::exception& error) {
+    return fail(ErrorCode::kInternal, fmt::format("internal error: {}", error.what()),
+                "please report it with the command line");
+  }
+  return {};
+}
+
 /// Wall time of a run, from its first item on.
 class Timer {
  public:
@@ -83,19 +99,25 @@ Result<RunClock> play(dataset::FrameSource& source, slam::Session& session,
   RunClock clock;
   Timer timer(clock);
   Feed feed(source, options.realtime);
+  // A file system that does not answer must not keep what is there from being saved.
+  const std::stop_callback wake(stop, [&source] { source.stop(); });
   Status status;
-  while (!stop.stop_requested() && status) {
-    if (options.before_frame) timer.held(options.before_frame());
-    const double waiting_since_s = wall_time_s();
-    const double busy_before_s = session.mapper_busy_s();
-    const auto item = feed.next();
-    if (!item) break;
-    timer.item_came(wall_time_s() - waiting_since_s, session.mapper_busy_s() - busy_before_s);
-    status = feed_item(*item, session, options);
-  }
+  const auto play_all = [&] {
+    while (!stop.stop_requested() && status) {
+      if (options.before_frame) timer.held(options.before_frame());
+      const double waiting_since_s = wall_time_s();
+      const double busy_before_s = session.mapper_busy_s();
+      const auto item = feed.next();
+      if (!item) break;
+      timer.item_came(wall_time_s() - waiting_since_s, session.mapper_busy_s() - busy_before_s);
+      status = feed_item(*item, session, options);
+    }
+  };
+  // Whatever ends the frames, what was made of them so far is to be kept.
+  if (const Status thrown = guarded(play_all); !thrown) status = thrown;
   clock.frames_dropped = feed.stop();
   clock.frames_in += clock.frames_dropped;
-  session.finish();
+  if (const Status thrown = guarded([&] { session.finish(); }); !thrown && status) status = thrown;
   timer.finished();
   if (!status) return tl::unexpected(status.error());
   return clock;

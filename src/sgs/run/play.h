@@ -32,7 +32,8 @@ struct PlayOptions {
 };
 
 /// Feeds the whole source into the session (until a stop is requested) and waits for the mapper to
-/// finish. Fails when the recorder cannot write; the session is finished all the same.
+/// finish. Fails when the recorder cannot write or something threw (memory, a broken contract); the
+/// session is finished all the same and holds what was made of the frames so far.
 Result<RunClock> play(dataset::FrameSource& source, slam::Session& session,
                       const PlayOptions& options, const std::stop_token& stop = {});
 

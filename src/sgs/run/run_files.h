@@ -15,6 +15,7 @@ inline constexpr const char* kMap = "map.ply";
 inline constexpr const char* kTimings = "timings.json";
 inline constexpr const char* kMetrics = "metrics.json";
 inline constexpr const char* kReport = "report.html";
+inline constexpr const char* kLock = "lock.txt";  ///< who writes the folder, while they do
 inline constexpr const char* kLog = "log.txt";
 inline constexpr const char* kRenders = "renders";  ///< folder
 inline constexpr const char* kPictures = "renders/pictures.csv";

@@ -2,11 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/run/run_folder.h"
 
+#include <fcntl.h>
 #include <fmt/chrono.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <ctime>
 
 #include "sgs/core/log.h"
@@ -26,11 +31,17 @@ std::string file_name(std::string name) {
   return name;
 }
 
+std::string text_line(std::string text) {
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return text;
+}
+
 }  // namespace
 
 Result<RunFolder> RunFolder::create(const fs::path& path) {
   RunFolder folder(path);
   SGS_RETURN_IF_ERROR(io::make_folder(folder.path_));
+  SGS_RETURN_IF_ERROR(folder.lock());
   // Finding out now that nothing can be written here beats finding out after the run.
   SGS_RETURN_IF_ERROR(io::write_file(folder.path_ / files::kLog, ""));
   SGS_RETURN_IF_ERROR(io::make_folder(folder.path_ / files::kRenders));
@@ -53,6 +64,34 @@ Result<RunFolder> RunFolder::open(const fs::path& path) {
                 "give a run folder made by `sgs run`");
   }
   return RunFolder(path);
+}
+
+// The system lets go of the lock when the process ends, however it ends.
+Status RunFolder::lock() {
+  const fs::path path = path_ / files::kLock;
+  const int fd = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (fd < 0) {
+    return fail(ErrorCode::kIo,
+                fmt::format("cannot write {}: {}", path.string(), std::strerror(errno)),
+                "choose another folder");
+  }
+  lock_ = std::shared_ptr<const int>(new int(fd), [](const int* held) {
+    ::close(*held);
+    delete held;
+  });
+  // Some network file systems know no locks: they are no reason not to run.
+  if (::flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    const auto owner = io::read_file(path).value_or("another process");
+    return fail(ErrorCode::kIo,
+                fmt::format("{} is being written by {}", path_.string(), text_line(owner)),
+                "wait for it, or choose another folder");
+  }
+  const std::string owner =
+      fmt::format("process {}, started {:%F %T}\n", ::getpid(), fmt::localtime(std::time(nullptr)));
+  if (::ftruncate(fd, 0) != 0 || ::pwrite(fd, owner.data(), owner.size(), 0) < 0) {
+    log().debug("{} could not be written: {}", path.string(), std::strerror(errno));
+  }
+  return {};
 }
 
 void RunFolder::save_text(const std::string& name, std::string_view text) {

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <exception>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,7 +17,8 @@ namespace sgs::run {
 /// permissions lost on the way) goes to a rescue folder instead, so that nothing computed is lost.
 class RunFolder {
  public:
-  /// Creates the folder `path`.
+  /// Creates the folder `path` and holds it until this object is gone: a second run that wants the
+  /// same folder fails and is told who has it.
   static Result<RunFolder> create(const std::filesystem::path& path);
   /// Creates `parent`/<time>-<name>.
   static Result<RunFolder> create_below(const std::filesystem::path& parent,
@@ -29,12 +32,20 @@ class RunFolder {
   /// in the rescue folder, and remembers the failure.
   template <class Writer>
   void save(const std::string& name, Writer&& write) {
-    const Status first = write(path_ / name);
+    const auto attempt = [&write](const std::filesystem::path& path) -> Status {
+      try {
+        return write(path);
+      } catch (const std::exception& error) {
+        return fail(ErrorCode::kInternal,
+                    fmt::format("cannot write {}: {}", path.string(), error.what()));
+      }
+    };
+    const Status first = attempt(path_ / name);
     if (first) return;
     failures_.push_back(first.error());
     const auto rescue = rescue_folder();
     if (!rescue) return failures_.push_back(rescue.error());
-    if (const Status second = write(*rescue / name)) {
+    if (const Status second = attempt(*rescue / name)) {
       rescued_to_ = *rescue;
     } else {
       failures_.push_back(second.error());
@@ -53,6 +64,9 @@ class RunFolder {
   explicit RunFolder(std::filesystem::path path) : path_(std::move(path)) {}
   Result<std::filesystem::path> rescue_folder();
 
+  Status lock();
+
+  std::shared_ptr<const int> lock_;  // a descriptor; its last owner closes it
   std::filesystem::path path_;
   std::filesystem::path rescue_;      // empty until it is needed
   std::filesystem::path rescued_to_;  // the same, once something went there

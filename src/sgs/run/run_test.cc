@@ -3,6 +3,9 @@
 #include "sgs/run/run.h"
 
 #include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <new>
 
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/temporary_folder.h"
@@ -236,6 +239,43 @@ TEST(RunFolder, FreshNamesDoNotCollide) {
   EXPECT_THAT(a->path().filename().string(), HasSubstr("a_b"));
   point_latest_to(scratch.path(), b->path());
   EXPECT_EQ(fs::canonical(scratch.path() / "latest"), fs::canonical(b->path()));
+}
+
+TEST_F(RunTest, WhatIsThrownInTheMiddleLosesNothing) {
+  Spectator spectator;
+  spectator.after_frame = [](slam::Session&, const dataset::FeedItem& item,
+                             const slam::FrameRecord&) {
+    if (item.index == 3) throw std::bad_alloc();
+  };
+  slam::SessionConfig config;
+  config.tracker.type = tracker::TrackerType::kGicp;
+  const fs::path path = scratch_->path() / "thrown";
+  const Outcome outcome = make(path, config, spectator);
+  ASSERT_FALSE(outcome.input);
+  EXPECT_THAT(outcome.input.error().text(), HasSubstr("out of memory"));
+  const auto saved = load_run(path, kTrajectory | kFrames | kMap);
+  ASSERT_TRUE(saved) << saved.error().text();
+  EXPECT_EQ(saved->frames.size(), 4u);
+  EXPECT_FALSE(saved->gaussians.empty());
+}
+
+TEST(RunFolder, HasOneOwnerAtATime) {
+  const io::TemporaryFolder scratch;
+  auto first = RunFolder::create(scratch.path() / "run");
+  ASSERT_TRUE(first);
+  const auto second = RunFolder::create(scratch.path() / "run");
+  ASSERT_FALSE(second);
+  EXPECT_THAT(second.error().text(), HasSubstr(fmt::format("process {}", getpid())));
+  first = fail(ErrorCode::kInterrupted, "gone");
+  EXPECT_TRUE(RunFolder::create(scratch.path() / "run"));
+}
+
+TEST(RunFolder, AWriterThatThrowsIsAFailureLikeAnyOther) {
+  const io::TemporaryFolder scratch;
+  auto folder = RunFolder::create(scratch.path() / "run");
+  ASSERT_TRUE(folder);
+  folder->save("x.txt", [](const fs::path&) -> Status { throw std::bad_alloc(); });
+  EXPECT_EQ(folder->failures().size(), 2u);
 }
 
 }  // namespace

@@ -24,8 +24,13 @@ void LiveFeed::play(dataset::FrameSource& source) {
   Clock::time_point start;
   std::optional<double> first_time_s;
   while (!stop_) {
-    auto item =
-        dataset::read_item(source);  // decoded before its time, so that decoding delays nothing
+    std::optional<dataset::FeedItem> item;
+    try {
+      item = dataset::read_item(source);  // decoded before its time: decoding delays nothing
+    } catch (...) {
+      failure_ = std::current_exception();  // next() hands it on, once the queue is empty
+      break;
+    }
     if (!item) break;
     if (!first_time_s) {
       first_time_s = item->timestamp_s;

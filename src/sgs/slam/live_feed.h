@@ -3,8 +3,10 @@
 #pragma once
 
 #include <atomic>
+#include <exception>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "sgs/core/bounded_queue.h"
 #include "sgs/dataset/feed_item.h"
@@ -23,7 +25,12 @@ class LiveFeed {
   LiveFeed& operator=(const LiveFeed&) = delete;
 
   /// Waits for the next frame; empty at the end of the source or after stop().
-  std::optional<dataset::FeedItem> next() { return queue_.pop(); }
+  /// What the source threw is thrown here, after the frames before it.
+  std::optional<dataset::FeedItem> next() {
+    auto item = queue_.pop();
+    if (!item && failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+    return item;
+  }
   /// Ends the playback; frames already waiting can still be read.
   void stop();
   /// Frames dropped so far.
@@ -34,6 +41,7 @@ class LiveFeed {
 
   BoundedQueue<dataset::FeedItem> queue_;
   std::atomic<bool> stop_{false};
+  std::exception_ptr failure_;  // written before the queue is closed, read after
   std::thread thread_;
 };
 

@@ -68,7 +68,12 @@ void MapWorker::publish() {
 
 void MapWorker::submit(MapJob job) {
   if (mode_ == Mode::kInline) {
-    process(job);
+    try {
+      process(job);
+    } catch (...) {
+      failure_ = std::current_exception();
+      throw;
+    }
     const std::scoped_lock lock(mutex_);
     live_view_ = newest_;
     views_.push_back(newest_);
@@ -154,10 +159,11 @@ void MapWorker::finish() {
     }
     changed_.notify_all();
     if (thread_.joinable()) thread_.join();
-    if (failure_) std::rethrow_exception(failure_);
   }
-  publish();
+  // A mapper that failed in the middle of a step is not asked again: what it published last stays.
+  if (!failure_) publish();
   final_snapshot_ = newest_.snapshot;
+  if (failure_ && mode_ != Mode::kInline) std::rethrow_exception(failure_);
 }
 
 map::SnapshotPtr MapWorker::newest_snapshot() const {

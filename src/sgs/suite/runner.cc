@@ -13,6 +13,7 @@
 #include <set>
 #include <thread>
 
+#include "sgs/core/print.h"
 #include "sgs/run/exit_code.h"
 
 extern char** environ;
@@ -98,8 +99,8 @@ bool for_all(const std::vector<Job>& jobs, const Runner& runner,
     for (std::size_t i = next++; i < jobs.size() && !runner.interrupted(); i = next++) {
       const Ended ended = work(runner.program, jobs[i]);
       if (!ended.well) all_well = false;
-      fmt::print(stderr, "[{}/{}] {} exit {}{}\n", i + 1, jobs.size(), ended.made.string(),
-                 ended.code, ended.well ? "" : ": " + last_line(ended.log));
+      say("[{}/{}] {} exit {}{}\n", i + 1, jobs.size(), ended.made.string(), ended.code,
+          ended.well ? "" : ": " + last_line(ended.log));
     }
   };
   std::vector<std::thread> pool;
@@ -120,8 +121,8 @@ std::vector<Job> those(const std::vector<Job>& jobs, const Wanted& wanted) {
 bool Runner::run(const std::vector<Job>& jobs) const {
   const auto missing = those(jobs, [&](const Job& job) { return again || !job.is_done(); });
   if (missing.size() < jobs.size()) {
-    fmt::print(stderr, "{} of {} runs were done before (--again repeats them)\n",
-               jobs.size() - missing.size(), jobs.size());
+    say("{} of {} runs were done before (--again repeats them)\n", jobs.size() - missing.size(),
+        jobs.size());
   }
   std::set<fs::path> seen;
   const auto unrendered = those(missing, [&](const Job& job) {

@@ -134,9 +134,21 @@ void PictureService::forget(std::uint64_t client) {
   views_.erase(client);
 }
 
+void PictureService::guarded(const std::function<void()>& make) {
+  try {
+    make();
+  } catch (const std::exception& error) {
+    // A picture is missing then; the run that is watched goes on.
+    if (!failed_) log().warn("a picture for the viewer could not be made: {}", error.what());
+    failed_ = true;
+  }
+}
+
 void PictureService::loop() {
   lower_thread_priority(10);
-  Worker worker(camera_, deliver_);
+  std::unique_ptr<Worker> worker;
+  guarded([&] { worker = std::make_unique<Worker>(camera_, deliver_); });
+  if (!worker) return;
   double next_view_s = 0, next_panes_s = 0;
   std::unique_lock lock(mutex_);
   while (!stop_) {
@@ -159,12 +171,12 @@ void PictureService::loop() {
       views_.erase(it);
       last_client_ = client;
       lock.unlock();
-      worker.make_view(*update->map, client, request);
+      guarded([&] { worker->make_view(*update->map, client, request); });
     } else {
       const PaneSet wanted = panes_ & ~panes_done_;
       panes_done_ |= wanted;
       lock.unlock();
-      worker.make_panes(*update, wanted);
+      guarded([&] { worker->make_panes(*update, wanted); });
     }
     const double end_s = wall_time_s(), rest_s = end_s - now_s;  // rests as long as it worked
     (view_due ? next_view_s : next_panes_s) =

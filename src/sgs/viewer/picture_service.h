@@ -46,7 +46,10 @@ class PictureService {
  private:
   struct Worker;
   void loop();
+  /// Calls `make`; what it throws costs a picture, nothing else.
+  void guarded(const std::function<void()>& make);
 
+  bool failed_ = false;  // the service's thread only: one warning says it
   PinholeCamera camera_;
   Deliver deliver_;
   std::mutex mutex_;

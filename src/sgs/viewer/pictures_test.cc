@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 
 #include <future>
+#include <new>
+#include <utility>
 
 #include "sgs/viewer/panes.h"
 #include "sgs/viewer/picture_service.h"
@@ -104,6 +106,20 @@ TEST(PictureService, MakesTheWantedPanesOfTheNewestFrameOnce) {
   }
   EXPECT_THAT(panes,
               ::testing::ElementsAre(Pane::kColor, Pane::kRender, Pane::kError, Pane::kDepth));
+}
+
+TEST(PictureService, WhatAPictureThrowsCostsThatPictureOnly) {
+  Gallery gallery;
+  bool thrown = false;
+  PictureService service({64, 48, 60, 60, 31.5, 23.5},
+                         [&, deliver = gallery.deliver()](const Picture& p) {
+                           if (!std::exchange(thrown, true)) throw std::bad_alloc();
+                           deliver(p);
+                         });
+  service.offer(scene(0));
+  service.request_view(7, {1, SE3(), 1.0, 80, 60});
+  service.request_view(8, {1, SE3(), 1.0, 80, 60});
+  ASSERT_TRUE(gallery.wait_for(1));
 }
 
 TEST(PictureService, RendersTheNewestViewOfEachClient) {
