@@ -3,8 +3,6 @@
 #include "sgs/run/play.h"
 
 #include <algorithm>
-#include <exception>
-#include <new>
 
 #include "sgs/core/log.h"
 #include "sgs/core/stopwatch.h"
@@ -22,6 +20,10 @@ class Feed {
   }
   std::optional<dataset::FeedItem> next() {
     return live_ ? live_->next() : dataset::read_item(source_);
+  }
+  /// Ends a next() that waits for the camera's time. From any thread, until stop().
+  void wake() {
+    if (live_) live_->stop();
   }
   /// Ends the playback; returns how many frames were dropped.
   std::int64_t stop() {
@@ -56,11 +58,8 @@ template <class Work>
 Status guarded(Work&& work) {
   try {
     work();
-  } catch (const std::bad_alloc&) {
-    return fail(ErrorCode::kInternal, "out of memory", "use fewer or smaller frames");
-  } catch (const std::exception& error) {
-    return fail(ErrorCode::kInternal, fmt::format("internal error: {}", error.what()),
-                "please report it with the command line");
+  } catch (...) {
+    return tl::unexpected(current_error());
   }
   return {};
 }
@@ -99,10 +98,14 @@ Result<RunClock> play(dataset::FrameSource& source, slam::Session& session,
   RunClock clock;
   Timer timer(clock);
   Feed feed(source, options.realtime);
-  // A file system that does not answer must not keep what is there from being saved.
-  const std::stop_callback wake(stop, [&source] { source.stop(); });
   Status status;
   const auto play_all = [&] {
+    // Neither a file system that does not answer nor a gap in a recording that is played at the
+    // camera's rate may keep what is there from being saved.
+    const std::stop_callback wake(stop, [&] {
+      source.stop();
+      feed.wake();
+    });
     while (!stop.stop_requested() && status) {
       if (options.before_frame) timer.held(options.before_frame());
       const double waiting_since_s = wall_time_s();

@@ -5,11 +5,17 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
 #include <new>
+#include <stop_token>
+#include <utility>
 
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/temporary_folder.h"
 #include "sgs/run/execute.h"
+#include "sgs/run/play.h"
 #include "sgs/run/run_config.h"
 #include "sgs/run/run_files.h"
 #include "sgs/run/score.h"
@@ -257,6 +263,57 @@ TEST_F(RunTest, WhatIsThrownInTheMiddleLosesNothing) {
   ASSERT_TRUE(saved) << saved.error().text();
   EXPECT_EQ(saved->frames.size(), 4u);
   EXPECT_FALSE(saved->gaussians.empty());
+}
+
+/// One frame, then none that ever comes: the stop is asked for while next() waits.
+class StuckSource : public dataset::FrameSource {
+ public:
+  explicit StuckSource(std::stop_source& stop) : stop_(stop) {}
+  std::string name() const override { return "stuck"; }
+  PinholeCamera camera() const override { return {64, 48, 60, 60, 31.5, 23.5}; }
+  std::optional<std::int64_t> size() const override { return {}; }
+  const Trajectory& ground_truth() const override { return truth_; }
+  dataset::FrameRead next(RgbdFrame& frame, Error&) override {
+    if (std::exchange(first_, false)) {
+      frame = {0, 0, camera(), ColorImage(64, 48), DepthImage(64, 48, 1.0f), {}};
+      return dataset::FrameRead::kOk;
+    }
+    stop_.request_stop();
+    std::unique_lock lock(mutex_);
+    woken_.wait_for(lock, std::chrono::seconds(60), [this] { return stopped_; });
+    return dataset::FrameRead::kEnd;
+  }
+  void stop() override {
+    const std::scoped_lock lock(mutex_);
+    stopped_ = true;
+    woken_.notify_all();
+  }
+  bool stopped() const { return stopped_; }
+
+ private:
+  std::stop_source& stop_;
+  Trajectory truth_;
+  std::mutex mutex_;
+  std::condition_variable woken_;
+  bool first_ = true, stopped_ = false;
+};
+
+TEST(Play, AStopReachesASourceThatWaits) {
+  for (const bool realtime : {false, true}) {
+    std::stop_source stop;
+    StuckSource source(stop);
+    auto session = slam::Session::create({}, source.camera(), {});
+    ASSERT_TRUE(session);
+    PlayOptions options;
+    options.realtime = realtime;
+    const auto clock = play(source, **session, options, stop.get_token());
+    ASSERT_TRUE(clock) << clock.error().text();
+    EXPECT_TRUE(source.stopped());
+    // Played live, the stop may come before the frame.
+    if (!realtime) {
+      EXPECT_EQ((*session)->records().size(), 1u);
+    }
+  }
 }
 
 TEST(RunFolder, HasOneOwnerAtATime) {

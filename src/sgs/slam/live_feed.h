@@ -28,7 +28,7 @@ class LiveFeed {
   /// What the source threw is thrown here, after the frames before it.
   std::optional<dataset::FeedItem> next() {
     auto item = queue_.pop();
-    if (!item && failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+    if (!item && !stop_ && failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
     return item;
   }
   /// Ends the playback; frames already waiting can still be read.
@@ -41,7 +41,9 @@ class LiveFeed {
 
   BoundedQueue<dataset::FeedItem> queue_;
   std::atomic<bool> stop_{false};
-  std::exception_ptr failure_;  // written before the queue is closed, read after
+  // Written before the thread closes the queue, read after it did; stop() closes it, too, and then
+  // nobody looks.
+  std::exception_ptr failure_;
   std::thread thread_;
 };
 

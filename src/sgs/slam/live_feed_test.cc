@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <new>
 
 namespace sgs::slam {
 namespace {
@@ -46,6 +47,25 @@ TEST(LiveFeed, DeliversEverythingInOrderToAPromptReader) {
   }
   EXPECT_FALSE(feed.next());
   EXPECT_EQ(feed.dropped(), 0u);
+}
+
+TEST(LiveFeed, WhatTheSourceThrowsComesAfterTheFramesBeforeIt) {
+  class Broken : public FakeSource {
+   public:
+    Broken() : FakeSource(5, 0.002) {}
+    dataset::FrameRead next(RgbdFrame& frame, Error& error) override {
+      if (++calls_ == 3) throw std::bad_alloc();
+      return FakeSource::next(frame, error);
+    }
+
+   private:
+    int calls_ = 0;
+  } source;
+  LiveFeed feed(source, 8);
+  EXPECT_EQ(feed.next()->index, 0);
+  EXPECT_EQ(feed.next()->index, 1);
+  EXPECT_THROW(feed.next(), std::bad_alloc);
+  EXPECT_FALSE(feed.next());
 }
 
 TEST(LiveFeed, DropsTheOldestAndCountsThem) {
