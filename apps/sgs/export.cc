@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-
 #include <array>
 #include <memory>
 

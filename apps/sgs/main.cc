@@ -1,11 +1,8 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <exception>
-#include <new>
 
 #include "commands.h"
 #include "interrupt.h"
@@ -30,17 +27,15 @@ int report(const Error& error) {
   return exit_code(error);
 }
 
-}  // namespace sgs::app
-
-namespace sgs::app {
 namespace {
 
 /// What was printed may still fail to get to where it was to go. A reader that has seen enough and
 /// closed its pipe is no failure.
 int close_stdout(int code) {
-  const bool failed = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
-  if (!failed || errno == EPIPE) return code;
-  say("sgs: cannot write to standard output: {}\n", std::strerror(errno));
+  if (std::fflush(stdout) != 0) note_output_error();
+  const int reason = output_error();
+  if (reason == 0 || reason == EPIPE) return code;
+  say("sgs: cannot write to standard output: {}\n", std::strerror(reason));
   return code == kExitDone ? kExitFailed : code;
 }
 
@@ -69,12 +64,9 @@ int parse_and_run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error);
     return code == 0 ? kExitDone : kExitUsage;
-  } catch (const std::bad_alloc&) {
-    say("sgs: out of memory (use fewer or smaller frames)\n");
-  } catch (const std::exception& error) {
-    say("sgs: internal error: {} (please report it with the command line)\n", error.what());
+  } catch (...) {
+    return report(current_error());
   }
-  return kExitFailed;
 }
 
 }  // namespace

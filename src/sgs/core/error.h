@@ -44,6 +44,9 @@ inline tl::unexpected<Error> fail(ErrorCode code, std::string message, std::stri
   return tl::unexpected<Error>(Error{code, std::move(message), std::move(remedy)});
 }
 
+/// The exception in hand as an Error; to be called in a catch block only.
+Error current_error();
+
 /// Thrown when a caller breaks a documented contract: a bug, never bad input.
 class ContractViolation : public std::logic_error {
  public:

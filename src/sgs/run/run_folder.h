@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <exception>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -35,9 +34,10 @@ class RunFolder {
     const auto attempt = [&write](const std::filesystem::path& path) -> Status {
       try {
         return write(path);
-      } catch (const std::exception& error) {
-        return fail(ErrorCode::kInternal,
-                    fmt::format("cannot write {}: {}", path.string(), error.what()));
+      } catch (...) {
+        Error error = current_error();
+        error.message = fmt::format("cannot write {}: {}", path.string(), error.message);
+        return tl::unexpected(error);
       }
     };
     const Status first = attempt(path_ / name);

@@ -97,15 +97,22 @@ bool for_all(const std::vector<Job>& jobs, const Runner& runner,
   std::atomic<bool> all_well{true};
   const auto worker = [&] {
     for (std::size_t i = next++; i < jobs.size() && !runner.interrupted(); i = next++) {
-      const Ended ended = work(runner.program, jobs[i]);
+      Ended ended;
+      try {
+        ended = work(runner.program, jobs[i]);
+      } catch (...) {
+        all_well = false;
+        say("[{}/{}] {}\n", i + 1, jobs.size(), current_error().text());
+        continue;
+      }
       if (!ended.well) all_well = false;
       say("[{}/{}] {} exit {}{}\n", i + 1, jobs.size(), ended.made.string(), ended.code,
           ended.well ? "" : ": " + last_line(ended.log));
     }
   };
-  std::vector<std::thread> pool;
+  std::vector<std::jthread> pool;  // joined even where the system gives no more of them
   for (int i = 0; i < runner.at_a_time; ++i) pool.emplace_back(worker);
-  for (std::thread& thread : pool) thread.join();
+  pool.clear();
   return all_well;
 }
 
