@@ -243,7 +243,7 @@ TEST(ThreadPool, ThreadsThatCannotBeMadeAreAnException) {
     const rlimit little{400 << 20, 400 << 20};  // address space: a few dozen stacks
     setrlimit(RLIMIT_AS, &little);
     try {
-      const ThreadPool pool(250);
+      const ThreadPool pool(4000);
     } catch (const std::exception&) {
       std::_Exit(0);  // and not a deadlock
     }

@@ -39,7 +39,7 @@ void Board::post(FrameUpdatePtr update) {
   const auto index = static_cast<std::size_t>(std::max<std::int64_t>(0, update->record.index));
   FrameUpdatePtr old;  // dies after the lock: it may hold the last reference to a whole map
   const std::scoped_lock lock(mutex_);
-  // A file may claim any number; a gap of half an hour of frames is none that a camera leaves.
+  // A file may claim any number; a gap of nearly an hour of frames is none that a camera leaves.
   constexpr std::size_t kLongestGap = 100'000;
   if (index >= path_.size() && index - path_.size() <= kLongestGap) {
     PathPoint missing;

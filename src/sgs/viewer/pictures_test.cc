@@ -6,6 +6,7 @@
 #include <new>
 #include <utility>
 
+#include "sgs/viewer/board.h"
 #include "sgs/viewer/panes.h"
 #include "sgs/viewer/picture_service.h"
 #include "sgs/viewer/session_feed.h"
@@ -138,6 +139,14 @@ TEST(PictureService, RendersTheNewestViewOfEachClient) {
   EXPECT_EQ(gallery.pictures[0].client, 7u);
   EXPECT_EQ((*gallery.pictures[0].message)[4], 2);
   EXPECT_EQ(gallery.pictures[1].client, 9u);
+}
+
+TEST(Board, AFrameNumberThatNoCameraGivesFillsNoMemory) {
+  Board board;
+  board.post(std::make_shared<FrameUpdate>(testing::update(0)));
+  board.post(std::make_shared<FrameUpdate>(testing::update(std::int64_t{1} << 60)));
+  board.post(std::make_shared<FrameUpdate>(testing::update(2)));
+  EXPECT_EQ(board.path(0, 10).size(), 3u);
 }
 
 TEST(SessionFeed, PosesFollowTheRefinementOfTheNewestKeyframe) {
