@@ -49,7 +49,7 @@ sources() {
   local names=()
   for pattern in "$@"; do names+=(-o -name "$pattern"); done
   find . -maxdepth 1 -type f \( "${names[@]:1}" \)
-  find ./*/ -path './build*' -prune -o -path './runs*' -prune -o -name node_modules -prune -o -name dist -prune \
+  find ./*/ -path './build*' -prune -o -path ./runs/ -prune -o -name node_modules -prune -o -name dist -prune \
     -o -type f \( "${names[@]:1}" \) -print | sort
 }
 

@@ -61,6 +61,10 @@ class Descriptor {
   int fd_;
 };
 
+/// Whether what was written through `fd` is on the disk. Some file systems know no such thing: they
+/// have done what they do.
+bool synced(int fd) { return ::fsync(fd) == 0 || errno == EINVAL || errno == ENOSYS; }
+
 /// Opens, writes everything, closes; returns errno of the first failure, else 0.
 int write_all(const fs::path& path, int flags, std::string_view bytes,
               Durability durability = Durability::kRelaxed) {
@@ -72,16 +76,15 @@ int write_all(const fs::path& path, int flags, std::string_view bytes,
     if (written < 0) return errno;
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
-  if (durability == Durability::kSynced && ::fsync(file.get()) != 0) return errno;
+  if (durability == Durability::kSynced && !synced(file.get())) return errno;
   return file.close() ? 0 : errno;
 }
 
-/// Puts a renamed entry of a folder on the disk. A file system that cannot (EINVAL) has done what
-/// it does.
+/// Puts a renamed entry of a folder on the disk; returns errno, else 0.
 int sync_folder(const fs::path& path) {
   const Descriptor folder(::open(path.empty() ? "." : path.c_str(), O_RDONLY | O_DIRECTORY));
   if (folder.get() < 0) return errno == EACCES ? 0 : errno;  // writable, but not readable
-  return ::fsync(folder.get()) == 0 || errno == EINVAL ? 0 : errno;
+  return synced(folder.get()) ? 0 : errno;
 }
 
 tl::unexpected<Error> too_large(const fs::path& path, std::int64_t limit_bytes) {

@@ -11,7 +11,7 @@
 
 namespace sgs::io {
 
-/// Largest file that is read whole unless a caller says otherwise: a map of 18 million Gaussians.
+/// Largest file that is read whole unless a caller says otherwise.
 inline constexpr std::int64_t kLargestFile_bytes = std::int64_t{4} << 30;
 
 /// The whole content of a regular file of at most `limit_bytes`. Folders, pipes, devices, files

@@ -171,7 +171,7 @@ TEST(ReadFile, PipesDevicesAndGiantsAreRefused) {
   EXPECT_THAT(read_file(folder / "a", 4).error().text(), HasSubstr("larger"));
 }
 
-TEST(WriteFile, ANameThatIsTooLongIsAnError) {
+TEST(MakeFolder, ANameThatIsTooLongIsAnError) {
   const TemporaryFolder folder;
   const auto status = make_folder(folder / std::string(5000, 'a'));
   ASSERT_FALSE(status);

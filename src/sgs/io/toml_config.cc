@@ -81,7 +81,7 @@ std::string toml_place(const toml::node& node, std::string_view source) {
 namespace {
 
 /// Length of the longest chain of dots between two separators: the depth of tables that a dotted
-/// key makes. The parser bounds the depth of arrays and inline tables, but neither that of keys.
+/// key makes. The parser bounds the depth of arrays and inline tables, but not that of keys.
 std::size_t longest_dotted_key(std::string_view text) {
   std::size_t longest = 0, dots = 0;
   for (const char c : text) {

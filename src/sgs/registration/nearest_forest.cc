@@ -67,31 +67,29 @@ class NearestAlive {
 
 }  // namespace forest
 
-using namespace forest;
-
 struct NearestForest::State {
-  std::vector<std::unique_ptr<Tree>> trees;  // sizes fall from front to back
-  std::vector<std::uint32_t> revisions;      // per target; odd = not in the index
-  std::vector<Eigen::Vector3f> positions;    // per target, as indexed
+  std::vector<std::unique_ptr<forest::Tree>> trees;  // sizes fall from front to back
+  std::vector<std::uint32_t> revisions;              // per target; odd = not in the index
+  std::vector<Eigen::Vector3f> positions;            // per target, as indexed
   std::uint64_t layout = 0;
   std::size_t entries_indexed = 0;
 
-  bool is_alive(const Entry& e) const {
+  bool is_alive(const forest::Entry& e) const {
     return e.revision == revisions[static_cast<std::size_t>(e.target)];
   }
-  void add_tree(std::vector<Entry> entries);
+  void add_tree(std::vector<forest::Entry> entries);
 };
 
-void NearestForest::State::add_tree(std::vector<Entry> entries) {
+void NearestForest::State::add_tree(std::vector<forest::Entry> entries) {
   if (entries.empty()) return;
   while (!trees.empty() && trees.back()->cloud.entries.size() < 2 * entries.size()) {
-    for (const Entry& e : trees.back()->cloud.entries) {
+    for (const forest::Entry& e : trees.back()->cloud.entries) {
       if (is_alive(e)) entries.push_back(e);
     }
     trees.pop_back();
   }
   entries_indexed += entries.size();
-  trees.push_back(std::make_unique<Tree>(std::move(entries)));
+  trees.push_back(std::make_unique<forest::Tree>(std::move(entries)));
 }
 
 NearestForest::NearestForest() : state_(std::make_unique<State>()) {}
@@ -108,7 +106,7 @@ void NearestForest::update(const TargetCloud& cloud, float tolerance_m) {
     s.layout = cloud.layout;
   }
   const float tolerance2 = tolerance_m * tolerance_m;
-  std::vector<Entry> fresh;
+  std::vector<forest::Entry> fresh;
   s.revisions.resize(cloud.points.size(), 1);
   s.positions.resize(cloud.points.size(), Eigen::Vector3f::Zero());
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
@@ -125,7 +123,7 @@ void NearestForest::update(const TargetCloud& cloud, float tolerance_m) {
 }
 
 int NearestForest::nearest(const Eigen::Vector3f& query, float max_distance_m) const {
-  NearestAlive result(max_distance_m * max_distance_m, state_->revisions);
+  forest::NearestAlive result(max_distance_m * max_distance_m, state_->revisions);
   for (const auto& tree : state_->trees) {
     result.search_in(tree->cloud.entries);
     tree->index.findNeighbors(result, query.data(), nanoflann::SearchParams());

@@ -161,8 +161,11 @@ void MapWorker::finish() {
     if (thread_.joinable()) thread_.join();
   }
   // A mapper that failed in the middle of a step is not asked again: what it published last stays.
-  if (!failure_) publish();
   final_snapshot_ = newest_.snapshot;
+  if (!failure_) {
+    publish();
+    final_snapshot_ = newest_.snapshot;
+  }
   if (failure_ && mode_ != Mode::kInline) std::rethrow_exception(failure_);
 }
 
