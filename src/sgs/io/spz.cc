@@ -35,7 +35,7 @@ constexpr double kColorScale = 0.15;  // of the SH coefficient, so that out-of-r
 /// Right-down-forward to right-up-back: signs of the axes, and of the quaternion's vector part.
 constexpr std::array<double, 3> kSigns = {1, -1, -1};
 
-char byte(double value) {
+char byte_char(double value) {
   return static_cast<char>(static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0))));
 }
 double value_of(char c) { return static_cast<double>(static_cast<std::uint8_t>(c)); }
@@ -80,7 +80,7 @@ std::array<double, 4> largest_w(const std::array<double, 4>& q) {
 void append_rotation(std::string& out, const map::Gaussian& g) {
   const auto q = largest_w(unit_rotation(g));
   const double sign = q[0] < 0 ? -1 : 1;
-  for (std::size_t k = 0; k < 3; ++k) out += byte(127.5 + 127.5 * sign * kSigns[k] * q[k + 1]);
+  for (std::size_t k = 0; k < 3; ++k) out += byte_char(127.5 + 127.5 * sign * kSigns[k] * q[k + 1]);
 }
 
 void set_rotation(map::Gaussian& g, const char* at) {
@@ -114,12 +114,12 @@ Status save_spz(const fs::path& path, std::span<const map::Gaussian> splats) {
   std::memcpy(out.data(), &header, sizeof header);
   out.reserve(out.size() + kBytesPerSplat * splats.size());
   for (const map::Gaussian& g : splats) append_position(out, g, bits);
-  for (const map::Gaussian& g : splats) out += byte(255 * map::opacity<double>(g));
+  for (const map::Gaussian& g : splats) out += byte_char(255 * map::opacity<double>(g));
   for (const map::Gaussian& g : splats) {
-    for (const float c : g.rgb) out += byte(255 * (0.5 + kColorScale * (c - 0.5) / kSh0));
+    for (const float c : g.rgb) out += byte_char(255 * (0.5 + kColorScale * (c - 0.5) / kSh0));
   }
   for (const map::Gaussian& g : splats) {
-    for (const float s : g.log_scale) out += byte(16 * (s + 10.0));
+    for (const float s : g.log_scale) out += byte_char(16 * (s + 10.0));
   }
   for (const map::Gaussian& g : splats) append_rotation(out, g);
   return write_file(path, gzip_compressed(out));
