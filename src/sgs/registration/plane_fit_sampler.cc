@@ -82,15 +82,21 @@ bool PlaneFitSampler::fit_plane(int column, int row, float sigma_q, Fit& fit) co
   return fit.gamma > 0.02f;
 }
 
-float PlaneFitSampler::smooth_depth(int u, int v) const {
+InverseDepthPlane PlaneFitSampler::inverse_depth_plane(int u, int v) const {
   const int column = u / kStride, row = v / kStride;
-  if (inverse_depth_.empty() || row >= inverse_depth_.height()) return 0;
+  if (inverse_depth_.empty() || row >= inverse_depth_.height()) return {};
   const float q0 = inverse_depth_(column + kPad, row);
-  if (!(q0 > 0)) return 0;
+  if (!(q0 > 0)) return {};
   Fit fit;
-  if (!fit_plane(column, row, depth_sigma_m(1 / q0) * q0 * q0, fit)) return 0;
+  if (!fit_plane(column, row, depth_sigma_m(1 / q0) * q0 * q0, fit)) return {};
   const float q = fit.gamma + fit.alpha * static_cast<float>(u - kStride * column) +
                   fit.beta * static_cast<float>(v - kStride * row);
+  const auto window = static_cast<float>((2 * half_ + 1) * (2 * half_ + 1));
+  return {q, fit.alpha, fit.beta, fit.samples / window};
+}
+
+float PlaneFitSampler::smooth_depth(int u, int v) const {
+  const float q = inverse_depth_plane(u, v).q;
   return q > 0.02f ? 1 / q : 0.0f;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "sgs/backend/backend_config.h"
 #include "sgs/camera/heldout.h"
 #include "sgs/core/config.h"
 #include "sgs/mapper/mapper_config.h"
@@ -30,6 +31,7 @@ struct SessionConfig {
   int snapshot_interval = 10;
   tracker::TrackerConfig tracker;
   mapper::MapperConfig mapper;
+  backend::BackendConfig backend;
 
   void declare(ParameterList& p) {
     {
@@ -52,6 +54,7 @@ struct SessionConfig {
     }
     p.add_group("tracker", tracker);
     p.add_group("mapper", mapper);
+    p.add_group("backend", backend);
   }
 };
 

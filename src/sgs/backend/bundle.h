@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "sgs/backend/bundle_problem.h"
+#include "sgs/backend/bundle_rows.h"
+
+namespace sgs::backend {
+
+/// Standard deviations of what is left over, measured from the residuals themselves.
+struct BundleNoise {
+  double grey = 8;   ///< where the picture is flat
+  double depth = 1;  ///< in units of the sensor's noise (camera/depth_noise.h)
+};
+
+/// The Gauss-Newton equations of a problem with the inverse depths eliminated. Order of the
+/// unknowns: per keyframe its twist (right perturbation, rotation first), log gain and brightness
+/// offset, turn during the readout; then the offsets of depth, the shift and the delay. The first
+/// keyframe's pose is held.
+struct BundleEquations {
+  Eigen::MatrixXd H;  ///< upper triangle
+  Eigen::VectorXd b;  ///< gradient: the step solves H x = -b
+  double cost = 0;
+  int grey_residuals = 0, depth_residuals = 0;
+  BundleNoise measured;  ///< from this linearization's residuals
+};
+
+/// Bundle adjustment of keyframes with a depth camera's calibration in it (docs/calibration.md).
+/// Residuals as in BundleRows, weighted by a t distribution; the inverse depth of each pixel is
+/// eliminated. Sequential: the same bits always.
+class Bundle {
+ public:
+  Bundle(BundleProblem problem, BundleState start);
+
+  /// Linearizes at a level of the pyramid with the noise given.
+  BundleEquations linearize(int level, const BundleNoise& noise);
+  /// Moves the state by a step of the last linearization's unknowns and the inverse depths along.
+  void apply(const Eigen::VectorXd& step);
+  /// Other priors of the calibration from here on.
+  void set_priors(const CalibrationConfig& config) { problem_.config = config; }
+
+  const BundleState& state() const { return state_; }
+  const BundleProblem& problem() const { return problem_; }
+  int unknowns() const { return first_global() + grid_size() + 3; }
+  /// Where the calibration's unknowns begin.
+  int first_global() const;
+  int grid_size() const { return problem_.grid.size(); }
+
+ private:
+  struct Sums;
+  // How an eliminated inverse depth follows the other unknowns.
+  struct Elimination {
+    double H = 0, b = 0;
+    std::vector<int> keyframes;  // the blocks of `coupling`: host, then targets, rising
+    std::vector<int> globals;    // what follows them: nodes of the grid, shift, delay
+    Eigen::VectorXd coupling;
+  };
+  std::vector<BundleRow> rows_of(int host, std::size_t pixel, int level) const;
+  void start_elimination(int host, const std::vector<BundleRow>& rows, Elimination& e) const;
+  void add_row(int host, const BundleRow& row, const BundleNoise& noise, Elimination& e,
+               Sums& sums) const;
+  void add_keyframes(int host, const BundleRow& row, double weight, Elimination& e,
+                     BundleEquations& equations) const;
+  void add_calibration(int host, const BundleRow& row, double weight, Elimination& e,
+                       BundleEquations& equations) const;
+  void subtract_eliminated(const Elimination& e, BundleEquations& equations) const;
+  void add_priors(BundleEquations& equations) const;
+  void add_offset_priors(BundleEquations& equations) const;
+
+  BundleProblem problem_;
+  BundleState state_;
+  std::vector<std::vector<Elimination>> eliminated_;
+};
+
+}  // namespace sgs::backend

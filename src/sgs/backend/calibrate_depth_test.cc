@@ -1,0 +1,106 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/backend/calibrate_depth.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sgs/backend/test_room.h"
+
+namespace sgs::backend {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr int kViews = 24;
+
+/// A coarse grid suits a small image.
+CalibrationConfig small_config() {
+  CalibrationConfig config;
+  config.columns = 8;
+  config.rows = 6;
+  return config;
+}
+
+DepthEstimate calibrated(const TestRoom& room, int views = kViews) {
+  return calibrate_depth(room.keyframes(views), 0, small_config());
+}
+
+TEST(CalibrateDepth, ACameraThatIsRightStaysAsItIs) {
+  const DepthEstimate e = calibrated({});
+  EXPECT_THAT(e.why_not, IsEmpty());
+  EXPECT_FALSE(e.useful());
+  EXPECT_TRUE(e.calibration.shift_px.isZero());
+  for (const double offset : e.calibration.offset_per_m) EXPECT_EQ(offset, 0);
+  EXPECT_THAT(e.warnings(), IsEmpty());
+}
+
+TEST(CalibrateDepth, AFactorCommonToAllDepthsCannotBeKnownAndIsLeftAlone) {
+  TestRoom room;
+  room.distort = [](double, double, double q) { return q / 1.01; };
+  const DepthEstimate e = calibrated(room);
+  EXPECT_THAT(e.why_not, IsEmpty());
+  EXPECT_LT(std::abs(e.calibration.mean_offset_per_m()),
+            std::max(2 * e.calibration.mean_sigma_per_m, 3e-4));
+}
+
+TEST(CalibrateDepth, FindsAnOffsetOfDisparity) {
+  TestRoom room;
+  room.distort = [](double, double, double q) { return q - 0.006; };
+  const DepthEstimate e = calibrated(room);
+  EXPECT_TRUE(e.mean_known);
+  EXPECT_NEAR(e.calibration.mean_offset_per_m(), 0.006, 5e-4);
+}
+
+TEST(CalibrateDepth, FindsAShapeOverTheImage) {
+  TestRoom room;
+  const auto truth = [](double u, double v) {
+    return 0.004 + 0.003 * std::sin(u / 50) * std::cos(v / 60);
+  };
+  room.distort = [&](double u, double v, double q) { return q - truth(u, v); };
+  const DepthEstimate e = calibrated(room);
+  EXPECT_TRUE(e.shape_known && e.mean_known);
+  for (const auto& [u, v] : {std::pair{40.0, 60.0}, {160.0, 120.0}, {270.0, 60.0}, {80.0, 190.0}}) {
+    EXPECT_NEAR(e.calibration.offset_at(u, v), truth(u, v), 1e-3) << u << " " << v;
+  }
+}
+
+TEST(CalibrateDepth, FindsAShiftOfDepthAgainstColour) {
+  TestRoom room;
+  room.shift_px = {1.4, -0.8};
+  const DepthEstimate e = calibrated(room);
+  EXPECT_TRUE(e.shift_known);
+  EXPECT_NEAR(e.calibration.shift_px.x(), 1.4, 0.2);
+  EXPECT_NEAR(e.calibration.shift_px.y(), -0.8, 0.2);
+}
+
+TEST(CalibrateDepth, AWrongRegistrationIsNamed) {
+  TestRoom room;
+  room.shift_px = {6, 0};
+  const DepthEstimate e = calibrated(room);
+  ASSERT_EQ(e.warnings().size(), 1u);
+  EXPECT_THAT(e.warnings().front(), HasSubstr("registration"));
+}
+
+TEST(CalibrateDepth, WithoutContrastNothingIsSaid) {
+  TestRoom room;
+  room.contrast = 0;
+  const DepthEstimate e = calibrated(room, 10);
+  EXPECT_THAT(e.why_not, HasSubstr("contrast"));
+  EXPECT_FALSE(e.useful());
+}
+
+TEST(CalibrateDepth, AFewKeyframesAreTooFew) {
+  EXPECT_THAT(calibrated({}, 5).why_not, HasSubstr("5 keyframes"));
+}
+
+TEST(CalibrateDepth, TheSameBitsTwice) {
+  TestRoom room;
+  room.distort = [](double, double, double q) { return q - 0.006; };
+  const DepthEstimate a = calibrated(room, 12), b = calibrated(room, 12);
+  EXPECT_EQ(a.calibration, b.calibration);
+}
+
+}  // namespace
+}  // namespace sgs::backend
