@@ -49,6 +49,7 @@ int parse_and_run(int argc, char** argv) {
   app.fallthrough(false);
   Action action;
   add_run(app, action);
+  add_calibrate(app, action);
   add_eval(app, action);
   add_render(app, action);
   add_synth(app, action);

@@ -139,6 +139,8 @@ void add_run(CLI::App& app, Action& action) {
   sub->add_option("--camera", command->input.camera, "fx,fy,cx,cy[,k1,k2,p1,p2,k3]");
   sub->add_option("--depth-scale", command->input.depth_scale, "Raw depth units per metre")
       ->check(CLI::PositiveNumber);
+  sub->add_option("--calibration", command->input.calibration,
+                  "Correct the depths by this file of `sgs calibrate`");
   sub->add_option("--trajectory", command->input.trajectory,
                   "Synthetic input: fly along this TUM trajectory");
   sub->add_option("--synth-seed", command->input.synth_seed, "Synthetic input: scene and noise");

@@ -459,6 +459,25 @@ class Contract(Case):
             json.loads(self.sgs("info", self.master, "--json").stdout)["frames"], FRAMES
         )
 
+    def test_calibrated_depth_is_used_and_kept(self):
+        file = self.folder / "depth.toml"
+        calibrated = self.sgs("calibrate", "synth:room_desk:hard", "--frames", "0:90", "-o", file)
+        self.assertIn("mean offset", calibrated.stdout)
+        self.assertIn("offset_per_m", file.read_text())
+        run = ["run", "synth:room_desk:hard", "--frames", "0:6", "--quiet"]
+        self.sgs(*run, "--calibration", file, "-o", self.folder / "with")
+        self.sgs(*run, "-o", self.folder / "without")
+        depth_l1 = [
+            json.loads((self.folder / name / "metrics.json").read_text())["depth_l1_m"]
+            for name in ("with", "without")
+        ]
+        self.assertNotEqual(depth_l1[0], depth_l1[1])
+        # The folder holds its own copy: scoring does not need the file.
+        file.unlink()
+        self.sgs("eval", self.folder / "with", "--quiet")
+        again = json.loads((self.folder / "with" / "metrics.json").read_text())["depth_l1_m"]
+        self.assertEqual(again, depth_l1[0])
+
     def test_record_can_be_run_again(self):
         self.sgs(
             "run",
@@ -660,6 +679,25 @@ class BadInput(Case):
     def test_one_frame_only(self):
         metrics = self.survives(self.master, "--frames", "0:1")
         self.assertEqual(metrics["frames"], 1)
+
+    def test_depth_calibration_that_does_not_fit(self):
+        file = self.folder / "depth.toml"
+        self.fails(self.master, "--calibration", file, code=1, saying=["depth.toml"])
+        file.write_text(
+            "format = 1\n[camera]\nfx = 9\nfy = 9\ncx = 1\ncy = 1\nwidth = 4\nheight = 4\n"
+            "[depth]\ncolumns = 1\nrows = 1\noffset_per_m = [0.1]\nsigma_per_m = [0.1]\n"
+        )
+        self.fails(
+            self.master, "--calibration", file, code=2, saying=["another camera", "sgs calibrate"]
+        )
+        file.write_text("[camera]\n")
+        self.fails(self.master, "--calibration", file, code=1, saying=["no depth calibration"])
+
+    def test_a_recording_too_short_to_calibrate(self):
+        done = self.sgs("calibrate", self.master, "-o", self.folder / "depth.toml", code=1)
+        self.assertIn("keyframes", done.stderr)
+        self.assertIn("is used as it is", done.stderr)
+        self.assertFalse((self.folder / "depth.toml").exists())
 
     def test_unknown_key_and_bad_values(self):
         self.fails(

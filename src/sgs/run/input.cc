@@ -5,7 +5,9 @@
 #include <charconv>
 #include <filesystem>
 
+#include "sgs/dataset/calibrated_source.h"
 #include "sgs/dataset/prefetch.h"
+#include "sgs/io/depth_calibration_io.h"
 #include "sgs/io/trajectory_io.h"
 #include "sgs/synthetic/source.h"
 
@@ -95,6 +97,16 @@ Result<Input> open_recorded(const InputSpec& spec, const FrameRange& range) {
   return Input{std::move(sequence.frames), std::move(sequence.info)};
 }
 
+Result<Input> open_uncalibrated(const InputSpec& spec, int threads) {
+  SGS_ASSIGN_OR_RETURN(const auto range, parse_frame_range(spec.frames));
+  if (synthetic::is_synth_spec(spec.input)) return open_synthetic(spec, range, threads);
+  if (!spec.trajectory.empty()) {
+    return fail(ErrorCode::kInvalidArgument, "--trajectory applies to synthetic sequences only",
+                "leave it out");
+  }
+  return open_recorded(spec, range);
+}
+
 }  // namespace
 
 void InputSpec::declare(ParameterList& list) {
@@ -106,6 +118,7 @@ void InputSpec::declare(ParameterList& list) {
   list.add("depth_scale", depth_scale,
            "Raw depth units per metre instead of the folder's; 0 = as the folder says.", "1/m",
            {0, 1e9});
+  list.add("calibration", calibration, "File of `sgs calibrate` that corrects the depths.", {});
   list.add("trajectory", trajectory, "TUM trajectory that a synthetic camera flies along.", {});
   list.add("synth_seed", synth_seed, "Seed of a synthetic scene, its motion and its noise.");
 }
@@ -128,13 +141,12 @@ Result<FrameRange> parse_frame_range(const std::string& text) {
 }
 
 Result<Input> open_input(const InputSpec& spec, int threads) {
-  SGS_ASSIGN_OR_RETURN(const auto range, parse_frame_range(spec.frames));
-  if (synthetic::is_synth_spec(spec.input)) return open_synthetic(spec, range, threads);
-  if (!spec.trajectory.empty()) {
-    return fail(ErrorCode::kInvalidArgument, "--trajectory applies to synthetic sequences only",
-                "leave it out");
-  }
-  return open_recorded(spec, range);
+  if (spec.calibration.empty()) return open_uncalibrated(spec, threads);
+  SGS_ASSIGN_OR_RETURN(auto calibration, io::load_depth_calibration(spec.calibration));
+  SGS_ASSIGN_OR_RETURN(auto input, open_uncalibrated(spec, threads));
+  SGS_ASSIGN_OR_RETURN(input.source, dataset::calibrated(std::move(input.source),
+                                                         std::move(calibration), spec.calibration));
+  return input;
 }
 
 }  // namespace sgs::run

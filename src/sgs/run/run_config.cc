@@ -57,7 +57,7 @@ std::string config_text(const InputSpec& input, const slam::SessionConfig& confi
   slam::SessionConfig config_copy = config;
   // Folders are remembered absolutely: a run may be evaluated from anywhere.
   std::error_code error;
-  for (std::string* path : {&input_copy.input, &input_copy.trajectory}) {
+  for (std::string* path : {&input_copy.input, &input_copy.trajectory, &input_copy.calibration}) {
     if (!path->empty() && std::filesystem::exists(*path, error)) {
       *path = std::filesystem::absolute(*path, error).lexically_normal().string();
     }
@@ -94,6 +94,12 @@ Result<SavedConfig> load_config(const std::filesystem::path& folder) {
     return tl::unexpected(error);
   }
   saved.format = stamp.format;
+  // The folder's own copy: the file it was made with may have moved or changed.
+  const auto calibration = folder / files::kCalibration;
+  std::error_code ignored;
+  if (!saved.input.calibration.empty() && std::filesystem::exists(calibration, ignored)) {
+    saved.input.calibration = calibration.string();
+  }
   return saved;
 }
 

@@ -7,6 +7,7 @@ namespace sgs::run::files {
 
 inline constexpr const char* kConfig = "config.toml";  ///< input and every parameter as used
 inline constexpr const char* kCamera = "camera.txt";   ///< of the frames as they were tracked
+inline constexpr const char* kCalibration = "calibration.toml";  ///< of the depths, where used
 inline constexpr const char* kTrajectory = "trajectory.txt";
 inline constexpr const char* kKeyframes = "keyframes.txt";
 inline constexpr const char* kTruth = "groundtruth.txt";

@@ -44,6 +44,13 @@ float drift(std::uint64_t key, double t_s, double period_s) {
   return (1 - s) * at(cell) + s * at(cell + 1);
 }
 
+// What the sensor makes of a depth before any noise.
+float systematic(const SensorModel& model, float depth_m, float pattern, float bend) {
+  const float r = std::clamp(depth_m / 3, 0.3f, 1.5f);
+  return depth_m * (1 + model.distortion * r * std::clamp(bend, -1.f, 1.f)) +
+         model.pattern * depth_m * depth_m * pattern;
+}
+
 }  // namespace
 
 SensorModel SensorModel::of_level(const std::string& level) {
@@ -95,6 +102,19 @@ float Sensor::gain(double t_s) const {
   return 1 + model_.exposure_drift * (0.75f * drift(hash64(seed_, 5), t_s, 4) + 0.25f * step);
 }
 
+std::vector<float> Sensor::inverse_depth_offsets(int y, const float* depth_m) const {
+  std::vector<float> out(static_cast<std::size_t>(camera_.width));
+  if (!pattern_) return out;
+  std::vector<float> pattern(out.size()), bend(out.size());
+  pattern_->row(y, pattern.data());
+  distortion_->row(y, bend.data());
+  for (std::size_t x = 0; x < out.size(); ++x) {
+    const float z = depth_m[x];
+    if (z > 0) out[x] = 1 / z - 1 / systematic(model_, z, pattern[x], bend[x]);
+  }
+  return out;
+}
+
 void Sensor::depth_row(const RayImage& exact, int y, std::int64_t frame,
                        const SmoothField* correlated, float* out) const {
   const int w = exact.width;
@@ -129,9 +149,7 @@ void Sensor::depth_row(const RayImage& exact, int y, std::int64_t frame,
     const float grazing = (0.342f - cosine) / (0.342f - 0.174f);
     if (shaded || (edge && luck < 0.8f) || luck < grazing) continue;
     const float sigma = depth_sigma_m(d);
-    const float r = std::clamp(d / 3, 0.3f, 1.5f);
-    float measured = d * (1 + model_.distortion * r * std::clamp(bend[i], -1.f, 1.f)) +
-                     model_.pattern * d * d * pattern[i] +
+    float measured = systematic(model_, d, pattern[i], bend[i]) +
                      sigma * (gauss(h, 0) + model_.correlated_noise * smooth[i]);
     if (measured <= 0.1f) continue;
     const float disparity = std::round(kDisparityPxM / measured * 8) / 8;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "sgs/core/image.h"
 #include "sgs/core/thread_pool.h"
@@ -44,6 +45,9 @@ class Sensor {
   /// Pixels by which depth rays are shifted against colour rays.
   Eigen::Vector2d registration_shift() const;
   bool frame_lost(std::int64_t frame) const;
+  /// By how much the inverse depths measured in row `y` of the depth image are too small for
+  /// surfaces at `depth_m` (a row of depths, 0 = none), in the mean over the noise, 1/m.
+  std::vector<float> inverse_depth_offsets(int y, const float* depth_m) const;
   /// Exposure gain at `t_s` seconds after the start.
   float gain(double t_s) const;
 

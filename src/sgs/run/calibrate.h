@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <stop_token>
+
+#include "sgs/backend/calibrate_depth.h"
+#include "sgs/run/input.h"
+#include "sgs/slam/session_config.h"
+
+namespace sgs::run {
+
+/// Tracks an input as it is, keeps keyframes, and estimates what is wrong with its depth camera
+/// (docs/calibration.md). `progress`, where given, is called after each frame. Fails as
+/// track_only() does; a recording that does not tell is no failure: the estimate's why_not says so.
+Result<backend::DepthEstimate> calibrate(Input& input, const slam::SessionConfig& config,
+                                         const std::function<void()>& progress,
+                                         const std::stop_token& stop = {});
+
+}  // namespace sgs::run
