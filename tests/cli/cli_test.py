@@ -472,6 +472,10 @@ class Contract(Case):
             for name in ("with", "without")
         ]
         self.assertNotEqual(depth_l1[0], depth_l1[1])
+        report = (self.folder / "with" / "report.html").read_text()
+        self.assertIn("id='depth_offset'", report)
+        self.assertIn("id='depth_offset_sigma'", report)
+        self.assertNotIn("depth_offset", (self.folder / "without" / "report.html").read_text())
         # The folder holds its own copy: scoring does not need the file.
         file.unlink()
         self.sgs("eval", self.folder / "with", "--quiet")

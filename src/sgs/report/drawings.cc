@@ -17,6 +17,7 @@ std::vector<Drawing> all_drawings(Runs runs) {
   append(degeneracy_drawings(runs[0]));
   append(timing_drawings(runs[0]));
   append(map_drawings(runs[0]));
+  append(calibration_drawings(runs[0]));
   append(value_drawings(runs[0]));
   return drawings;
 }

@@ -29,6 +29,8 @@ std::vector<Drawing> degeneracy_drawings(const ReportData& data);
 std::vector<Drawing> timing_drawings(const ReportData& data);
 /// Growth of the map, opacities and sizes of its Gaussians.
 std::vector<Drawing> map_drawings(const ReportData& data);
+/// The depth calibration that the run used, and how well it is known.
+std::vector<Drawing> calibration_drawings(const ReportData& data);
 
 /// Every column of frames.csv that is a number and varies, over time.
 std::vector<Drawing> value_drawings(const ReportData& data);

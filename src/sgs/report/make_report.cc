@@ -119,6 +119,7 @@ ReportData make_report(const run::Run& run, const run::Scores& scores) {
   report.stages = stages_of(run.timings_json);
   report.map = eval::map_statistics(run.gaussians);
   if (scores.rendering) report.pictures = scores.rendering->pictures;
+  report.calibration = run.calibration;
   report.config_toml = run.config_toml;
   return report;
 }

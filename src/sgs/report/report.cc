@@ -131,6 +131,7 @@ std::string report_html(const ReportData& data) {
   body += section_html("Degeneracy",
                        "What geometry alone could not observe, and where vision filled it in.",
                        figures_html(degeneracy_drawings(data)));
+  body += section_html("Depth calibration", "", figures_html(calibration_drawings(data), true));
   body += picture_section(data) + map_section(data);
   body += section_html("Timing", "", figures_html(timing_drawings(data)));
   body += score_section(data, lines) + value_section(data) + config_section(data);

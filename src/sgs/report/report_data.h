@@ -6,10 +6,12 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "sgs/camera/depth_calibration.h"
 #include "sgs/core/error.h"
 #include "sgs/eval/map_statistics.h"
 #include "sgs/eval/metrics.h"
@@ -59,6 +61,7 @@ struct ReportData {
 
   eval::MapStatistics map;
   std::vector<eval::FramePictures> pictures;
+  std::optional<DepthCalibration> calibration;  ///< of the depths, where the run used one
   std::string config_toml;
 };
 

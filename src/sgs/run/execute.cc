@@ -4,7 +4,6 @@
 
 #include "sgs/core/stopwatch.h"
 #include "sgs/io/atomic_file.h"
-#include "sgs/io/depth_calibration_io.h"
 #include "sgs/io/ply.h"
 #include "sgs/io/trajectory_io.h"
 #include "sgs/run/run_config.h"
@@ -91,12 +90,6 @@ Result<Outcome> execute(Input& input, const InputSpec& spec, const slam::Session
                         const RunOptions& options, RunFolder& folder, const Spectator& spectator,
                         const std::stop_token& stop) {
   folder.save_text(files::kConfig, config_text(spec, config));
-  if (!spec.calibration.empty()) {
-    SGS_ASSIGN_OR_RETURN(const auto calibration, io::load_depth_calibration(spec.calibration));
-    folder.save(files::kCalibration, [&](const std::filesystem::path& path) {
-      return io::save_depth_calibration(path, calibration);
-    });
-  }
   slam::SessionOptions session_options;
   session_options.threads = options.threads;
   session_options.live = options.realtime;

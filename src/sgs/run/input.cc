@@ -94,7 +94,7 @@ Result<Input> open_recorded(const InputSpec& spec, const FrameRange& range) {
   options.first = range.first;
   options.last = range.last;
   SGS_ASSIGN_OR_RETURN(auto sequence, dataset::open_sequence(spec.input, options));
-  return Input{std::move(sequence.frames), std::move(sequence.info)};
+  return Input{std::move(sequence.frames), std::move(sequence.info), {}};
 }
 
 Result<Input> open_uncalibrated(const InputSpec& spec, int threads) {
@@ -144,8 +144,9 @@ Result<Input> open_input(const InputSpec& spec, int threads) {
   if (spec.calibration.empty()) return open_uncalibrated(spec, threads);
   SGS_ASSIGN_OR_RETURN(auto calibration, io::load_depth_calibration(spec.calibration));
   SGS_ASSIGN_OR_RETURN(auto input, open_uncalibrated(spec, threads));
-  SGS_ASSIGN_OR_RETURN(input.source, dataset::calibrated(std::move(input.source),
-                                                         std::move(calibration), spec.calibration));
+  SGS_ASSIGN_OR_RETURN(input.source,
+                       dataset::calibrated(std::move(input.source), calibration, spec.calibration));
+  input.calibration = std::move(calibration);
   return input;
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "sgs/camera/depth_calibration.h"
 #include "sgs/core/config.h"
 #include "sgs/core/error.h"
 #include "sgs/dataset/frame_source.h"
@@ -34,6 +35,7 @@ struct InputSpec {
 struct Input {
   std::unique_ptr<dataset::FrameSource> source;
   dataset::SequenceInfo info;
+  std::optional<DepthCalibration> calibration;  ///< that the source applies
 };
 
 /// Opens a recorded folder or a synthetic sequence; `threads` render synthetic frames.

@@ -11,6 +11,7 @@
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/calibration_io.h"
 #include "sgs/io/csv.h"
+#include "sgs/io/depth_calibration_io.h"
 #include "sgs/io/image_io.h"
 #include "sgs/io/ply.h"
 #include "sgs/io/text.h"
@@ -105,6 +106,9 @@ Result<Run> load_run(const fs::path& folder, unsigned parts) {
   run.config = std::move(saved.config);
   run.name = fs::path(run.input.input).filename().string();
   SGS_ASSIGN_OR_RETURN(run.config_toml, io::read_file(folder / files::kConfig));
+  if (!run.input.calibration.empty()) {
+    SGS_ASSIGN_OR_RETURN(run.calibration, io::load_depth_calibration(run.input.calibration));
+  }
   for (const PartFile& file : kPartFiles) {
     if ((parts & file.part) == 0) continue;
     if (auto status = file.load(folder / file.name, run); !status) {
@@ -137,6 +141,7 @@ Run run_of(const slam::Session& session, const Input& input, const InputSpec& sp
   run.config_toml = config_text(spec, config);
   run.name = input.info.name;
   run.camera = input.source->camera();
+  run.calibration = input.calibration;
   run.frames.assign(session.records().begin(), session.records().end());
   run.trajectory = session.trajectory();
   run.keyframes = session.keyframe_trajectory();
@@ -152,6 +157,11 @@ void save_run(const Run& run, RunFolder& folder) {
   folder.save(files::kCamera, [&](const fs::path& path) {
     return io::save_camera_txt(path, {run.camera, {}, kDepthScale});
   });
+  if (run.calibration) {
+    folder.save(files::kCalibration, [&](const fs::path& path) {
+      return io::save_depth_calibration(path, *run.calibration);
+    });
+  }
   const auto save_poses = [&](const char* name, const Trajectory& poses) {
     folder.save(name, [&](const fs::path& path) { return io::save_trajectory(path, poses); });
   };

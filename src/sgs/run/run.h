@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sgs/camera/pinhole.h"
+#include "sgs/camera/depth_calibration.h"
 #include "sgs/eval/metrics.h"
 #include "sgs/eval/run_evaluator.h"
 #include "sgs/geometry/trajectory.h"
@@ -24,9 +24,10 @@ namespace sgs::run {
 struct Run {
   InputSpec input;
   slam::SessionConfig config;
-  std::string config_toml;  ///< as saved
-  std::string name;         ///< of the sequence
-  PinholeCamera camera;     ///< of the frames as they were tracked (rectified)
+  std::string config_toml;                      ///< as saved
+  std::string name;                             ///< of the sequence
+  PinholeCamera camera;                         ///< of the frames as they were tracked (rectified)
+  std::optional<DepthCalibration> calibration;  ///< of their depths, where one was used
   std::vector<slam::FrameRecord> frames;
   Trajectory trajectory;  ///< estimated, one pose per readable frame
   Trajectory keyframes;   ///< of the mapper, refined
