@@ -12,6 +12,7 @@
 #include "sgs/core/log.h"
 #include "sgs/core/print.h"
 #include "sgs/dataset/preloaded_source.h"
+#include "sgs/run/calibrate.h"
 #include "sgs/run/execute.h"
 #include "sgs/run/run_config.h"
 #include "sgs/run/run_files.h"
@@ -98,6 +99,18 @@ Result<int> run_sequence(const RunCommand& command, const slam::SessionConfig& c
   return kExitDone;
 }
 
+/// `--calibration auto`: once through the input before the run proper.
+Status calibrate_input(RunCommand& command, const slam::SessionConfig& config, run::Input& input,
+                       run::RunFolder& folder) {
+  if (command.input.calibration != run::kCalibrateFirst) return {};
+  Progress progress("calibration", input.source->size(), command.quiet);
+  const auto step = [&] { progress.step(""); };
+  const Status status = run::calibrate_first(command.input, input, config, command.options.threads,
+                                             folder, step, stop_token());
+  progress.finish();
+  return status;
+}
+
 int run_command(RunCommand command) {
   run::return_freed_images();
   const auto config = run::resolve_config(command.config, command.input);
@@ -114,6 +127,9 @@ int run_command(RunCommand command) {
   run::point_latest_to("runs", folder->path());
   setup_logging(folder->path() / run::files::kLog, command.quiet);
   for (const std::string& warning : input->info.warnings) log().warn("{}", warning);
+  if (const auto status = calibrate_input(command, *config, *input, *folder); !status) {
+    return report(status.error());
+  }
   if (command.preload) {
     input->source = dataset::preload(std::move(input->source), stop_token());
   }
@@ -140,7 +156,7 @@ void add_run(CLI::App& app, Action& action) {
   sub->add_option("--depth-scale", command->input.depth_scale, "Raw depth units per metre")
       ->check(CLI::PositiveNumber);
   sub->add_option("--calibration", command->input.calibration,
-                  "Correct the depths by this file of `sgs calibrate`");
+                  "Correct the depths by this file of `sgs calibrate`; auto: calibrate first");
   sub->add_option("--trajectory", command->input.trajectory,
                   "Synthetic input: fly along this TUM trajectory");
   sub->add_option("--synth-seed", command->input.synth_seed, "Synthetic input: scene and noise");

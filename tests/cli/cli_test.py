@@ -482,6 +482,18 @@ class Contract(Case):
         again = json.loads((self.folder / "with" / "metrics.json").read_text())["depth_l1_m"]
         self.assertEqual(again, depth_l1[0])
 
+    def test_a_run_calibrates_itself_when_asked_to(self):
+        run = ["run", "synth:room_desk:hard", "--frames", "0:90", "--quiet", "--no-eval"]
+        self.sgs(*run, "--calibration", "auto", "-o", self.folder / "out")
+        self.assertIn("offset_per_m", (self.folder / "out" / "calibration.toml").read_text())
+        self.assertIn("out/calibration.toml", (self.folder / "out" / "config.toml").read_text())
+        # Too little to tell: the run goes on with the depths as they are.
+        done = self.sgs(
+            "run", self.master, "--calibration", "auto", "-o", self.folder / "short", "--no-eval"
+        )
+        self.assertIn("depth is used as it is", done.stderr)
+        self.assertFalse((self.folder / "short" / "calibration.toml").exists())
+
     def test_record_can_be_run_again(self):
         self.sgs(
             "run",

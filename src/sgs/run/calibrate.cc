@@ -5,6 +5,9 @@
 #include <cmath>
 
 #include "sgs/backend/keyframe_archive.h"
+#include "sgs/core/log.h"
+#include "sgs/io/depth_calibration_io.h"
+#include "sgs/run/run_files.h"
 #include "sgs/run/track_only.h"
 
 namespace sgs::run {
@@ -27,6 +30,26 @@ Result<backend::DepthEstimate> calibrate(Input& input, const slam::SessionConfig
   };
   SGS_RETURN_IF_ERROR(track_only(*input.source, config, take_in, stop));
   return backend::calibrate_depth(archive.keyframes(), readout_s, config.backend.calibration);
+}
+
+Status calibrate_first(InputSpec& spec, Input& input, const slam::SessionConfig& config,
+                       int threads, RunFolder& folder, const std::function<void()>& progress,
+                       const std::stop_token& stop) {
+  if (spec.calibration != kCalibrateFirst) return {};
+  spec.calibration.clear();
+  SGS_ASSIGN_OR_RETURN(const auto estimate, calibrate(input, config, progress, stop));
+  if (estimate.useful()) {
+    const auto path = folder.path() / files::kCalibration;
+    SGS_RETURN_IF_ERROR(io::save_depth_calibration(path, estimate.calibration));
+    spec.calibration = path.string();
+  } else if (!estimate.why_not.empty()) {
+    log().warn("depth is used as it is: {}", estimate.why_not);
+  } else {
+    log().info("depth is used as it is: nothing is wrong with it that the recording could tell");
+  }
+  for (const std::string& warning : estimate.warnings()) log().warn("{}", warning);
+  SGS_ASSIGN_OR_RETURN(input, open_input(spec, threads));
+  return {};
 }
 
 }  // namespace sgs::run

@@ -7,6 +7,7 @@
 
 #include "sgs/backend/calibrate_depth.h"
 #include "sgs/run/input.h"
+#include "sgs/run/run_folder.h"
 #include "sgs/slam/session_config.h"
 
 namespace sgs::run {
@@ -17,5 +18,12 @@ namespace sgs::run {
 Result<backend::DepthEstimate> calibrate(Input& input, const slam::SessionConfig& config,
                                          const std::function<void()>& progress,
                                          const std::stop_token& stop = {});
+
+/// Where `spec` says kCalibrateFirst, calibrates the input from itself: writes what was found into
+/// the folder and opens the input again with it. An input that tells nothing stays as it is, with a
+/// line in the log.
+Status calibrate_first(InputSpec& spec, Input& input, const slam::SessionConfig& config,
+                       int threads, RunFolder& folder, const std::function<void()>& progress,
+                       const std::stop_token& stop = {});
 
 }  // namespace sgs::run
