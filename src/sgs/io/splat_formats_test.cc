@@ -151,7 +151,7 @@ TEST(Spz, EmptyMapAndDamagedFiles) {
 
 TEST(Gzip, RoundTripAndLimits) {
   std::string bytes;
-  for (int i = 0; i < 700'000; ++i) bytes += static_cast<char>(i * i >> 7);
+  for (unsigned i = 0; i < 700'000; ++i) bytes += static_cast<char>(i * i >> 7);
   for (const std::string& text : {std::string(), std::string("x"), bytes}) {
     EXPECT_EQ(gzip_decompressed(gzip_compressed(text), text.size()), text);
   }
