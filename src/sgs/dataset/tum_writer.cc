@@ -8,10 +8,23 @@
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/calibration_io.h"
 #include "sgs/io/image_io.h"
+#include "sgs/io/text.h"
 #include "sgs/io/trajectory_io.h"
 
 namespace sgs::dataset {
 namespace fs = std::filesystem;
+namespace {
+
+/// A time with as many digits as it takes to read the same number back, six at least.
+std::string exact_time(double time_s) {
+  constexpr int kUsualDigits = 6, kMostDigits = 17;
+  for (int digits = kUsualDigits;; ++digits) {
+    std::string text = fmt::format("{:.{}f}", time_s, digits);
+    if (digits == kMostDigits || io::parse_double(text) == time_s) return text;
+  }
+}
+
+}  // namespace
 
 TumSequenceWriter::TumSequenceWriter(fs::path folder, const PinholeCamera& camera, Options options)
     : folder_(std::move(folder)), camera_(camera), options_(std::move(options)) {}
@@ -40,7 +53,7 @@ Result<TumSequenceWriter> TumSequenceWriter::create(const fs::path& folder,
 }
 
 Status TumSequenceWriter::add(const RgbdFrame& frame) {
-  constexpr double kTimeStep_s = 1e-6;  // digits of the file names
+  constexpr double kTimeStep_s = 1e-6;  // digits of the file names; the lists hold exact times
   SGS_CHECK(frame.color.width() == camera_.width && frame.color.height() == camera_.height &&
                 frame.depth.width() == camera_.width && frame.depth.height() == camera_.height,
             "frame size differs from the camera's");
@@ -52,9 +65,9 @@ Status TumSequenceWriter::add(const RgbdFrame& frame) {
                     frame.index, frame.timestamp_s, folder_.string()),
         "record without --record, or mend the times of the input");
   }
-  const std::string time = fmt::format("{:.6f}", frame.timestamp_s);
-  const std::string color = fmt::format("rgb/{}.{}", time, options_.jpeg_color ? "jpg" : "png");
-  const std::string depth = fmt::format("depth/{}.png", time);
+  const std::string stem = fmt::format("{:.6f}", frame.timestamp_s);
+  const std::string color = fmt::format("rgb/{}.{}", stem, options_.jpeg_color ? "jpg" : "png");
+  const std::string depth = fmt::format("depth/{}.png", stem);
   SGS_RETURN_IF_ERROR(io::save_color(folder_ / color, frame.color, options_.jpeg_quality));
   SGS_RETURN_IF_ERROR(io::save_depth(folder_ / depth, frame.depth, options_.depth_scale));
   if (frame.truth_T_world_camera) {
@@ -62,6 +75,7 @@ Status TumSequenceWriter::add(const RgbdFrame& frame) {
     row.push_back({frame.timestamp_s, *frame.truth_T_world_camera});
     SGS_RETURN_IF_ERROR(io::append_file(folder_ / "groundtruth.txt", io::trajectory_text(row)));
   }
+  const std::string time = exact_time(frame.timestamp_s);
   // The lists come last: what they name is there.
   SGS_RETURN_IF_ERROR(io::append_file(folder_ / "depth.txt", fmt::format("{} {}\n", time, depth)));
   SGS_RETURN_IF_ERROR(io::append_file(folder_ / "rgb.txt", fmt::format("{} {}\n", time, color)));

@@ -13,8 +13,9 @@
 namespace sgs::dataset {
 
 /// Writes a sequence in TUM layout, frame by frame: rgb/ depth/ rgb.txt depth.txt groundtruth.txt
-/// camera.txt sgs.toml. After each add() the folder is a complete sequence of the frames so far, so
-/// an interrupted recording stays readable. Not thread-safe.
+/// camera.txt sgs.toml. Times are exact: they read back as the same numbers. After each add() the
+/// folder is a complete sequence of the frames so far, so an interrupted recording stays readable.
+/// Not thread-safe.
 class TumSequenceWriter {
  public:
   struct Options {

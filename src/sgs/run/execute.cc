@@ -6,6 +6,7 @@
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/ply.h"
 #include "sgs/io/trajectory_io.h"
+#include "sgs/run/convert.h"
 #include "sgs/run/run_config.h"
 #include "sgs/run/run_files.h"
 #include "sgs/run/timings.h"
@@ -97,7 +98,8 @@ Result<Outcome> execute(Input& input, const InputSpec& spec, const slam::Session
   SGS_ASSIGN_OR_RETURN(auto session, slam::Session::create(config, camera, session_options));
   std::optional<dataset::TumSequenceWriter> recorder;
   if (!options.record.empty()) {
-    SGS_ASSIGN_OR_RETURN(recorder, dataset::TumSequenceWriter::create(options.record, camera));
+    SGS_ASSIGN_OR_RETURN(recorder, dataset::TumSequenceWriter::create(options.record, camera,
+                                                             recording_options(input)));
   }
   const auto clock =
       play(*input.source, *session,
