@@ -45,28 +45,26 @@ int print_sequence(const InfoOptions& options) {
   const auto& info = input->info;
   const auto& c = info.calibration;
   if (options.json) {
-    const nlohmann::json json = {
-        {"layout", info.layout},
-        {"name", info.name},
-        {"frames", info.frames},
-        {"frames_in_folder", info.frames_in_folder},
-        {"first_time_s", info.first_time_s},
-        {"last_time_s", info.last_time_s},
-        {"width", c.camera.width},
-        {"height", c.camera.height},
-        {"fx", c.camera.fx},
-        {"fy", c.camera.fy},
-        {"cx", c.camera.cx},
-        {"cy", c.camera.cy},
-        {"distortion",
-         {c.distortion.k1, c.distortion.k2, c.distortion.p1, c.distortion.p2, c.distortion.k3}},
-        {"depth_scale", c.depth_scale},
-        {"calibration_source", info.calibration_source},
-        {"truth_rows", info.truth_rows},
-        {"color_without_depth", info.color_without_depth},
-        {"depth_without_color", info.depth_without_color},
-        {"missing_images", info.missing_images},
-        {"warnings", info.warnings}};
+    const nlohmann::json json = {{"layout", info.layout},
+                                 {"name", info.name},
+                                 {"frames", info.frames},
+                                 {"frames_in_folder", info.frames_in_folder},
+                                 {"first_time_s", info.first_time_s},
+                                 {"last_time_s", info.last_time_s},
+                                 {"width", c.camera.width},
+                                 {"height", c.camera.height},
+                                 {"fx", c.camera.fx},
+                                 {"fy", c.camera.fy},
+                                 {"cx", c.camera.cx},
+                                 {"cy", c.camera.cy},
+                                 {"distortion", c.distortion.written()},
+                                 {"depth_scale", c.depth_scale},
+                                 {"calibration_source", info.calibration_source},
+                                 {"truth_rows", info.truth_rows},
+                                 {"color_without_depth", info.color_without_depth},
+                                 {"depth_without_color", info.depth_without_color},
+                                 {"missing_images", info.missing_images},
+                                 {"warnings", info.warnings}};
     print("{}\n", json.dump(2));
     return kExitDone;
   }
@@ -76,8 +74,9 @@ int print_sequence(const InfoOptions& options) {
   print("camera       {}x{}  fx {} fy {} cx {} cy {}  (from {})\n", c.camera.width, c.camera.height,
         c.camera.fx, c.camera.fy, c.camera.cx, c.camera.cy, info.calibration_source);
   if (!c.distortion.is_zero()) {
-    print("distortion   k1 {} k2 {} p1 {} p2 {} k3 {} (removed while reading)\n", c.distortion.k1,
-          c.distortion.k2, c.distortion.p1, c.distortion.p2, c.distortion.k3);
+    const std::string numbers = fmt::format("{}", fmt::join(c.distortion.written(), " "));
+    print("distortion   {} ({}; removed while reading)\n", numbers,
+          c.distortion.is_rational() ? "k1 k2 p1 p2 k3 k4 k5 k6" : "k1 k2 p1 p2 k3");
   }
   print("depth scale  {} units per metre\n", c.depth_scale);
   print("ground truth {}\n", info.truth_rows ? fmt::format("{} poses", info.truth_rows) : "none");
@@ -91,7 +90,7 @@ void add_info(CLI::App& app, Action& action) {
   auto options = std::make_shared<InfoOptions>();
   auto* sub = app.add_subcommand("info", "Describe a sequence, the parameters or the scenes");
   sub->add_option("INPUT", options->input.input, "Sequence folder or synth:NAME[:LEVEL]");
-  sub->add_option("--camera", options->input.camera, "fx,fy,cx,cy[,k1,k2,p1,p2,k3]");
+  sub->add_option("--camera", options->input.camera, "fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]]");
   sub->add_option("--depth-scale", options->input.depth_scale, "Raw depth units per metre");
   sub->add_option("--preset", options->preset, "default or paper (with --config)");
   sub->add_flag("--config", options->config, "Print all parameters as TOML");

@@ -152,7 +152,7 @@ void add_run(CLI::App& app, Action& action) {
       ->take_all()
       ->allow_extra_args(false);
   sub->add_option("--frames", command->input.frames, "a:b, frames a to b-1 of the sequence");
-  sub->add_option("--camera", command->input.camera, "fx,fy,cx,cy[,k1,k2,p1,p2,k3]");
+  sub->add_option("--camera", command->input.camera, "fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]]");
   sub->add_option("--depth-scale", command->input.depth_scale, "Raw depth units per metre")
       ->check(CLI::PositiveNumber);
   sub->add_option("--calibration", command->input.calibration,

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cmath>
 
+#include "sgs/camera/distortion.h"
 #include "sgs/core/error.h"
 
 namespace sgs {
@@ -37,18 +37,11 @@ struct PinholeCamera {
   friend bool operator==(const PinholeCamera&, const PinholeCamera&) = default;
 };
 
-/// Radial-tangential (Brown-Conrady) distortion in OpenCV's order k1 k2 p1 p2 k3.
-struct Distortion {
-  double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
-  bool is_zero() const { return k1 == 0 && k2 == 0 && p1 == 0 && p2 == 0 && k3 == 0; }
-  /// Distorted normalised image coordinates of undistorted ones.
-  Eigen::Vector2d apply(const Eigen::Vector2d& xy) const {
-    const double x = xy.x(), y = xy.y(), r2 = x * x + y * y;
-    const double radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
-    return {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
-            y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
-  }
-  friend bool operator==(const Distortion&, const Distortion&) = default;
+/// A pinhole camera behind a lens: how a camera delivers its images.
+struct LensCamera {
+  PinholeCamera camera;
+  Distortion distortion;
+  friend bool operator==(const LensCamera&, const LensCamera&) = default;
 };
 
 /// What a dataset must say about its camera.

@@ -17,7 +17,7 @@ Undistorter::Undistorter(const PinholeCamera& camera, const Distortion& d) {
   auto maps = std::make_unique<Maps>();
   maps->size = {camera.width, camera.height};
   const cv::Matx33d K(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
-  const cv::Matx<double, 5, 1> D(d.k1, d.k2, d.p1, d.p2, d.k3);
+  const cv::Matx<double, 8, 1> D(d.coefficients().data());
   cv::Mat map_x;
   cv::initUndistortRectifyMap(K, D, cv::noArray(), K, maps->size, CV_32FC2, maps->nearest_xy,
                               map_x);

@@ -9,7 +9,7 @@
 
 namespace sgs {
 
-/// Removes radial-tangential distortion from registered colour and depth. The output camera has the
+/// Removes lens distortion from registered colour and depth. The output camera has the
 /// input's intrinsics (as TUM's evaluation tools assume). Colour is interpolated bilinearly, depth
 /// takes the nearest measurement; pixels without a source become black / 0. Immutable, thread-safe.
 class Undistorter {

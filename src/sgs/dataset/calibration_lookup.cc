@@ -73,13 +73,15 @@ tl::unexpected<Error> nothing_found(const std::vector<fs::path>& folders, const 
   for (const fs::path& folder : folders) {
     places += fmt::format("{}{}", places.empty() ? "" : ", ", folder.string());
   }
-  return fail(ErrorCode::kNotFound,
-              fmt::format("{} unknown: no sgs.toml with [camera], camera.txt or cam_params.json in "
-                          "{}, and the folder's name is not that of a known TUM sequence "
-                          "(freiburg1, freiburg2, freiburg3)",
-                          what, places),
-              "give --camera fx,fy,cx,cy[,k1,k2,p1,p2,k3] and --depth-scale S, or write a "
-              "camera.txt with one line 'fx fy cx cy width height depth_scale [k1 k2 p1 p2 k3]'");
+  return fail(
+      ErrorCode::kNotFound,
+      fmt::format("{} unknown: no sgs.toml with [camera], camera.txt or cam_params.json in "
+                  "{}, and the folder's name is not that of a known TUM sequence "
+                  "(freiburg1, freiburg2, freiburg3)",
+                  what, places),
+      "give --camera fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]] and --depth-scale S, or write a "
+      "camera.txt with one line 'fx fy cx cy width height depth_scale [k1 k2 p1 p2 k3 "
+      "[k4 k5 k6]]'");
 }
 
 }  // namespace

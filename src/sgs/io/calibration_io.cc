@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <vector>
 
 #include "sgs/io/atomic_file.h"
@@ -15,7 +16,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kCameraTxtForm =
-    "one line 'fx fy cx cy width height depth_scale [k1 k2 p1 p2 k3]'";
+    "one line 'fx fy cx cy width height depth_scale [k1 k2 p1 p2 k3 [k4 k5 k6]]'";
 
 /// All fields as finite numbers, or nothing.
 std::optional<std::vector<double>> finite_numbers(const std::vector<std::string_view>& fields) {
@@ -28,8 +29,10 @@ std::optional<std::vector<double>> finite_numbers(const std::vector<std::string_
   return numbers;
 }
 
-std::string distortion_text(const Distortion& d, std::string_view separator) {
-  return fmt::format("{1}{0}{2}{0}{3}{0}{4}{0}{5}", separator, d.k1, d.k2, d.p1, d.p2, d.k3);
+/// The distortion that follows the first `fixed` numbers of a line: nothing, five or eight more.
+std::optional<Distortion> distortion_after(const std::vector<double>& n, std::size_t fixed) {
+  if (n.size() != fixed && n.size() != fixed + 5 && n.size() != fixed + 8) return std::nullopt;
+  return Distortion::from_coefficients(std::span(n).subspan(fixed));
 }
 
 bool whole(double value) { return value == std::floor(value) && std::abs(value) < 1e9; }
@@ -38,12 +41,12 @@ bool whole(double value) { return value == std::floor(value) && std::abs(value) 
 
 Result<CameraOption> parse_camera_option(std::string_view text) {
   const auto n = finite_numbers(split_fields(text, ","));
-  if (!n || (n->size() != 4 && n->size() != 9)) {
+  const auto distortion = n ? distortion_after(*n, 4) : std::nullopt;
+  if (!distortion) {
     return fail(ErrorCode::kInvalidArgument, fmt::format("--camera '{}' cannot be read", text),
-                "give --camera fx,fy,cx,cy or --camera fx,fy,cx,cy,k1,k2,p1,p2,k3");
+                "give --camera fx,fy,cx,cy or --camera fx,fy,cx,cy,k1,k2,p1,p2,k3[,k4,k5,k6]");
   }
-  CameraOption option{(*n)[0], (*n)[1], (*n)[2], (*n)[3], {}};
-  if (n->size() == 9) option.distortion = {(*n)[4], (*n)[5], (*n)[6], (*n)[7], (*n)[8]};
+  CameraOption option{(*n)[0], (*n)[1], (*n)[2], (*n)[3], *distortion};
   if (!(option.fx > 0 && option.fy > 0)) {
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("--camera '{}': focal lengths must be positive", text));
@@ -57,7 +60,7 @@ Status check_calibration(const Calibration& c, std::string_view source) {
   const auto bad = [&](std::string what) {
     return fail(ErrorCode::kInvalidFormat,
                 fmt::format("camera calibration from {}: {}", source, what),
-                "correct it there, or give --camera fx,fy,cx,cy[,k1,k2,p1,p2,k3] and "
+                "correct it there, or give --camera fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]] and "
                 "--depth-scale S");
   };
   const PinholeCamera& k = c.camera;
@@ -74,8 +77,7 @@ Status check_calibration(const Calibration& c, std::string_view source) {
   if (!std::isfinite(k.cx) || !std::isfinite(k.cy)) {
     return bad(fmt::format("principal point cx={} cy={} is not finite", k.cx, k.cy));
   }
-  const Distortion& d = c.distortion;
-  for (const double value : {d.k1, d.k2, d.p1, d.p2, d.k3}) {
+  for (const double value : c.distortion.coefficients()) {
     if (!std::isfinite(value)) return bad("distortion is not finite");
   }
   if (!(c.depth_scale > 0 && std::isfinite(c.depth_scale))) {
@@ -95,7 +97,8 @@ Result<Calibration> load_camera_txt(const fs::path& path) {
         fmt::format("write {}", kCameraTxtForm));
   }
   const auto n = finite_numbers(split_fields(lines[0].text, ","));
-  if (!n || (n->size() != 7 && n->size() != 12) || !whole((*n)[4]) || !whole((*n)[5])) {
+  const auto distortion = n ? distortion_after(*n, 7) : std::nullopt;
+  if (!distortion || !whole((*n)[4]) || !whole((*n)[5])) {
     return fail(ErrorCode::kInvalidFormat,
                 fmt::format("{}:{}: '{}' is not a calibration", path.string(), lines[0].number,
                             lines[0].text.substr(0, 120)),
@@ -105,17 +108,18 @@ Result<Calibration> load_camera_txt(const fs::path& path) {
   c.camera = {
       static_cast<int>((*n)[4]), static_cast<int>((*n)[5]), (*n)[0], (*n)[1], (*n)[2], (*n)[3]};
   c.depth_scale = (*n)[6];
-  if (n->size() == 12) c.distortion = {(*n)[7], (*n)[8], (*n)[9], (*n)[10], (*n)[11]};
+  c.distortion = *distortion;
   SGS_RETURN_IF_ERROR(check_calibration(c, fmt::format("{}:{}", path.string(), lines[0].number)));
   return c;
 }
 
 Status save_camera_txt(const fs::path& path, const Calibration& c) {
   const PinholeCamera& k = c.camera;
-  std::string text = fmt::format("# fx fy cx cy width height depth_scale [k1 k2 p1 p2 k3]\n");
+  std::string text =
+      fmt::format("# fx fy cx cy width height depth_scale [k1 k2 p1 p2 k3 [k4 k5 k6]]\n");
   text +=
       fmt::format("{} {} {} {} {} {} {}", k.fx, k.fy, k.cx, k.cy, k.width, k.height, c.depth_scale);
-  if (!c.distortion.is_zero()) text += " " + distortion_text(c.distortion, " ");
+  if (!c.distortion.is_zero()) text += fmt::format(" {}", fmt::join(c.distortion.written(), " "));
   return write_file(path, text + "\n");
 }
 

@@ -19,15 +19,16 @@ struct CameraOption {
   Distortion distortion;
 };
 
-/// Parses `--camera fx,fy,cx,cy[,k1,k2,p1,p2,k3]`: four or nine finite numbers, fx and fy > 0.
+/// Parses `--camera fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]]`: four, nine or twelve finite
+/// numbers, fx and fy > 0.
 Result<CameraOption> parse_camera_option(std::string_view text);
 
 /// Checks a complete calibration: sizes, focal lengths and depth scale positive, everything finite.
 /// `source` says in the message where it came from.
 Status check_calibration(const Calibration& calibration, std::string_view source);
 
-/// Reads `camera.txt`: one line `fx fy cx cy width height depth_scale [k1 k2 p1 p2 k3]`, '#'
-/// comments. The result has passed check_calibration().
+/// Reads `camera.txt`: one line `fx fy cx cy width height depth_scale [k1 k2 p1 p2 k3
+/// [k4 k5 k6]]`, '#' comments. The result has passed check_calibration().
 Result<Calibration> load_camera_txt(const std::filesystem::path& path);
 Status save_camera_txt(const std::filesystem::path& path, const Calibration& calibration);
 
@@ -55,7 +56,7 @@ constexpr auto enum_names(FrameMatching) {
 ///     width = 640
 ///     height = 480
 ///     depth_scale = 5000.0          # may be left to --depth-scale
-///     distortion = [0.0, 0.0, 0.0, 0.0, 0.0]   # k1 k2 p1 p2 k3
+///     distortion = [0.0, 0.0, 0.0, 0.0, 0.0]   # k1 k2 p1 p2 k3, or k1 .. k6
 ///     [sequence]
 ///     name = "kitchen"
 ///     color = "color/*.jpg"         # a folder or a pattern with * in the file name; with `depth`

@@ -117,6 +117,13 @@ TEST(Calibration, CameraTxt) {
   EXPECT_EQ(c->depth_scale, 5000);
   ASSERT_TRUE(save_camera_txt(folder / "b.txt", *c));
   EXPECT_EQ(load_camera_txt(folder / "b.txt").value(), *c);
+  const Calibration rational{c->camera, {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8}, 1000};
+  ASSERT_TRUE(save_camera_txt(folder / "c.txt", rational));
+  EXPECT_EQ(load_camera_txt(folder / "c.txt").value(), rational);
+  SequenceToml toml;
+  toml.calibration = rational;
+  ASSERT_TRUE(save_sequence_toml(folder / "c.toml", toml));
+  EXPECT_EQ(load_sequence_toml(folder / "c.toml").value().calibration, rational);
   for (const char* bad : {"", "1 2 3", "1 1 1 1 640 480 5000 0.1", "0 1 1 1 640 480 5000",
                           "1 1 1 1 640.5 480 5000", "1 1 1 1 -640 480 5000", "1 1 1 1 640 480 0",
                           "1 1 nan 1 640 480 5000", "1 1 1 1 640 480 5000\n1 1 1 1 640 480 5000"}) {
@@ -133,7 +140,9 @@ TEST(Calibration, CameraOption) {
   EXPECT_EQ(option->fy, 526);
   EXPECT_TRUE(option->distortion.is_zero());
   EXPECT_EQ(parse_camera_option("1,1,1,1,.1,.2,.3,.4,.5")->distortion.k3, 0.5);
-  for (const char* bad : {"", "1,2,3", "1,2,3,4,5", "a,b,c,d", "-1,1,1,1", "inf,1,1,1"}) {
+  EXPECT_EQ(parse_camera_option("1,1,1,1,.1,.2,.3,.4,.5,.6,.7,.8")->distortion.k6, 0.8);
+  for (const char* bad :
+       {"", "1,2,3", "1,2,3,4,5", "1,1,1,1,1,1,1,1,1,1", "a,b,c,d", "-1,1,1,1", "inf,1,1,1"}) {
     EXPECT_FALSE(parse_camera_option(bad)) << bad;
   }
 }

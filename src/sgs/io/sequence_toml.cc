@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "sgs/core/text.h"
 #include "sgs/io/atomic_file.h"
@@ -37,19 +37,20 @@ void declare(ParameterList& list, SequenceToml& content, Calibration& c) {
 Result<Distortion> read_distortion(const toml::node& node, std::string_view source) {
   const auto bad = [&] {
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: camera.distortion must be five numbers [k1, k2, p1, p2, k3]",
+                fmt::format("{}: camera.distortion must be five or eight numbers "
+                            "[k1, k2, p1, p2, k3, k4, k5, k6]",
                             toml_place(node, source)),
                 "write five zeros or leave the key out when there is no distortion");
   };
   const auto* array = node.as_array();
-  std::array<double, 5> values{};
-  if (array == nullptr || array->size() != values.size()) return bad();
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const auto value = (*array)[i].value<double>();
+  if (array == nullptr || (array->size() != 5 && array->size() != 8)) return bad();
+  std::vector<double> values;
+  for (const toml::node& item : *array) {
+    const auto value = item.value<double>();
     if (!value || !(std::abs(*value) <= std::numeric_limits<double>::max())) return bad();
-    values[i] = *value;
+    values.push_back(*value);
   }
-  return Distortion{values[0], values[1], values[2], values[3], values[4]};
+  return *Distortion::from_coefficients(values);
 }
 
 }  // namespace
@@ -106,8 +107,9 @@ Status save_sequence_toml(const fs::path& path, const SequenceToml& content) {
                           content.calibration->depth_scale);
     }
     if (!d.is_zero()) {
-      text += fmt::format("distortion = [{}, {}, {}, {}, {}]  # k1 k2 p1 p2 k3\n", d.k1, d.k2, d.p1,
-                          d.p2, d.k3);
+      text +=
+          fmt::format("distortion = [{}]  # k1 k2 p1 p2 k3, k4 k5 k6 where the lens is rational\n",
+                      fmt::join(d.written(), ", "));
     }
     text += "\n";
   }

@@ -113,8 +113,8 @@ void InputSpec::declare(ParameterList& list) {
   const auto group = list.group("input");
   list.add("source", input, "Folder of the sequence, or synth:NAME[:LEVEL].", {});
   list.add("frames", frames, "Frames a:b (half open) of the sequence; empty = all.", {});
-  list.add("camera", camera, "fx,fy,cx,cy[,k1,k2,p1,p2,k3] instead of the folder's calibration.",
-           {});
+  list.add("camera", camera,
+           "fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]] instead of the folder's calibration.", {});
   list.add("depth_scale", depth_scale,
            "Raw depth units per metre instead of the folder's; 0 = as the folder says.", "1/m",
            {0, 1e9});

@@ -25,7 +25,7 @@ inline constexpr const char* kCalibrateFirst = "auto";
 struct InputSpec {
   std::string input;       ///< a folder, or synth:NAME[:LEVEL]
   std::string frames;      ///< "a:b", half open, either side may be missing; empty = all
-  std::string camera;      ///< fx,fy,cx,cy[,k1,k2,p1,p2,k3] or empty
+  std::string camera;      ///< fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]] or empty
   double depth_scale = 0;  ///< raw units per metre; 0 = as the folder says
   /// File of `sgs calibrate` that corrects the depths; empty = none. kCalibrateFirst is for
   /// calibrate_first(), which puts a file here; open_input() takes it for none.
