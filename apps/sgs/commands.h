@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <string>
 
 #include "sgs/core/error.h"
 #include "sgs/run/exit_code.h"
@@ -16,6 +17,10 @@ using enum run::ExitCode;
 int exit_code(const Error& error);
 /// Prints the error to stderr and returns its exit code.
 int report(const Error& error);
+
+/// Says on stderr when the run in `folder` is not finished, so that nobody takes a part for the
+/// whole. A folder whose state cannot be read is left to who reads the rest of it.
+void note_state(const std::string& folder);
 
 /// What the chosen subcommand does; called after parsing, its value is the exit code.
 using Action = std::function<int()>;

@@ -30,11 +30,20 @@ constexpr unsigned kScored =
     run::kTrajectory | run::kTruth | run::kKeyframes | run::kFrames | run::kMap;
 
 Result<eval::Metrics> evaluate_folder(const std::string& name, const EvalCommand& command) {
+  note_state(name);
   SGS_ASSIGN_OR_RETURN(const auto run, run::load_run(name, kScored));
+  if (run.state.unfinished() && run.trajectory.empty()) {
+    return fail(ErrorCode::kNotFound, fmt::format("{} has no frame yet", name),
+                run.state.held ? "wait for it" : "it was killed: run it again");
+  }
   SGS_ASSIGN_OR_RETURN(auto folder, run::RunFolder::open(name));
   SGS_ASSIGN_OR_RETURN(const auto scores, score_with_progress(run, command.score, command.quiet));
   if (interrupted()) {
     return fail(ErrorCode::kInterrupted, "scoring was cancelled: nothing was written");
+  }
+  if (run.state.held) {
+    say("sgs: the scores of {} are shown only: it is not finished\n", name);
+    return scores.metrics;
   }
   save_scores(run, scores, folder);
   if (!folder.failures().empty()) return tl::unexpected(folder.failures().front());
@@ -51,6 +60,7 @@ std::string folder_name(const std::string& folder) {
 /// --report: each run's page anew, from what its folder holds.
 Status draw_reports(const EvalCommand& command) {
   for (const std::string& folder : command.runs) {
+    note_state(folder);
     SGS_ASSIGN_OR_RETURN(const auto data, report::load_report(folder, command.score.association));
     const fs::path page = fs::path(folder) / run::files::kReport;
     SGS_RETURN_IF_ERROR(report::save_report(page, data));
@@ -63,6 +73,7 @@ Status draw_reports(const EvalCommand& command) {
 Status draw_runs(const EvalCommand& command) {
   std::vector<report::ReportData> runs;
   for (const std::string& folder : command.runs) {
+    note_state(folder);
     SGS_ASSIGN_OR_RETURN(auto data, report::load_report(folder, command.score.association));
     data.label = folder_name(folder);
     runs.push_back(std::move(data));

@@ -29,14 +29,14 @@ struct ExportCommand {
   std::vector<std::string> outputs;
 };
 
-Result<Trajectory> load_poses(const std::string& run) {
-  SGS_ASSIGN_OR_RETURN(auto loaded, io::load_trajectory(fs::path(run) / run::files::kTrajectory));
-  return std::move(loaded.trajectory);
-}
-
 /// A run's trajectory is TUM text already. Its rows stay as they are: poses made from rounded
 /// quaternions and written again may differ in the last digit.
 Status export_tum(const std::string& run, const fs::path& out) {
+  SGS_ASSIGN_OR_RETURN(const auto state, run::load_state(run));
+  if (state.unfinished()) {
+    SGS_ASSIGN_OR_RETURN(const auto poses, run::load_run_trajectory(run));
+    return io::save_trajectory(out, poses);
+  }
   const fs::path path = fs::path(run) / run::files::kTrajectory;
   SGS_ASSIGN_OR_RETURN(const auto loaded, io::load_trajectory(path));
   if (!loaded.warning.empty()) return io::save_trajectory(out, loaded.trajectory);
@@ -47,8 +47,7 @@ Status export_tum(const std::string& run, const fs::path& out) {
 /// RUN is a run folder or a splat PLY.
 Result<std::vector<map::Gaussian>> load_map(const std::string& run) {
   std::error_code error;
-  return io::load_splats(fs::is_directory(run, error) ? fs::path(run) / run::files::kMap
-                                                      : fs::path(run));
+  return fs::is_directory(run, error) ? run::load_run_map(run) : io::load_splats(run);
 }
 
 /// Views of a run for its page; a map alone has none.
@@ -115,13 +114,14 @@ const std::array<Format, 9> kFormats = {{
      [](const ExportCommand& c, const fs::path& out) { return export_tum(c.run, out); }},
     {"kitti", "trajectory, KITTI text",
      [](const ExportCommand& c, const fs::path& out) -> Status {
-       SGS_ASSIGN_OR_RETURN(const auto poses, load_poses(c.run));
+       SGS_ASSIGN_OR_RETURN(const auto poses, run::load_run_trajectory(c.run));
        return io::save_kitti(out, poses);
      }},
 }};
 
 int run_export(ExportCommand command) {
   setup_logging({}, false);
+  note_state(command.run);
   bool any = false;
   for (std::size_t i = 0; i < kFormats.size(); ++i) {
     if (command.format == kFormats[i].name) command.outputs[i] = command.output;

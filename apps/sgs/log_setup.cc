@@ -2,17 +2,45 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "log_setup.h"
 
-#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/sinks/base_sink.h>
 #include <spdlog/sinks/stdout_sinks.h>
 
+#include <mutex>
+
 #include "sgs/core/log.h"
+#include "sgs/io/append_file.h"
 
 namespace sgs::app {
+namespace {
+
+/// A file that comes back with all it held where the folder is removed during the run. A log that
+/// cannot be written (full disk) must not end the run.
+class LogFile : public spdlog::sinks::base_sink<std::mutex> {
+ public:
+  explicit LogFile(const std::filesystem::path& path) : file_(path) {}
+
+ protected:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    spdlog::memory_buf_t line;
+    formatter_->format(message, line);
+    file_.hold({line.data(), line.size()});
+    flush_();
+  }
+  void flush_() override {
+    (void)file_.restore();
+    (void)file_.append({});
+  }
+
+ private:
+  io::AppendFile file_;
+};
+
+}  // namespace
 
 void setup_logging(const std::filesystem::path& file, bool quiet) {
   std::vector<spdlog::sink_ptr> sinks;
   if (!file.empty()) {
-    sinks.push_back(std::make_shared<spdlog::sinks::basic_file_sink_mt>(file.string()));
+    sinks.push_back(std::make_shared<LogFile>(file));
     sinks.back()->set_pattern("%Y-%m-%d %H:%M:%S.%e %l %v");
   }
   if (!quiet) {
@@ -22,7 +50,6 @@ void setup_logging(const std::filesystem::path& file, bool quiet) {
   }
   set_log_sinks(std::move(sinks));
   log().flush_on(spdlog::level::warn);
-  // A log that cannot be written (full disk) must not end the run.
   log().set_error_handler([](const std::string&) {});
 }
 

@@ -6,7 +6,7 @@
 
 namespace sgs::app {
 
-/// Sends the library's log to `file` (when given; appended) and its warnings to stderr (unless
+/// Sends the library's log to `file` (when given; begun anew) and its warnings to stderr (unless
 /// `quiet`).
 void setup_logging(const std::filesystem::path& file, bool quiet);
 

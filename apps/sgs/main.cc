@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "interrupt.h"
 #include "sgs/core/print.h"
+#include "sgs/run/run_state.h"
 #include "sgs/run/version.h"
 
 namespace sgs::app {
@@ -25,6 +26,12 @@ int exit_code(const Error& error) {
 int report(const Error& error) {
   say("sgs: {}\n", error.text());
   return exit_code(error);
+}
+
+void note_state(const std::string& folder) {
+  const auto state = run::load_state(folder);
+  if (!state) return;
+  if (const auto sentence = state->sentence(folder); !sentence.empty()) say("sgs: {}\n", sentence);
 }
 
 namespace {

@@ -42,8 +42,15 @@ Result<PinholeCamera> camera_from_options(const RenderCommand& command) {
   return camera;
 }
 
+Result<Trajectory> trajectory_for(const RenderCommand& command) {
+  if (command.trajectory.empty()) return run::load_run_trajectory(command.run);
+  SGS_ASSIGN_OR_RETURN(auto loaded, io::load_trajectory(command.trajectory));
+  return std::move(loaded.trajectory);
+}
+
 Status render_all(const RenderCommand& command) {
   const fs::path folder = command.run;
+  note_state(command.run);
   PinholeCamera camera;
   if (command.camera.empty()) {
     SGS_ASSIGN_OR_RETURN(const auto loaded, run::load_run(folder, run::kCamera));
@@ -51,11 +58,9 @@ Status render_all(const RenderCommand& command) {
   } else {
     SGS_ASSIGN_OR_RETURN(camera, camera_from_options(command));
   }
-  const fs::path map_file = command.map.empty() ? folder / run::files::kMap : fs::path(command.map);
-  const fs::path pose_file =
-      command.trajectory.empty() ? folder / run::files::kTrajectory : fs::path(command.trajectory);
-  SGS_ASSIGN_OR_RETURN(const auto gaussians, io::load_splats(map_file));
-  SGS_ASSIGN_OR_RETURN(const auto loaded, io::load_trajectory(pose_file));
+  SGS_ASSIGN_OR_RETURN(const auto gaussians, command.map.empty() ? run::load_run_map(folder)
+                                                                 : io::load_splats(command.map));
+  SGS_ASSIGN_OR_RETURN(const auto trajectory, trajectory_for(command));
   const fs::path output =
       command.output.empty() ? folder / run::files::kRenders : fs::path(command.output);
   SGS_RETURN_IF_ERROR(io::make_folder(output));
@@ -63,7 +68,7 @@ Status render_all(const RenderCommand& command) {
   ThreadPool pool(command.threads);
   const auto rasterizer = render::make_cpu_rasterizer(&pool);
   render::Rendering rendering;
-  const auto& poses = loaded.trajectory.poses();
+  const auto& poses = trajectory.poses();
   const auto every = static_cast<std::size_t>(command.every);
   Progress progress("pictures", static_cast<std::int64_t>((poses.size() + every - 1) / every),
                     command.quiet);

@@ -128,6 +128,7 @@ int run_command(RunCommand command) {
   setup_logging(folder->path() / run::files::kLog, command.quiet);
   for (const std::string& warning : input->info.warnings) log().warn("{}", warning);
   if (const auto status = calibrate_input(command, *config, *input, *folder); !status) {
+    folder->end(run::Stage::kInterrupted, 0, status.error().message);
     return report(status.error());
   }
   if (command.preload) {
@@ -135,6 +136,7 @@ int run_command(RunCommand command) {
   }
   command.score.threads = command.options.threads;
   const auto code = run_sequence(command, *config, *input, *folder);
+  log().flush();
   return code ? *code : report(code.error());
 }
 
@@ -172,6 +174,10 @@ void add_run(CLI::App& app, Action& action) {
                 "Decode all frames before the clock starts (takes 2 MB per frame of 640x480)");
   sub->add_flag("--realtime", command->options.realtime,
                 "Frames at the sensor's rate, late ones dropped");
+  sub->add_option("--checkpoint", command->options.checkpoint_s,
+                  "Keep the map at least every so many seconds, should the run be killed; 0: only "
+                  "at the end (default 10)")
+      ->check(CLI::Range(0.0, 86400.0));
   sub->add_flag("--no-eval", command->no_eval, "Skip the rendering scores");
   sub->add_flag("--quiet", command->quiet, "No progress, no warnings on the terminal");
   sub->add_flag("--json", command->json, "Print the metrics as JSON");

@@ -23,7 +23,7 @@ SGS = pathlib.Path(sys.argv.pop(1)).resolve()
 FRAMES = 16
 RUN_FILES = (
     "config.toml camera.txt trajectory.txt keyframes.txt groundtruth.txt map.ply metrics.json "
-    "frames.csv timings.json report.html log.txt"
+    "frames.csv timings.json report.html log.txt state.toml"
 ).split()
 
 
@@ -812,6 +812,51 @@ class BadInput(Case):
         self.assertIn(str(rescued[0].parent), done.stderr)
         self.assertEqual(len(self.lists(self.folder / "seen", "trajectory.txt")), FRAMES)
 
+    def test_folder_removed_during_the_run(self):
+        out = self.folder / "out"
+        with subprocess.Popen(
+            [SGS, "run", "synth:room_desk", "--frames", "0:60", "-o", out],
+            cwd=self.folder,
+            stderr=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            text=True,
+        ) as process:
+            self.assertTrue(process.stderr.readline())  # frames are coming
+            shutil.rmtree(out, ignore_errors=True)
+            process.communicate(timeout=240)
+        self.assertEqual(process.returncode, 0)
+        for name in RUN_FILES:
+            self.assertTrue((out / name).exists(), name)
+        self.assertEqual(len(self.lists(out, "trajectory.txt")), 60)
+        self.assertIn("removed during the run", (out / "log.txt").read_text())
+        self.sgs("eval", out, "--quiet")
+
+    def test_output_folder_of_something_else(self):
+        sequence = self.sequence()
+        before = sorted(path.name for path in sequence.iterdir())
+        done = self.sgs("run", self.master, "-o", sequence, "--quiet", code=2)
+        self.assertIn("no run folder", done.stderr)
+        self.assertEqual(sorted(path.name for path in sequence.iterdir()), before)
+
+    def test_a_run_that_goes_on_can_be_read(self):
+        out = self.folder / "out"
+        with subprocess.Popen(
+            [SGS, "run", "synth:room_desk", "-o", out],
+            cwd=self.folder,
+            stderr=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            text=True,
+        ) as process:
+            self.assertTrue(process.stderr.readline())
+            while not (out / "keyframes.txt").exists():
+                time.sleep(0.01)
+            process.send_signal(signal.SIGSTOP)
+            done = self.sgs("eval", out, "--quiet", "--json")
+            self.assertEqual(json.loads(done.stdout)["state"], "running")
+            self.assertIn("still being written", done.stderr)
+            self.assertFalse((out / "metrics.json").exists())
+            process.kill()
+
     def test_second_interrupt_ends_at_once(self):
         process = subprocess.Popen(
             [SGS, "run", "synth:room_desk", "-o", self.folder / "out"],
@@ -845,7 +890,9 @@ class BadInput(Case):
         done = len(self.lists(out, "trajectory.txt"))
         self.assertGreater(done, 0)
         self.assertLess(done, 600)
-        self.assertEqual(json.loads((out / "metrics.json").read_text())["frames"], done)
+        metrics = json.loads((out / "metrics.json").read_text())
+        self.assertEqual((metrics["frames"], metrics["state"]), (done, "interrupted"))
+        self.assertIn("interrupted", self.sgs("eval", out, "--quiet").stderr)
 
 
 if __name__ == "__main__":

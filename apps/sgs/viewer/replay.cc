@@ -50,7 +50,8 @@ Result<Replay> load_replay(const std::filesystem::path& folder) {
     return fail(
         ErrorCode::kInvalidFormat,
         fmt::format("{}: no frame of frames.csv has a pose in trajectory.txt", folder.string()),
-        "is it the folder of a finished run?");
+        run.state.unfinished() ? "the run was killed, or has only just begun"
+                               : "is it the folder of a run?");
   }
   add_truth(run.truth, replay.updates);
   return replay;

@@ -78,6 +78,7 @@ void play_once(const Replay& replay, ReplayImages& images, viewer::Server& serve
 }
 
 Status view(const ViewCommand& command) {
+  note_state(command.folder);
   SGS_ASSIGN_OR_RETURN(auto replay, load_replay(command.folder));
   ReplayImages images(replay.input);
   if (!images.available()) {

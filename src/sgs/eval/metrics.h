@@ -37,7 +37,7 @@ struct Metrics {
   Count frames_dropped, peak_rss_bytes;
   Text preset, tracker;
   Count threads, seed;
-  Text version;
+  Text version, state;
 
   friend bool operator==(const Metrics&, const Metrics&) = default;
 };
@@ -179,6 +179,10 @@ void visit_metrics(M&& m, Visitor&& visit) {
         m.threads);
   visit(I{"seed", u, "Seed", "", 1, 0, kNeither, kDetail, "Seed of every random choice."}, m.seed);
   visit(I{"version", u, "Version", "", 1, 0, kNeither, kDetail, "Version of sgs."}, m.version);
+  visit(I{"state", u, "State", "", 1, 0, kNeither, kDetail,
+          "How far the run had come when it was scored: `finished`, `interrupted`, `running` or "
+          "`killed`; but for the first, the scores are those of a part."},
+        m.state);
 }
 
 /// Replaces the values of one group by those of `measured`, empty ones too.

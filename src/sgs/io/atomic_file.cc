@@ -8,38 +8,12 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
+
+#include "sgs/io/system_error.h"
 
 namespace sgs::io {
 namespace fs = std::filesystem;
 namespace {
-
-std::string remedy_for(int code) {
-  switch (code) {
-    case ENOSPC:
-    case EDQUOT:
-      return "free some space or choose another folder";
-    case EACCES:
-    case EPERM:
-    case EROFS:
-      return "choose a place with the needed permissions";
-    case ENOENT:
-      return "check the path";
-    case ENAMETOOLONG:
-      return "choose a shorter name";
-    case EISDIR:
-      return "a file is needed here, not a folder";
-    default:
-      return "";
-  }
-}
-
-tl::unexpected<Error> system_error(const char* action, const fs::path& path, int code) {
-  const bool missing = code == ENOENT || code == ENOTDIR;
-  return fail(missing ? ErrorCode::kNotFound : ErrorCode::kIo,
-              fmt::format("cannot {} {}: {}", action, path.string(), std::strerror(code)),
-              remedy_for(code));
-}
 
 /// Owns a file descriptor; close() reports errors, the destructor does not.
 class Descriptor {
@@ -139,7 +113,7 @@ Status make_folder(const fs::path& path) {
   if (error && !fs::is_directory(path, ignored)) {
     return fail(ErrorCode::kIo,
                 fmt::format("cannot create folder {}: {}", path.string(), error.message()),
-                remedy_for(error.value()));
+                system_error("create", path, error.value()).value().remedy);
   }
   return {};
 }

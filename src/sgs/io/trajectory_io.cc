@@ -59,6 +59,10 @@ std::string warning_text(const fs::path& path, const LoadedTrajectory& loaded) {
 
 Result<LoadedTrajectory> load_trajectory(const fs::path& path) {
   SGS_ASSIGN_OR_RETURN(const std::string content, read_file(path));
+  return trajectory_from_text(content, path);
+}
+
+Result<LoadedTrajectory> trajectory_from_text(std::string_view content, const fs::path& path) {
   LoadedTrajectory loaded;
   std::vector<StampedPose> poses;
   double last_time_s = -std::numeric_limits<double>::infinity();

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "sgs/core/error.h"
 #include "sgs/geometry/trajectory.h"
@@ -27,6 +28,10 @@ struct LoadedTrajectory {
 /// infinity, or with | |q| - 1 | > 1e-2, are skipped and counted; other quaternions are normalised.
 /// The warning, if any, also goes to the log.
 Result<LoadedTrajectory> load_trajectory(const std::filesystem::path& path);
+
+/// The same from text; `path` stands for the file's name in messages.
+Result<LoadedTrajectory> trajectory_from_text(std::string_view text,
+                                              const std::filesystem::path& path);
 
 /// The TUM text of a trajectory: nine digits after the point everywhere, qw >= 0.
 std::string trajectory_text(const Trajectory& trajectory);

@@ -85,6 +85,17 @@ std::vector<StageSummary> stages_of(const std::string& timings_json) {
   return stages;
 }
 
+/// Says that the page shows a part of a run.
+std::string part_note(const run::RunState& state) {
+  if (state.stage == run::Stage::kFinished) return "";
+  if (state.stage == run::Stage::kInterrupted) {
+    return fmt::format("The run was interrupted ({}): everything here is about its first part.",
+                       state.reason);
+  }
+  return "The run was not finished when this page was made: poses come from its journal and the "
+         "map from its last checkpoint.";
+}
+
 }  // namespace
 
 ReportData make_report(const run::Run& run, const run::Scores& scores) {
@@ -101,7 +112,7 @@ ReportData make_report(const run::Run& run, const run::Scores& scores) {
   report.metrics = metrics;
   for (const std::string& note :
        {run::degeneracy_note(metrics), scores.trajectory.protocol, scores.trajectory.note,
-        scores.rendering ? scores.rendering->protocol : std::string()}) {
+        part_note(run.state), scores.rendering ? scores.rendering->protocol : std::string()}) {
     if (!note.empty()) report.notes.push_back(note);
   }
 

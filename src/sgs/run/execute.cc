@@ -2,11 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/run/execute.h"
 
+#include <utility>
+#include <vector>
+
 #include "sgs/core/stopwatch.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/ply.h"
 #include "sgs/io/trajectory_io.h"
 #include "sgs/run/convert.h"
+#include "sgs/run/journal.h"
+#include "sgs/run/map_checkpoints.h"
 #include "sgs/run/run_config.h"
 #include "sgs/run/run_files.h"
 #include "sgs/run/timings.h"
@@ -55,18 +60,45 @@ bool tracking_was_lost(const std::vector<slam::FrameRecord>& frames) {
   return all == 0 || last_lost || 2 * lost > all;
 }
 
+/// What keeps a run on the disk while it goes on.
+class Keeper {
+ public:
+  Keeper(const RunFolder& folder, const std::vector<NamedWriter>& opening, slam::Session& session,
+         double checkpoint_s)
+      : journal_(folder.lock(), opening) {
+    if (checkpoint_s <= 0) return;
+    checkpoints_.emplace(folder.lock(), checkpoint_s, [&session] { return session.snapshot(); });
+  }
+  void add(const slam::FrameRecord& record) {
+    journal_.add(record);
+    if (checkpoints_) checkpoints_->add(record);
+  }
+
+ private:
+  Journal journal_;
+  std::optional<MapCheckpoints> checkpoints_;
+};
+
 PlayOptions play_options(const RunOptions& options, const Spectator& spectator,
-                         slam::Session& session, dataset::TumSequenceWriter* recorder) {
+                         slam::Session& session, Keeper& keeper,
+                         dataset::TumSequenceWriter* recorder) {
   PlayOptions play;
   play.realtime = options.realtime;
   play.recorder = recorder;
   play.before_frame = spectator.before_frame;
-  if (spectator.after_frame) {
-    play.after_frame = [&](const dataset::FeedItem& item, const slam::FrameRecord& record) {
-      spectator.after_frame(session, item, record);
-    };
-  }
+  play.after_frame = [&](const dataset::FeedItem& item, const slam::FrameRecord& record) {
+    keeper.add(record);
+    if (spectator.after_frame) spectator.after_frame(session, item, record);
+  };
   return play;
+}
+
+/// How the run ended.
+RunState state_of(const Outcome& outcome) {
+  RunState state;
+  if (outcome.stopped) state = {Stage::kInterrupted, "", 0, "stopped by request", true};
+  if (!outcome.input) state = {Stage::kInterrupted, "", 0, outcome.input.error().message, true};
+  return state;
 }
 
 /// What is scored is what was written, to the last bit: evaluating the folder later finds the same
@@ -85,12 +117,15 @@ void read_back(const RunFolder& folder, Run& run) {
   }
 }
 
-}  // namespace
-
-Result<Outcome> execute(Input& input, const InputSpec& spec, const slam::SessionConfig& config,
-                        const RunOptions& options, RunFolder& folder, const Spectator& spectator,
-                        const std::stop_token& stop) {
-  folder.save_text(files::kConfig, config_text(spec, config));
+Result<Outcome> run_in(Input& input, const InputSpec& spec, const slam::SessionConfig& config,
+                       const RunOptions& options, RunFolder& folder, const Spectator& spectator,
+                       const std::stop_token& stop) {
+  SGS_CHECK(folder.lock() != nullptr, "a run needs a folder of its own");
+  std::vector<NamedWriter> opening = opening_files(beginning_of(input, spec, config));
+  for (const NamedWriter& file : opening) folder.save(file.name, file.write);
+  opening.push_back({files::kState, [text = state_text(folder.beginning())](const auto& path) {
+                       return io::write_file(path, text);
+                     }});
   slam::SessionOptions session_options;
   session_options.threads = options.threads;
   session_options.live = options.realtime;
@@ -101,9 +136,11 @@ Result<Outcome> execute(Input& input, const InputSpec& spec, const slam::Session
     SGS_ASSIGN_OR_RETURN(recorder, dataset::TumSequenceWriter::create(options.record, camera,
                                                              recording_options(input)));
   }
-  const auto clock =
-      play(*input.source, *session,
-           play_options(options, spectator, *session, recorder ? &*recorder : nullptr), stop);
+  std::optional<Keeper> keeper(std::in_place, folder, opening, *session, options.checkpoint_s);
+  const auto clock = play(
+      *input.source, *session,
+      play_options(options, spectator, *session, *keeper, recorder ? &*recorder : nullptr), stop);
+  keeper.reset();
   Outcome outcome;
   if (!clock) outcome.input = tl::unexpected(clock.error());
   outcome.stopped = stop.stop_requested();
@@ -115,13 +152,26 @@ Result<Outcome> execute(Input& input, const InputSpec& spec, const slam::Session
   run.metrics = run_metrics(options, config, *session, clock.value_or(RunClock{}), times);
   if (clock) run.frames_total = clock->frames_in;
   outcome.lost = tracking_was_lost(run.frames);
+  run.state = state_of(outcome);
+  run.metrics.state = run.state.word();
   save_run(run, folder);
+  folder.end(run.state.stage, run.frames.size(), run.state.reason);
   if (!options.trace.empty()) {
     if (const auto traced = io::write_file(options.trace, chrome_trace(times)); !traced) {
       folder.note_failure(traced.error());
     }
   }
   read_back(folder, run);
+  return outcome;
+}
+
+}  // namespace
+
+Result<Outcome> execute(Input& input, const InputSpec& spec, const slam::SessionConfig& config,
+                        const RunOptions& options, RunFolder& folder, const Spectator& spectator,
+                        const std::stop_token& stop) {
+  auto outcome = run_in(input, spec, config, options, folder, spectator, stop);
+  if (!outcome) folder.end(Stage::kInterrupted, 0, outcome.error().message);
   return outcome;
 }
 

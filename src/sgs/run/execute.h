@@ -14,9 +14,10 @@ namespace sgs::run {
 /// What a run is asked for beside its input and its configuration.
 struct RunOptions {
   int threads = 2;
-  bool realtime = false;  ///< at the sensor's rate, late frames dropped
-  std::string record;     ///< folder that keeps the input (TUM layout); empty = none
-  std::string trace;      ///< file for a time line of all threads; empty = none
+  bool realtime = false;     ///< at the sensor's rate, late frames dropped
+  std::string record;        ///< folder that keeps the input (TUM layout); empty = none
+  std::string trace;         ///< file for a time line of all threads; empty = none
+  double checkpoint_s = 10;  ///< the map is kept at least this often while it grows; 0 = never
 };
 
 /// Who watches a run; each may be empty. All but `finished` as in PlayOptions.
@@ -35,9 +36,10 @@ struct Outcome {
   bool lost = false;     ///< at the end, or for more than half of the frames
 };
 
-/// SLAM on an open input: tracks, maps, and writes everything but scores into `folder` as soon as
-/// it is there. Fails only where nothing could be computed; what could not be written is in
-/// folder.failures().
+/// SLAM on an open input: tracks, maps, and writes everything but scores into `folder`: frames and
+/// poses within a second (Journal), the map now and then (MapCheckpoints), all of it anew at the
+/// end, when state.toml says so. Fails only where nothing could be computed; what could not be
+/// written is in folder.failures().
 Result<Outcome> execute(Input& input, const InputSpec& spec, const slam::SessionConfig& config,
                         const RunOptions& options, RunFolder& folder, const Spectator& spectator,
                         const std::stop_token& stop = {});

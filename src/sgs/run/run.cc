@@ -8,6 +8,7 @@
 #include <array>
 
 #include "sgs/core/log.h"
+#include "sgs/io/append_file.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/calibration_io.h"
 #include "sgs/io/csv.h"
@@ -16,6 +17,7 @@
 #include "sgs/io/ply.h"
 #include "sgs/io/text.h"
 #include "sgs/io/trajectory_io.h"
+#include "sgs/run/journal.h"
 #include "sgs/run/run_config.h"
 #include "sgs/run/run_files.h"
 #include "sgs/run/timings.h"
@@ -31,6 +33,34 @@ Status load_poses(const fs::path& path, Trajectory& poses) {
   SGS_ASSIGN_OR_RETURN(auto loaded, io::load_trajectory(path));
   poses = std::move(loaded.trajectory);
   return {};
+}
+
+/// Tracked poses carried into the map of the last checkpoint, as those of a finished run are.
+Trajectory corrected(const Trajectory& online, const Trajectory& keyframes) {
+  std::vector<slam::KeyframePose> known;
+  for (const StampedPose& refined : keyframes.poses()) {
+    const auto tracked = online.at(refined.timestamp_s, 0.0);
+    if (tracked) known.push_back({0, refined.timestamp_s, *tracked, refined.T_world_camera});
+  }
+  std::vector<StampedPose> poses = online.poses();
+  for (StampedPose& pose : poses) {
+    pose.T_world_camera = slam::corrected_pose(pose.T_world_camera, pose.timestamp_s, known);
+  }
+  return Trajectory(std::move(poses));
+}
+
+/// trajectory.txt, also where it is still a journal.
+Result<Trajectory> load_trajectory_of(const fs::path& path) {
+  SGS_ASSIGN_OR_RETURN(const auto text, io::read_file(path));
+  const bool online = text.starts_with(kOnlinePoses);
+  SGS_ASSIGN_OR_RETURN(auto loaded,
+                       io::trajectory_from_text(online ? io::whole_lines(text) : text, path));
+  if (!online) return std::move(loaded.trajectory);
+  const fs::path keyframes = path.parent_path() / files::kKeyframes;
+  std::error_code unreadable;
+  Trajectory refined;
+  if (fs::exists(keyframes, unreadable)) SGS_RETURN_IF_ERROR(load_poses(keyframes, refined));
+  return corrected(loaded.trajectory, refined);
 }
 
 /// Folders from before the camera was kept know only where it came from.
@@ -65,7 +95,10 @@ const std::array<PartFile, 6> kPartFiles = {{
     {kCamera, files::kCamera, load_camera,
      "`sgs eval --compare` and `sgs export RUN ply` do without the camera"},
     {kTrajectory, files::kTrajectory,
-     [](const fs::path& path, Run& run) { return load_poses(path, run.trajectory); },
+     [](const fs::path& path, Run& run) -> Status {
+       SGS_ASSIGN_OR_RETURN(run.trajectory, load_trajectory_of(path));
+       return {};
+     },
      "`sgs export RUN ply` does without poses"},
     {kKeyframes, files::kKeyframes,
      [](const fs::path& path, Run& run) { return load_poses(path, run.keyframes); },
@@ -76,7 +109,8 @@ const std::array<PartFile, 6> kPartFiles = {{
     {kFrames, files::kFrames,
      [](const fs::path& path, Run& run) -> Status {
        SGS_ASSIGN_OR_RETURN(const auto text, io::read_file(path));
-       SGS_ASSIGN_OR_RETURN(run.frames, slam::frames_from_csv(text, path.string()));
+       const std::string_view lines = run.state.unfinished() ? io::whole_lines(text) : text;
+       SGS_ASSIGN_OR_RETURN(run.frames, slam::frames_from_csv(lines, path.string()));
        return {};
      },
      "`sgs render` and `sgs export` do without it"},
@@ -87,6 +121,26 @@ const std::array<PartFile, 6> kPartFiles = {{
      },
      "`sgs export RUN tum` does without the map"},
 }};
+
+/// Reads a part; one that an unfinished run had not come to yet is empty.
+Status load_part(const PartFile& file, const fs::path& folder, Run& run) {
+  const Status status = file.load(folder / file.name, run);
+  if (status) return {};
+  std::error_code unreadable;
+  const bool missing = !fs::exists(folder / file.name, unreadable);
+  if (run.state.unfinished() && missing && file.part != kCamera) return {};
+  Error problem = status.error();
+  problem.remedy += fmt::format("{}{}", problem.remedy.empty() ? "" : "; ", file.without);
+  return tl::unexpected(problem);
+}
+
+Status check_has_begun(const fs::path& folder, const RunState& state) {
+  std::error_code unreadable;
+  if (!state.unfinished() || fs::exists(folder / files::kConfig, unreadable)) return {};
+  return fail(ErrorCode::kNotFound,
+              fmt::format("the run in {} has not begun: nothing is there yet", folder.string()),
+              state.held ? "wait for it" : "it was killed: run it again");
+}
 
 fs::path picture_name(std::int64_t index, const char* what) {
   return fmt::format("{:06}_{}.png", index, what);
@@ -101,6 +155,8 @@ Result<Run> load_run(const fs::path& folder, unsigned parts) {
                 "give a run folder made by `sgs run`");
   }
   Run run;
+  SGS_ASSIGN_OR_RETURN(run.state, load_state(folder));
+  SGS_RETURN_IF_ERROR(check_has_begun(folder, run.state));
   SGS_ASSIGN_OR_RETURN(auto saved, load_config(folder));
   run.input = std::move(saved.input);
   run.config = std::move(saved.config);
@@ -110,12 +166,7 @@ Result<Run> load_run(const fs::path& folder, unsigned parts) {
     SGS_ASSIGN_OR_RETURN(run.calibration, io::load_depth_calibration(run.input.calibration));
   }
   for (const PartFile& file : kPartFiles) {
-    if ((parts & file.part) == 0) continue;
-    if (auto status = file.load(folder / file.name, run); !status) {
-      Error problem = status.error();
-      problem.remedy += fmt::format("{}{}", problem.remedy.empty() ? "" : "; ", file.without);
-      return tl::unexpected(problem);
-    }
+    if ((parts & file.part) != 0) SGS_RETURN_IF_ERROR(load_part(file, folder, run));
   }
   if (auto timings = io::read_file(folder / files::kTimings)) run.timings_json = *timings;
   if (fs::exists(folder / files::kMetrics, error)) {
@@ -124,6 +175,10 @@ Result<Run> load_run(const fs::path& folder, unsigned parts) {
   run.metrics.seed = static_cast<std::int64_t>(run.config.seed);
   run.metrics.preset = to_string(run.config.preset);
   run.metrics.tracker = to_string(run.config.tracker.type);
+  run.metrics.state = run.state.word();
+  if (run.state.unfinished() && (parts & kMap) != 0) {
+    run.metrics.gaussians = static_cast<std::int64_t>(run.gaussians.size());
+  }
   // Dropped frames have no line, and what a file claims is no reason to believe in any number.
   const auto rows = static_cast<std::int64_t>(run.frames.size());
   const auto last = run.frames.empty() ? 0 : run.frames.back().index + 1;
@@ -133,8 +188,20 @@ Result<Run> load_run(const fs::path& folder, unsigned parts) {
   return run;
 }
 
-Run run_of(const slam::Session& session, const Input& input, const InputSpec& spec,
-           const slam::SessionConfig& config) {
+Result<Trajectory> load_run_trajectory(const fs::path& folder) {
+  return load_trajectory_of(folder / files::kTrajectory);
+}
+
+Result<std::vector<map::Gaussian>> load_run_map(const fs::path& folder) {
+  auto map = io::load_splats(folder / files::kMap);
+  const auto state = load_state(folder);
+  if (!map && map.error().code == ErrorCode::kNotFound && state && state->unfinished()) {
+    map.error().remedy = "the run had not come to its first checkpoint of the map";
+  }
+  return map;
+}
+
+Run beginning_of(const Input& input, const InputSpec& spec, const slam::SessionConfig& config) {
   Run run;
   run.input = spec;
   run.config = config;
@@ -142,26 +209,43 @@ Run run_of(const slam::Session& session, const Input& input, const InputSpec& sp
   run.name = input.info.name;
   run.camera = input.source->camera();
   run.calibration = input.calibration;
+  run.truth = input.source->ground_truth();
+  return run;
+}
+
+Run run_of(const slam::Session& session, const Input& input, const InputSpec& spec,
+           const slam::SessionConfig& config) {
+  Run run = beginning_of(input, spec, config);
   run.frames.assign(session.records().begin(), session.records().end());
   run.trajectory = session.trajectory();
   run.keyframes = session.keyframe_trajectory();
-  run.truth = input.source->ground_truth();
   run.frames_total = static_cast<std::int64_t>(run.frames.size());
   if (const auto snapshot = session.final_snapshot()) run.gaussians = snapshot->gaussians;
   run.timings_json = timings_json(session.times());
   return run;
 }
 
-void save_run(const Run& run, RunFolder& folder) {
-  folder.save_text(files::kConfig, run.config_toml);
-  folder.save(files::kCamera, [&](const fs::path& path) {
-    return io::save_camera_txt(path, {run.camera, {}, kDepthScale});
-  });
+std::vector<NamedWriter> opening_files(const Run& run) {
+  std::vector<NamedWriter> opening;
+  opening.push_back({files::kConfig, [text = run.config_toml](const fs::path& path) {
+                       return io::write_file(path, text);
+                     }});
+  opening.push_back({files::kCamera, [camera = run.camera](const fs::path& path) {
+                       return io::save_camera_txt(path, {camera, {}, kDepthScale});
+                     }});
+  opening.push_back({files::kTruth, [truth = run.truth](const fs::path& path) {
+                       return io::save_trajectory(path, truth);
+                     }});
   if (run.calibration) {
-    folder.save(files::kCalibration, [&](const fs::path& path) {
-      return io::save_depth_calibration(path, *run.calibration);
-    });
+    opening.push_back({files::kCalibration, [used = *run.calibration](const fs::path& path) {
+                         return io::save_depth_calibration(path, used);
+                       }});
   }
+  return opening;
+}
+
+void save_run(const Run& run, RunFolder& folder) {
+  for (const NamedWriter& file : opening_files(run)) folder.save(file.name, file.write);
   const auto save_poses = [&](const char* name, const Trajectory& poses) {
     folder.save(name, [&](const fs::path& path) { return io::save_trajectory(path, poses); });
   };
@@ -170,13 +254,13 @@ void save_run(const Run& run, RunFolder& folder) {
   folder.save_text(files::kFrames, slam::frames_csv(run.frames));
   folder.save(files::kMap,
               [&](const fs::path& path) { return io::save_splats(path, run.gaussians); });
-  save_poses(files::kTruth, run.truth);
   folder.save_text(files::kTimings, run.timings_json);
 }
 
 Status save_run(const Run& run, const fs::path& path) {
   SGS_ASSIGN_OR_RETURN(auto folder, RunFolder::create(path));
   save_run(run, folder);
+  folder.end(run.state.stage, run.frames.size(), run.state.reason);
   if (!folder.failures().empty()) return tl::unexpected(folder.failures().front());
   return {};
 }

@@ -19,9 +19,10 @@
 
 namespace sgs::run {
 
-/// A finished run: what its folder holds. All that scoring, drawing and exporting need; only
+/// A run as its folder holds it. All that scoring, drawing and exporting need; only
 /// comparing pictures needs the recording, too.
 struct Run {
+  RunState state;
   InputSpec input;
   slam::SessionConfig config;
   std::string config_toml;                      ///< as saved
@@ -52,13 +53,27 @@ inline constexpr unsigned kAllParts = 63;
 
 /// Reads the configuration, the parts asked for, and what there is of timings and scores. A part
 /// that is missing or damaged is an error that names the file and what works without it. The camera
-/// of a folder from before it was kept comes from the recording.
+/// of a folder from before it was kept comes from the recording. Of a run that was killed or is
+/// still going on, what is there is read: `state` says so, and parts that it had not come to yet
+/// are empty.
 Result<Run> load_run(const std::filesystem::path& folder, unsigned parts);
+
+/// The poses of a run folder, in the world of its map. Of an unfinished run they are made from the
+/// tracked poses and the keyframes of the last checkpoint.
+Result<Trajectory> load_run_trajectory(const std::filesystem::path& folder);
+/// The map of a run folder; that of an unfinished run is its last checkpoint.
+Result<std::vector<map::Gaussian>> load_run_map(const std::filesystem::path& folder);
+
+/// What is known of a run before its first frame.
+Run beginning_of(const Input& input, const InputSpec& spec, const slam::SessionConfig& config);
 
 /// The run of a session that is finished, without scores. `input` and `config` are what it was
 /// made with.
 Run run_of(const slam::Session& session, const Input& input, const InputSpec& spec,
            const slam::SessionConfig& config);
+
+/// The files that are known before the first frame: configuration, camera, calibration, truth.
+std::vector<NamedWriter> opening_files(const Run& run);
 
 /// Writes what was computed: everything but scores, pictures and the report. Failures are kept in
 /// the folder, none keeps the others from being written.

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+
 /// The files of a run folder, named here only (docs/formats.md tells what is in them).
 namespace sgs::run::files {
 
@@ -16,9 +18,15 @@ inline constexpr const char* kMap = "map.ply";
 inline constexpr const char* kTimings = "timings.json";
 inline constexpr const char* kMetrics = "metrics.json";
 inline constexpr const char* kReport = "report.html";
-inline constexpr const char* kLock = "lock.txt";  ///< who writes the folder, while they do
+inline constexpr const char* kState = "state.toml";  ///< running, finished or interrupted
+inline constexpr const char* kLock = "lock.txt";     ///< who writes the folder, while they do
 inline constexpr const char* kLog = "log.txt";
 inline constexpr const char* kRenders = "renders";  ///< folder
 inline constexpr const char* kPictures = "renders/pictures.csv";
+
+/// What a run makes: a new run into the same folder begins by removing these.
+inline constexpr std::array<const char*, 13> kResults = {
+    kConfig, kCamera,  kCalibration, kTrajectory, kKeyframes, kTruth,   kFrames,
+    kMap,    kTimings, kMetrics,     kReport,     kLog,       kPictures};
 
 }  // namespace sgs::run::files

@@ -2,17 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/run/run_folder.h"
 
-#include <fcntl.h>
 #include <fmt/chrono.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
 #include <cstdlib>
-#include <cstring>
 #include <ctime>
+#include <regex>
 
 #include "sgs/core/log.h"
 #include "sgs/io/atomic_file.h"
@@ -31,20 +28,50 @@ std::string file_name(std::string name) {
   return name;
 }
 
-std::string text_line(std::string text) {
-  while (!text.empty() && text.back() == '\n') text.pop_back();
-  return text;
+bool is_there(const fs::path& path) {
+  std::error_code unreadable;
+  return fs::exists(path, unreadable);
+}
+
+/// Pictures of `sgs run` and `sgs render`; nothing else in renders/ is touched.
+bool is_picture(const std::string& name) {
+  static const std::regex pattern(R"(\d{6,}_(truth|render|error)\.png|(render|depth)_\d{6,}\.png)");
+  return std::regex_match(name, pattern);
+}
+
+/// What is there of the files that a run makes.
+std::vector<fs::path> results_in(const fs::path& folder) {
+  std::vector<fs::path> found;
+  for (const char* name : files::kResults) {
+    if (is_there(folder / name)) found.push_back(folder / name);
+  }
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder / files::kRenders, none)) {
+    if (is_picture(entry.path().filename().string())) found.push_back(entry.path());
+  }
+  return found;
+}
+
+/// A folder of recorded images has files of the same names, and they are not ours to remove.
+Status check_is_free(const fs::path& folder) {
+  if (is_there(folder / files::kState) || is_there(folder / files::kLock)) return {};
+  const auto config = io::read_file(folder / files::kConfig);
+  if (config && config->starts_with("# Written by sgs")) return {};
+  const auto found = results_in(folder);
+  if (found.empty()) return {};
+  return fail(ErrorCode::kInvalidArgument,
+              fmt::format("{} has a file {} and is no run folder", folder.string(),
+                          found.front().filename().string()),
+              "choose another folder: a run removes what an earlier one left");
 }
 
 }  // namespace
 
 Result<RunFolder> RunFolder::create(const fs::path& path) {
   RunFolder folder(path);
-  SGS_RETURN_IF_ERROR(io::make_folder(folder.path_));
-  SGS_RETURN_IF_ERROR(folder.lock());
-  // Finding out now that nothing can be written here beats finding out after the run.
-  SGS_RETURN_IF_ERROR(io::write_file(folder.path_ / files::kLog, ""));
-  SGS_RETURN_IF_ERROR(io::make_folder(folder.path_ / files::kRenders));
+  SGS_RETURN_IF_ERROR(check_is_free(path));
+  SGS_ASSIGN_OR_RETURN(folder.lock_, FolderLock::take(path));
+  SGS_RETURN_IF_ERROR(folder.begin());
   return folder;
 }
 
@@ -66,32 +93,41 @@ Result<RunFolder> RunFolder::open(const fs::path& path) {
   return RunFolder(path);
 }
 
-// The system lets go of the lock when the process ends, however it ends.
-Status RunFolder::lock() {
-  const fs::path path = path_ / files::kLock;
-  const int fd = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (fd < 0) {
-    return fail(ErrorCode::kIo,
-                fmt::format("cannot write {}: {}", path.string(), std::strerror(errno)),
-                "choose another folder");
+Status RunFolder::begin() {
+  // Marked before anything is removed, and anything new is written after that: at no moment do old
+  // and new files look like one run.
+  SGS_RETURN_IF_ERROR(io::write_file(path_ / files::kState, state_text(beginning())));
+  for (const fs::path& old : results_in(path_)) {
+    std::error_code error;
+    fs::remove(old, error);
+    if (error) {
+      return fail(ErrorCode::kIo,
+                  fmt::format("cannot remove {}: {}", old.string(), error.message()),
+                  "it belongs to an earlier run: choose another folder");
+    }
   }
-  lock_ = std::shared_ptr<const int>(new int(fd), [](const int* held) {
-    ::close(*held);
-    delete held;
-  });
-  // Some network file systems know no locks: they are no reason not to run.
-  if (::flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    const auto owner = io::read_file(path).value_or("another process");
-    return fail(ErrorCode::kIo,
-                fmt::format("{} is being written by {}", path_.string(), text_line(owner)),
-                "wait for it, or choose another folder");
+  // Finding out now that nothing can be written here beats finding out after the run.
+  SGS_RETURN_IF_ERROR(io::write_file(path_ / files::kLog, ""));
+  return io::make_folder(path_ / files::kRenders);
+}
+
+RunState RunFolder::beginning() const {
+  RunState state;
+  state.stage = Stage::kRunning;
+  if (lock_) state.owner = lock_->owner();
+  return state;
+}
+
+void RunFolder::end(Stage stage, std::size_t frames, const std::string& reason) {
+  RunState state = beginning();
+  state.stage = failures_.empty() ? stage : Stage::kInterrupted;
+  state.frames = static_cast<int>(frames);
+  state.reason = reason;
+  if (!failures_.empty() && reason.empty()) {
+    state.reason = rescued_to_.empty() ? "not everything could be written"
+                                       : "what did not fit here is in " + rescued_to_.string();
   }
-  const std::string owner =
-      fmt::format("process {}, started {:%F %T}\n", ::getpid(), fmt::localtime(std::time(nullptr)));
-  if (::ftruncate(fd, 0) != 0 || ::pwrite(fd, owner.data(), owner.size(), 0) < 0) {
-    log().debug("{} could not be written: {}", path.string(), std::strerror(errno));
-  }
-  return {};
+  save_text(files::kState, state_text(state));
 }
 
 void RunFolder::save_text(const std::string& name, std::string_view text) {

@@ -3,21 +3,32 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "sgs/core/error.h"
+#include "sgs/run/folder_lock.h"
+#include "sgs/run/run_state.h"
 
 namespace sgs::run {
+
+/// A file of a run folder by its name there, and how to write it.
+struct NamedWriter {
+  std::string name;
+  std::function<Status(const std::filesystem::path& path)> write;
+};
 
 /// The folder that keeps everything about one run. What cannot be written there (full disk,
 /// permissions lost on the way) goes to a rescue folder instead, so that nothing computed is lost.
 class RunFolder {
  public:
   /// Creates the folder `path` and holds it until this object is gone: a second run that wants the
-  /// same folder fails and is told who has it.
+  /// same folder fails and is told who has it. From now on the folder says that its run is not
+  /// finished. What an earlier run left there is removed first, so that old and new never mix; a
+  /// folder that is no run folder and has files of these names is refused.
   static Result<RunFolder> create(const std::filesystem::path& path);
   /// Creates `parent`/<time>-<name>.
   static Result<RunFolder> create_below(const std::filesystem::path& parent,
@@ -40,7 +51,9 @@ class RunFolder {
         return tl::unexpected(error);
       }
     };
-    const Status first = attempt(path_ / name);
+    // A folder that was removed is made again; one that another run has taken is left alone.
+    const Status ours = lock_ ? lock_->ensure() : Status{};
+    const Status first = ours ? attempt(path_ / name) : ours;
     if (first) return;
     failures_.push_back(first.error());
     const auto rescue = rescue_folder();
@@ -54,7 +67,14 @@ class RunFolder {
   /// Notes a failure to write something outside of the folder.
   void note_failure(const Error& error) { failures_.push_back(error); }
   void save_text(const std::string& name, std::string_view text);
+  /// The run has ended: says so in state.toml. Not everything having found its place here is an
+  /// interruption, too.
+  void end(Stage stage, std::size_t frames, const std::string& reason);
 
+  /// The state with which the folder began.
+  RunState beginning() const;
+  /// Null for a folder that was only opened.
+  const std::shared_ptr<FolderLock>& lock() const { return lock_; }
   /// Everything that could not be written where it belongs.
   const std::vector<Error>& failures() const { return failures_; }
   /// Where files went that did not fit into path(); empty when all is well.
@@ -64,9 +84,9 @@ class RunFolder {
   explicit RunFolder(std::filesystem::path path) : path_(std::move(path)) {}
   Result<std::filesystem::path> rescue_folder();
 
-  Status lock();
+  Status begin();
 
-  std::shared_ptr<const int> lock_;  // a descriptor; its last owner closes it
+  std::shared_ptr<FolderLock> lock_;
   std::filesystem::path path_;
   std::filesystem::path rescue_;      // empty until it is needed
   std::filesystem::path rescued_to_;  // the same, once something went there

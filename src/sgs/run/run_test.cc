@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
@@ -14,7 +15,9 @@
 
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/temporary_folder.h"
+#include "sgs/io/trajectory_io.h"
 #include "sgs/run/execute.h"
+#include "sgs/run/journal.h"
 #include "sgs/run/play.h"
 #include "sgs/run/run_config.h"
 #include "sgs/run/run_files.h"
@@ -128,6 +131,166 @@ TEST_F(RunTest, AStopRequestEndsTheRunAndKeepsWhatIsThere) {
   EXPECT_TRUE(outcome.stopped);
   EXPECT_EQ(outcome.run.frames.size(), 3u);
   EXPECT_TRUE(load_run(scratch_->path() / "stopped", kAllParts));
+  const auto stopped = load_state(scratch_->path() / "stopped");
+  ASSERT_TRUE(stopped);
+  EXPECT_EQ(stopped->stage, Stage::kInterrupted);
+  EXPECT_THAT(stopped->sentence("x"), HasSubstr("after 3 frames: stopped by request"));
+}
+
+/// The folder of the run as it would be had it been killed after its last frame.
+fs::path killed(const fs::path& path, const run::Run& made) {
+  fs::remove(path / files::kMetrics);
+  fs::remove(path / files::kTimings);
+  RunState state;
+  state.stage = Stage::kRunning;
+  EXPECT_TRUE(io::write_file(path / files::kState, state_text(state)));
+  std::vector<StampedPose> online;
+  for (const auto& frame : made.frames) online.push_back({frame.timestamp_s, frame.T_odom_camera});
+  EXPECT_TRUE(io::write_file(path / files::kTrajectory,
+                             std::string(kOnlinePoses) + io::trajectory_text(Trajectory(online))));
+  return path;
+}
+
+TEST_F(RunTest, AKilledRunIsReadAsFarAsItCame) {
+  Spectator spectator;
+  std::vector<slam::FrameRecord> frames;  // those read back have lost their tracked poses
+  spectator.after_frame = [&](slam::Session&, const dataset::FeedItem&,
+                              const slam::FrameRecord& record) { frames.push_back(record); };
+  auto config = outcome_->run.config;
+  config.keyframe_interval = 2;
+  run::Run made = make(scratch_->path() / "whole", config, spectator).run;
+  ASSERT_EQ(made.state.stage, Stage::kFinished);
+  const Trajectory expected = made.trajectory;
+  made.frames = frames;
+  const fs::path path = killed(scratch_->path() / "whole", made);
+  const auto loaded = load_run(path, kAllParts);
+  ASSERT_TRUE(loaded) << loaded.error().text();
+  EXPECT_TRUE(loaded->state.unfinished());
+  EXPECT_EQ(loaded->state.word(), "killed");
+  EXPECT_EQ(loaded->metrics.state, "killed");
+  // Tracked poses and refined keyframes make the trajectory that the run would have written.
+  ASSERT_GT(loaded->keyframes.size(), 1u);
+  ASSERT_EQ(loaded->trajectory.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    const SE3 difference =
+        loaded->trajectory.poses()[i].T_world_camera.inverse() * expected.poses()[i].T_world_camera;
+    EXPECT_LT(difference.t.norm(), 1e-7) << i;
+  }
+  // Killed before its first checkpoint, before its first frame, before anything.
+  fs::remove(path / files::kMap);
+  fs::remove(path / files::kKeyframes);
+  const auto without_map = load_run(path, kAllParts);
+  ASSERT_TRUE(without_map) << without_map.error().text();
+  EXPECT_TRUE(without_map->gaussians.empty());
+  EXPECT_EQ(without_map->trajectory.size(), 6u);
+  EXPECT_TRUE(score_run(*without_map, {}));
+  EXPECT_THAT(load_run_map(path).error().remedy, HasSubstr("checkpoint"));
+  fs::remove(path / files::kFrames);
+  fs::remove(path / files::kTrajectory);
+  EXPECT_TRUE(load_run(path, kAllParts));
+  fs::remove(path / files::kConfig);
+  EXPECT_THAT(load_run(path, kNoParts).error().text(), HasSubstr("has not begun"));
+}
+
+// Wherever the last write was cut off, what is before it is there.
+TEST_F(RunTest, ATornLineIsLeftOut) {
+  const fs::path path = killed(copy("torn"), outcome_->run);
+  const auto whole = load_run(path, kFrames | kTrajectory);
+  ASSERT_TRUE(whole);
+  for (const char* name : {files::kFrames, files::kTrajectory}) {
+    const auto text = *io::read_file(path / name);
+    const std::size_t first_line = text.find('\n') + 1;
+    for (std::size_t size = first_line; size < text.size(); size += 7) {
+      ASSERT_TRUE(io::write_file(path / name, text.substr(0, size), io::Durability::kRelaxed));
+      const auto torn = load_run(path, kFrames | kTrajectory);
+      ASSERT_TRUE(torn) << name << " cut to " << size << ": " << torn.error().text();
+      const auto lines = std::count(text.begin(), text.begin() + static_cast<long>(size), '\n') - 1;
+      EXPECT_EQ(name == files::kFrames ? torn->frames.size() : torn->trajectory.size(),
+                static_cast<std::size_t>(lines));
+    }
+    ASSERT_TRUE(io::write_file(path / name, text));
+  }
+  // A finished run has no torn lines: there it is damage.
+  fs::remove(path / files::kState);
+  const auto text = *io::read_file(path / files::kFrames);
+  ASSERT_TRUE(io::write_file(path / files::kFrames, text + "6,7.5,nons"));
+  EXPECT_FALSE(load_run(path, kFrames));
+}
+
+TEST_F(RunTest, HowItEndedIsSaid) {
+  const auto state = load_state(folder());
+  ASSERT_TRUE(state) << state.error().text();
+  EXPECT_EQ(state->stage, Stage::kFinished);
+  EXPECT_EQ(state->frames, 6);
+  EXPECT_THAT(state->owner, HasSubstr(fmt::format("process {}", getpid())));
+  EXPECT_EQ(state->sentence(folder()), "");
+  const fs::path old = copy("stateless");
+  fs::remove(old / files::kState);
+  EXPECT_EQ(load_state(old)->stage, Stage::kFinished) << "folders from before there was a state";
+  ASSERT_TRUE(io::write_file(old / files::kState, "[run]\nstate = \"flying\"\n"));
+  EXPECT_FALSE(load_state(old));
+}
+
+TEST_F(RunTest, ANewRunBeginsByRemovingTheOldOne) {
+  const fs::path path = copy("again");
+  ASSERT_TRUE(io::write_file(path / "renders/000001_truth.png", "x"));
+  ASSERT_TRUE(io::write_file(path / "renders/mine.png", "x"));
+  ASSERT_TRUE(io::write_file(path / "notes.txt", "x"));
+  {
+    const auto begun = RunFolder::create(path);
+    ASSERT_TRUE(begun) << begun.error().text();
+    EXPECT_EQ(load_state(path)->word(), "running");
+  }
+  EXPECT_EQ(load_state(path)->word(), "killed");
+  for (const char* name : files::kResults) {
+    if (name != files::kLog) {
+      EXPECT_FALSE(fs::exists(path / name)) << name;
+    }
+  }
+  EXPECT_FALSE(fs::exists(path / "renders/000001_truth.png"));
+  EXPECT_TRUE(fs::exists(path / "renders/mine.png"));
+  EXPECT_TRUE(fs::exists(path / "notes.txt"));
+}
+
+// A recording has a groundtruth.txt and a camera.txt, too.
+TEST(RunFolder, AFolderOfSomethingElseIsNotTouched) {
+  const io::TemporaryFolder scratch;
+  ASSERT_TRUE(io::write_file(scratch / "groundtruth.txt", "x"));
+  const auto refused = RunFolder::create(scratch.path());
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().text(), HasSubstr("groundtruth.txt"));
+  EXPECT_EQ(io::read_file(scratch / "groundtruth.txt"), "x");
+  EXPECT_FALSE(fs::exists(scratch / files::kLock));
+}
+
+TEST_F(RunTest, AFolderRemovedDuringTheRunIsCompleteAgain) {
+  const fs::path path = scratch_->path() / "removed";
+  Spectator spectator;
+  spectator.after_frame = [&](slam::Session&, const dataset::FeedItem& item,
+                              const slam::FrameRecord&) {
+    if (item.index == 3) fs::remove_all(path);
+  };
+  const auto outcome = make(path, outcome_->run.config, spectator);
+  const auto loaded = load_run(path, kAllParts);
+  ASSERT_TRUE(loaded) << loaded.error().text();
+  EXPECT_EQ(loaded->frames.size(), 6u);
+  EXPECT_EQ(loaded->state.stage, Stage::kFinished);
+  EXPECT_TRUE(fs::exists(path / files::kTruth));
+}
+
+TEST_F(RunTest, AFolderTakenByAnotherRunIsLeftToIt) {
+  const fs::path path = scratch_->path() / "taken";
+  auto folder = RunFolder::create(path);
+  ASSERT_TRUE(folder);
+  fs::remove_all(path);
+  const auto other = RunFolder::create(path);
+  ASSERT_TRUE(other) << other.error().text();
+  folder->save_text(files::kMap, "mine");
+  EXPECT_FALSE(fs::exists(path / files::kMap));
+  ASSERT_EQ(folder->failures().size(), 1u);
+  EXPECT_THAT(folder->failures()[0].text(), HasSubstr("is being written by"));
+  EXPECT_EQ(io::read_file(folder->rescued_to() / files::kMap), "mine");
+  fs::remove_all(folder->rescued_to());
 }
 
 TEST_F(RunTest, AMissingOrDamagedFileIsNamedWithWhatWorksWithoutIt) {

@@ -166,6 +166,10 @@ void MapWorker::finish() {
     publish();
     final_snapshot_ = newest_.snapshot;
   }
+  {
+    const std::scoped_lock lock(mutex_);
+    live_view_ = newest_;
+  }
   if (failure_ && mode_ != Mode::kInline) std::rethrow_exception(failure_);
 }
 

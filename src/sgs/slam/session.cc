@@ -150,10 +150,7 @@ void Session::feed_bad(std::int64_t index, double timestamp_s, const std::string
 
 void Session::finish() { worker_->finish(); }
 
-map::SnapshotPtr Session::snapshot() {
-  if (const auto& final_snapshot = worker_->final_snapshot()) return final_snapshot;
-  return worker_->newest_snapshot();
-}
+map::SnapshotPtr Session::snapshot() { return worker_->newest_snapshot(); }
 
 Trajectory Session::trajectory() const {
   std::vector<StampedPose> poses;
