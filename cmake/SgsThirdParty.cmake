@@ -16,6 +16,8 @@ find_package(nanoflann REQUIRED)
 find_package(tomlplusplus REQUIRED)
 find_package(hwy REQUIRED)
 find_package(ZLIB REQUIRED)
+find_package(PNG REQUIRED)
+find_package(JPEG REQUIRED)
 
 if(NOT TARGET sgs_opencv)
   add_library(sgs_opencv INTERFACE IMPORTED)

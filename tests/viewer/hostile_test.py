@@ -177,6 +177,21 @@ def flood(port, rng):
             pass
 
 
+def endless_fragments(port, rng):
+    """A message in fragments that hold nothing and never end: must be cut off."""
+    client = Client(port)
+    with client:
+        client.send_frame(1, b"", final=False)
+        empty = struct.pack(">BBI", 0x00, 0x80, 0) * 1000
+        started = time.monotonic()
+        try:
+            while time.monotonic() - started < 60:
+                client.socket.sendall(empty)
+        except OSError:
+            return
+    raise AssertionError("the server reads empty fragments for ever")
+
+
 def endless_header(port, rng):
     """A gigabyte of header: must be cut off early."""
     with connect(port) as s:
@@ -310,6 +325,7 @@ class Hostile(unittest.TestCase):
                 http_fuzz,
                 websocket_fuzz,
                 flood,
+                endless_fragments,
                 endless_header,
                 slow_header,
                 paths,

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sgs/io/atomic_file.h"
+#include "sgs/io/image_decoder.h"
 #include "sgs/io/image_stream.h"
 
 namespace sgs::io {
@@ -21,7 +22,7 @@ constexpr std::uint16_t kRawSaturated = 65535;
 constexpr std::int64_t kLargestImageFile_bytes = std::int64_t{256} << 20;
 constexpr std::int64_t kLargestImage_px = 100'000'000;
 
-/// The library never prints; OpenCV's decoders would.
+/// The library never prints; OpenCV's encoders would.
 void silence_opencv() {
   static const bool done = [] {
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
@@ -60,23 +61,10 @@ Result<Encoded> read_encoded(const fs::path& path) {
   return encoded;
 }
 
-Result<cv::Mat> decode(const fs::path& path, std::string& bytes, int flags) {
-  silence_opencv();
-  cv::Mat image;
-  try {
-    // imdecode only reads the buffer; std::string gives the mutable pointer cv::Mat asks for.
-    const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8UC1, bytes.data());
-    image = cv::imdecode(buffer, flags);
-  } catch (const cv::Exception& e) {
-    return fail(ErrorCode::kInvalidFormat,
-                fmt::format("{}: cannot be decoded: {}", path.string(), e.err));
-  }
-  if (image.empty()) {
-    return fail(ErrorCode::kInvalidFormat,
-                fmt::format("{}: damaged, cannot be decoded", path.string()),
-                "copy or record the image again");
-  }
-  return image;
+/// Puts the file's name before the message of a decoder.
+tl::unexpected<Error> named(const fs::path& path, Error error) {
+  error.message = fmt::format("{}: {}", path.string(), error.message);
+  return tl::unexpected(std::move(error));
 }
 
 /// Empty when OpenCV cannot encode the image.
@@ -116,24 +104,22 @@ Status encode_and_write(const fs::path& path, const char* extension, const cv::M
 }  // namespace
 
 Result<ColorImage> load_color(const fs::path& path) {
-  SGS_ASSIGN_OR_RETURN(Encoded encoded, read_encoded(path));
+  SGS_ASSIGN_OR_RETURN(const Encoded encoded, read_encoded(path));
   if (encoded.check.bits_per_channel > 8) {
     return fail(ErrorCode::kUnsupported,
                 fmt::format("{}: {} bits per channel where an 8-bit colour image is needed",
                             path.string(), encoded.check.bits_per_channel),
                 "are colour and depth swapped?");
   }
-  SGS_ASSIGN_OR_RETURN(const cv::Mat bgr, decode(path, encoded.bytes,
-                                                 cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION));
-  ColorImage image(bgr.cols, bgr.rows);
-  cv::Mat rgb(bgr.size(), CV_8UC3, image.data());
-  cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
+  auto image = encoded.check.kind == StreamCheck::Kind::kJpeg ? decode_jpeg(encoded.bytes)
+                                                              : decode_png_color(encoded.bytes);
+  if (!image) return named(path, image.error());
   return image;
 }
 
 Result<DepthImage> load_depth(const fs::path& path, double depth_scale) {
   SGS_CHECK(depth_scale > 0 && std::isfinite(depth_scale), "depth scale must be positive");
-  SGS_ASSIGN_OR_RETURN(Encoded encoded, read_encoded(path));
+  SGS_ASSIGN_OR_RETURN(const Encoded encoded, read_encoded(path));
   if (encoded.check.kind == StreamCheck::Kind::kJpeg || encoded.check.bits_per_channel != 16) {
     return fail(ErrorCode::kUnsupported,
                 fmt::format("{}: {}-bit {} where 16-bit PNG depth is needed", path.string(),
@@ -141,18 +127,13 @@ Result<DepthImage> load_depth(const fs::path& path, double depth_scale) {
                             encoded.check.kind == StreamCheck::Kind::kJpeg ? "JPEG" : "PNG"),
                 "export raw depth as single-channel 16-bit PNG, not as a preview picture");
   }
-  SGS_ASSIGN_OR_RETURN(const cv::Mat raw, decode(path, encoded.bytes, cv::IMREAD_UNCHANGED));
-  if (raw.type() != CV_16UC1) {
-    return fail(ErrorCode::kUnsupported,
-                fmt::format("{}: {} channels where single-channel depth is needed", path.string(),
-                            raw.channels()),
-                "export raw depth as single-channel 16-bit PNG");
-  }
-  DepthImage image(raw.cols, raw.rows);
-  for (int y = 0; y < raw.rows; ++y) {
-    const auto* in = raw.ptr<std::uint16_t>(y);
+  const auto raw = decode_png_grey16(encoded.bytes);
+  if (!raw) return named(path, raw.error());
+  DepthImage image(raw->width(), raw->height());
+  for (int y = 0; y < raw->height(); ++y) {
+    const std::uint16_t* in = raw->row(y);
     float* out = image.row(y);
-    for (int x = 0; x < raw.cols; ++x) {
+    for (int x = 0; x < raw->width(); ++x) {
       out[x] = in[x] == kRawSaturated ? 0.0f : static_cast<float>(in[x] / depth_scale);
     }
   }

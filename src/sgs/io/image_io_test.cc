@@ -9,6 +9,7 @@
 
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/temporary_folder.h"
@@ -128,6 +129,90 @@ TEST(ImageIo, DamageInsideAPngIsFound) {
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x55);
   ASSERT_TRUE(write_file(folder / "a.png", bytes));
   EXPECT_FALSE(load_color(folder / "a.png"));
+}
+
+/// A PNG chunk: length, type, data, checksum.
+std::string png_chunk(const std::string& type, const std::string& data) {
+  const auto number = [](std::uint32_t value) {
+    std::string bytes;
+    for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift);
+    return bytes;
+  };
+  const std::string body = type + data;
+  const auto crc =
+      crc32(0, reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size()));
+  return number(static_cast<std::uint32_t>(data.size())) + body +
+         number(static_cast<std::uint32_t>(crc));
+}
+
+// Every checksum is right, but the pixels end in the middle: libpng would make the rest up and tell
+// the terminal. A wrong colour profile costs nothing and is not worth a word either.
+TEST(ImageIo, MissingPixelsAreDamageAndNothingIsPrinted) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(save_color(folder / "a.png", test_picture()));
+  const std::string whole = read_file(folder / "a.png").value();
+  constexpr std::size_t kHeader = 33;  // signature and IHDR
+  const std::string pixels(20, '\0');
+  std::string squeezed(64, '\0');
+  uLongf size = squeezed.size();
+  ASSERT_EQ(compress(reinterpret_cast<Bytef*>(squeezed.data()), &size,
+                     reinterpret_cast<const Bytef*>(pixels.data()), pixels.size()),
+            Z_OK);
+  squeezed.resize(size);
+  testing::internal::CaptureStderr();
+  ASSERT_TRUE(
+      write_file(folder / "short.png",
+                 whole.substr(0, kHeader) + png_chunk("IDAT", squeezed) + png_chunk("IEND", "")));
+  const auto damaged = load_color(folder / "short.png");
+  ASSERT_TRUE(write_file(folder / "profile.png", whole.substr(0, kHeader) + png_chunk("iCCP", "x") +
+                                                     whole.substr(kHeader)));
+  const auto harmless = load_color(folder / "profile.png");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  ASSERT_FALSE(damaged);
+  EXPECT_THAT(damaged.error().text(), HasSubstr("short.png: damaged PNG"));
+  ASSERT_TRUE(harmless) << harmless.error().text();
+  EXPECT_EQ((*harmless)(10, 3), test_picture()(10, 3));
+}
+
+TEST(ImageIo, DamageInsideAJpegIsFoundAndNothingIsPrinted) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(save_color(folder / "a.jpg", test_picture()));
+  const std::string whole = read_file(folder / "a.jpg").value();
+  // The entropy-coded data is cut short; the end marker is in place.
+  testing::internal::CaptureStderr();
+  ASSERT_TRUE(write_file(folder / "a.jpg", whole.substr(0, whole.size() - 300) + "\xFF\xD9"));
+  const auto damaged = load_color(folder / "a.jpg");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  ASSERT_FALSE(damaged);
+  EXPECT_THAT(damaged.error().text(), HasSubstr("a.jpg: damaged JPEG"));
+}
+
+// Pixels are those of OpenCV's decoders, whatever the file stores.
+TEST(ImageIo, EveryLayoutDecodesToTheSamePixelsAsElsewhere) {
+  const TemporaryFolder folder;
+  cv::Mat bgr(37, 53, CV_8UC3), bgra, grey;
+  cv::randu(bgr, 0, 256);
+  cv::cvtColor(bgr, bgra, cv::COLOR_BGR2BGRA);
+  cv::cvtColor(bgr, grey, cv::COLOR_BGR2GRAY);
+  cv::imwrite((folder / "rgb.png").string(), bgr);
+  cv::imwrite((folder / "rgba.png").string(), bgra);
+  cv::imwrite((folder / "grey.png").string(), grey);
+  cv::imwrite((folder / "bits.png").string(), grey, {cv::IMWRITE_PNG_BILEVEL, 1});
+  cv::imwrite((folder / "rgb.jpg").string(), bgr);
+  cv::imwrite((folder / "progressive.jpg").string(), bgr, {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
+  cv::imwrite((folder / "grey.jpg").string(), grey);
+  for (const char* name :
+       {"rgb.png", "rgba.png", "grey.png", "bits.png", "rgb.jpg", "progressive.jpg", "grey.jpg"}) {
+    const cv::Mat expected = cv::imread((folder / name).string());
+    const auto image = load_color(folder / name);
+    ASSERT_TRUE(image) << name << image.error().text();
+    for (int y = 0; y < image->height(); ++y) {
+      for (int x = 0; x < image->width(); ++x) {
+        const auto& pixel = expected.at<cv::Vec3b>(y, x);
+        ASSERT_EQ((*image)(x, y), (Rgb8{pixel[2], pixel[1], pixel[0]})) << name;
+      }
+    }
+  }
 }
 
 TEST(ImageIo, MissingFilesOtherFormatsAndFullDisks) {

@@ -134,7 +134,7 @@ Result<Outcome> run_in(Input& input, const InputSpec& spec, const slam::SessionC
   std::optional<dataset::TumSequenceWriter> recorder;
   if (!options.record.empty()) {
     SGS_ASSIGN_OR_RETURN(recorder, dataset::TumSequenceWriter::create(options.record, camera,
-                                                             recording_options(input)));
+                                                                      recording_options(input)));
   }
   std::optional<Keeper> keeper(std::in_place, folder, opening, *session, options.checkpoint_s);
   const auto clock = play(

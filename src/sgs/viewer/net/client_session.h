@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "sgs/viewer/net/core.h"
+#include "sgs/viewer/net/received_bytes.h"
 
 namespace sgs::viewer::net {
 
@@ -58,6 +59,7 @@ class ClientSession : public std::enable_shared_from_this<ClientSession> {
     ws_.auto_fragment(false);
     ws_.control_callback([this](websocket::frame_type, beast::string_view) {
       flooding_ = flooding_ || !bucket_.take(wall_time_s());
+      seen_bytes_ = received();
     });
     auto shared = std::make_shared<Request>(std::move(request));
     ws_.async_accept(*shared, [self = shared_from_this(), shared](error_code error) {
@@ -88,6 +90,9 @@ class ClientSession : public std::enable_shared_from_this<ClientSession> {
   void check_deadline(double now_s) {
     const bool stuck = outgoing_ && now_s - sending_since_s_ > core_.options.limits.send_timeout_s;
     constexpr double kGoodbye_s = 1;
+    // Many times what a message may hold, and still no message: fragments without end.
+    constexpr std::uint64_t kMostPerMessage = 16 * kMaxRequestBytes;
+    flooding_ = flooding_ || received() - seen_bytes_ > kMostPerMessage;
     if (stuck || flooding_ || (closing_since_s_ > 0 && now_s - closing_since_s_ > kGoodbye_s))
       drop();
   }
@@ -105,7 +110,10 @@ class ClientSession : public std::enable_shared_from_this<ClientSession> {
   bool up_to_date() const { return !open_ || (!outgoing_ && stream_.up_to_date()); }
 
  private:
-  beast::tcp_stream& lowest() { return beast::get_lowest_layer(ws_); }
+  using Stream = beast::basic_stream<tcp, asio::any_io_executor, ReceivedBytes>;
+
+  Stream& lowest() { return beast::get_lowest_layer(ws_); }
+  std::uint64_t received() { return lowest().rate_policy().count(); }
 
   void leave() {
     if (core_.clients.erase(id_) == 0) return;
@@ -128,6 +136,7 @@ class ClientSession : public std::enable_shared_from_this<ClientSession> {
   }
 
   void on_message() {
+    seen_bytes_ = received();
     if (!open_) return;
     if (!bucket_.take(wall_time_s())) {
       return close(websocket::close_code::policy_error, "too many messages");
@@ -153,12 +162,13 @@ class ClientSession : public std::enable_shared_from_this<ClientSession> {
 
   Core& core_;
   std::uint64_t id_;
-  websocket::stream<beast::tcp_stream> ws_;
+  websocket::stream<Stream> ws_;
   ClientStream stream_;
   TokenBucket bucket_;
   beast::flat_buffer buffer_;
   std::shared_ptr<const std::string> outgoing_;  // being sent
   double sending_since_s_ = 0, closing_since_s_ = 0;
+  std::uint64_t seen_bytes_ = 0;  // received when the last message or control frame was complete
   bool open_ = false, flooding_ = false;
 };
 
