@@ -4,6 +4,7 @@
 
 #include <exception>
 #include <new>
+#include <system_error>
 
 namespace sgs {
 
@@ -12,6 +13,8 @@ Error current_error() {
     throw;
   } catch (const std::bad_alloc&) {
     return {ErrorCode::kInternal, "out of memory", "use fewer or smaller frames"};
+  } catch (const std::system_error& error) {
+    return {ErrorCode::kIo, error.what(), "is there enough memory, disk space, room for threads?"};
   } catch (const std::exception& error) {
     return {ErrorCode::kInternal, fmt::format("internal error: {}", error.what()),
             "please report it with the command line"};

@@ -47,9 +47,10 @@ void fill_empty_rows(DepthImage& depth) {
 
 FilledDepth fill_depth(const MapKeyframe& keyframe, bool fill) {
   const int width = keyframe.camera().width, height = keyframe.camera().height;
+  const auto pictures = keyframe.pictures();
   FilledDepth filled{DepthImage(width, height), Image<std::uint8_t>(width, height, 0)};
   for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) filled.depth(x, y) = keyframe.depth_m(x, y);
+    for (int x = 0; x < width; ++x) filled.depth(x, y) = pictures->depth_m(x, y);
   }
   if (!fill) return filled;
   for (std::size_t i = 0; i < filled.depth.size(); ++i) {

@@ -42,15 +42,54 @@ MapKeyframe::MapKeyframe(const RgbdFrame& frame, const SE3& T, double max_depth_
       T_odom_camera(T),
       camera_(frame.camera),
       frame_index_(frame.index),
-      color_(frame.color),
-      depth_(frame.depth.width(), frame.depth.height()),
       depth_unit_m_(static_cast<float>(max_depth_m / 65535)) {
-  for (std::size_t i = 0; i < depth_.size(); ++i) {
+  const auto pictures = std::make_shared<KeyframePictures>();
+  pictures->color = frame.color;
+  pictures->depth = Image<std::uint16_t>(frame.depth.width(), frame.depth.height());
+  pictures->depth_unit_m = depth_unit_m_;
+  for (std::size_t i = 0; i < frame.depth.size(); ++i) {
     const float z = frame.depth.data()[i];
     if (z > 0 && z <= static_cast<float>(max_depth_m)) {
-      depth_.data()[i] = static_cast<std::uint16_t>(z / depth_unit_m_ + 0.5f);
+      pictures->depth.data()[i] = static_cast<std::uint16_t>(z / depth_unit_m_ + 0.5f);
     }
   }
+  pictures_ = pictures;
+}
+
+std::shared_ptr<const KeyframePictures> MapKeyframe::pictures() const {
+  if (pictures_) return pictures_;
+  auto pictures = std::make_shared<KeyframePictures>();
+  pictures->color = ColorImage(camera_.width, camera_.height);
+  pictures->depth = Image<std::uint16_t>(camera_.width, camera_.height);
+  pictures->depth_unit_m = depth_unit_m_;
+  const std::size_t color_bytes = pictures->color.size() * sizeof(Rgb8);
+  file_->read(parked_at_, pictures->color.data(), color_bytes);
+  file_->read(parked_at_ + static_cast<std::int64_t>(color_bytes), pictures->depth.data(),
+              pictures->depth.size() * sizeof(std::uint16_t));
+  return pictures;
+}
+
+Status MapKeyframe::park(SpillFile& file) {
+  if (!pictures_) return {};
+  const auto& [color, depth, unit] = *pictures_;
+  SGS_ASSIGN_OR_RETURN(const auto at, file.append(color.data(), color.size() * sizeof(Rgb8)));
+  SGS_RETURN_IF_ERROR(file.append(depth.data(), depth.size() * sizeof(std::uint16_t)));
+  parked_at_ = at;
+  file_ = &file;
+  pictures_.reset();
+  return {};
+}
+
+std::size_t MapKeyframe::picture_bytes() const {
+  return static_cast<std::size_t>(camera_.width) * static_cast<std::size_t>(camera_.height) *
+         (sizeof(Rgb8) + sizeof(std::uint16_t));
+}
+
+std::size_t half_view_bytes(const PinholeCamera& camera) {
+  constexpr std::size_t kChannels = 4;  // colour and depth
+  const PinholeCamera half = camera.halved(1);
+  return static_cast<std::size_t>(half.width) * static_cast<std::size_t>(half.height) * kChannels *
+         sizeof(float);
 }
 
 render::TrainingImage MapKeyframe::training_image(int level) const {
@@ -63,6 +102,8 @@ void MapKeyframe::write_training_image(int level, render::TrainingImage& image) 
   SGS_CHECK(level == 0 || level == 1, "training images exist at full and half resolution");
   image.camera = camera_.halved(level);
   const int width = image.camera.width, height = image.camera.height;
+  const auto kept = pictures();
+  const KeyframePictures& from = *kept;
   if (image.depth.width() != width || image.depth.height() != height) {
     image.color = Image<render::Rgbf>(width, height);
     image.depth = DepthImage(width, height);
@@ -71,27 +112,37 @@ void MapKeyframe::write_training_image(int level, render::TrainingImage& image) 
     render::Rgbf* color = image.color.row(y);
     float* depth = image.depth.row(y);
     if (level == 0) {
-      const Rgb8* c = color_.row(y);
-      const std::uint16_t* z = depth_.row(y);
+      const Rgb8* c = from.color.row(y);
+      const std::uint16_t* z = from.depth.row(y);
       for (int x = 0; x < width; ++x) {
         color[x] = to_float(c[x]);
-        depth[x] = depth_unit_m_ * static_cast<float>(z[x]);
+        depth[x] = from.depth_unit_m * static_cast<float>(z[x]);
       }
       continue;
     }
     const int v = 2 * y;
-    const Rgb8 *upper = color_.row(v), *lower = color_.row(v + 1);
+    const Rgb8 *upper = from.color.row(v), *lower = from.color.row(v + 1);
     for (int x = 0; x < width; ++x) {
       const int u = 2 * x;
       color[x] = mean_color(upper[u], upper[u + 1], lower[u], lower[u + 1]);
-      depth[x] = merged_depth(
-          {depth_m(u, v), depth_m(u + 1, v), depth_m(u, v + 1), depth_m(u + 1, v + 1)});
+      depth[x] = merged_depth({from.depth_m(u, v), from.depth_m(u + 1, v), from.depth_m(u, v + 1),
+                               from.depth_m(u + 1, v + 1)});
     }
   }
 }
 
+void TrainingViewCache::drop_half(std::size_t index) {
+  SGS_CHECK(index == first_half_kept_, "views are dropped from the oldest on");
+  if (index < half_.size()) half_[index].reset();
+  ++first_half_kept_;
+}
+
 std::shared_ptr<const render::TrainingView> TrainingViewCache::get(const MapKeyframe& keyframe,
                                                                    std::size_t index, int level) {
+  if (level == 1 && index < first_half_kept_) {
+    keyframe.write_training_image(1, scratch_[1]);
+    return rasterizer_.prepare(scratch_[1]);
+  }
   if (level == 1) {
     if (half_.size() <= index) half_.resize(index + 1);
     if (!half_[index]) {

@@ -9,12 +9,22 @@
 #include <vector>
 
 #include "sgs/camera/rgbd_frame.h"
+#include "sgs/core/spill_file.h"
 #include "sgs/render/rasterizer.h"
 
 namespace sgs::mapper {
 
-/// A keyframe of the map: its images in compact form (8-bit colour, 16-bit depth: 5 bytes a pixel),
-/// its pose and exposure as refined so far. Training images are made from it on demand.
+/// The images of a keyframe in compact form: 8-bit colour, 16-bit depth, 5 bytes a pixel.
+struct KeyframePictures {
+  ColorImage color;
+  Image<std::uint16_t> depth;  ///< in units of `depth_unit_m`, 0 = none
+  float depth_unit_m = 0;
+
+  float depth_m(int x, int y) const { return depth_unit_m * static_cast<float>(depth(x, y)); }
+};
+
+/// A keyframe of the map: its pictures, its pose and exposure as refined so far. Training images
+/// are made from it on demand.
 class MapKeyframe {
  public:
   /// Both poses begin as `T_world_camera`. `max_depth_m` bounds the depth that is kept; farther
@@ -26,9 +36,12 @@ class MapKeyframe {
   render::TrainingImage training_image(int level) const;
   /// The same into an image whose memory is used again where its size fits.
   void write_training_image(int level, render::TrainingImage& image) const;
-  /// Metres at a pixel, 0 = none.
-  float depth_m(int x, int y) const { return depth_unit_m_ * static_cast<float>(depth_(x, y)); }
-  const ColorImage& color() const { return color_; }
+  /// Read from disk where they were parked.
+  std::shared_ptr<const KeyframePictures> pictures() const;
+  /// Moves the pictures to `file`, which must outlive this object.
+  Status park(SpillFile& file);
+  /// What pictures() takes in memory unless they are parked.
+  std::size_t picture_bytes() const;
   const PinholeCamera& camera() const { return camera_; }
   std::int64_t frame_index() const { return frame_index_; }
 
@@ -42,18 +55,22 @@ class MapKeyframe {
  private:
   PinholeCamera camera_;
   std::int64_t frame_index_;
-  ColorImage color_;
-  Image<std::uint16_t> depth_;
   float depth_unit_m_;
+  std::shared_ptr<const KeyframePictures> pictures_;  // null where they are parked:
+  const SpillFile* file_ = nullptr;
+  std::int64_t parked_at_ = 0;
 };
+
+/// Memory of a training view at half resolution.
+std::size_t half_view_bytes(const PinholeCamera& camera);
 
 /// Pixels of `camera` per pixel of a rendering for it at full (1) or half (2) resolution.
 inline int rendering_scale(const render::Rendering& rendering, const PinholeCamera& camera) {
   return rendering.alpha.width() == camera.width ? 1 : 2;
 }
 
-/// Training views of the keyframes: half resolution for every keyframe, full resolution for the
-/// most recently used ones.
+/// Training views of the keyframes: half resolution for every keyframe but the oldest ones that
+/// were dropped, full resolution for the most recently used ones.
 class TrainingViewCache {
  public:
   TrainingViewCache(const render::Rasterizer& rasterizer, std::size_t full_kept)
@@ -62,12 +79,17 @@ class TrainingViewCache {
   /// View of keyframe number `index` at level 0 or 1.
   std::shared_ptr<const render::TrainingView> get(const MapKeyframe& keyframe, std::size_t index,
                                                   int level);
+  /// The half-resolution view of `index`, the oldest one kept, is made anew for each visit from now
+  /// on.
+  void drop_half(std::size_t index);
+  std::size_t first_half_kept() const { return first_half_kept_; }
 
  private:
   const render::Rasterizer& rasterizer_;
   std::size_t full_kept_;
   std::array<render::TrainingImage, 2> scratch_;  // per level
   std::vector<std::shared_ptr<const render::TrainingView>> half_;
+  std::size_t first_half_kept_ = 0;
   /// Most recently used last.
   std::vector<std::pair<std::size_t, std::shared_ptr<const render::TrainingView>>> full_;
 };

@@ -9,6 +9,7 @@
 #include "sgs/map/mean_bounds.h"
 #include "sgs/mapper/insertion.h"
 #include "sgs/mapper/keyframe.h"
+#include "sgs/mapper/keyframe_memory.h"
 #include "sgs/mapper/keyframe_refinement.h"
 #include "sgs/mapper/optimizer.h"
 #include "sgs/mapper/schedule.h"
@@ -52,7 +53,8 @@ struct Mapper::Impl {
         optimizer(c.optimizer),
         schedule(seed, c.schedule.order, c.schedule.visit_bias),
         views(c.schedule.look_interval),
-        loss(loss_config(c.objective)) {}
+        loss(loss_config(c.objective)),
+        memory(static_cast<std::size_t>(c.memory_mb) << 20) {}
 
   void step();
   void prune();
@@ -68,6 +70,7 @@ struct Mapper::Impl {
   render::LossConfig loss;
   map::GaussianStore store;
   map::MeanBounds bounds;  // of store.raw and store.average
+  KeyframeMemory memory;   // before the keyframes: they may lie in its file
   std::vector<MapKeyframe> keyframes;
   render::Rendering rendering;
   render::Gradients gradients;
@@ -199,6 +202,10 @@ int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE
   }
   m.bounds.append(m.store.raw);
   m.schedule.add_keyframe(static_cast<std::size_t>(index));
+  {
+    const ScopedTimer part(m.times, "map/insertion/memory");
+    m.memory.make_room(m.keyframes, m.training_views);
+  }
   m.changed = true;
   if (index == 0) iterate(m.config.first_keyframe_iterations);
   return index;

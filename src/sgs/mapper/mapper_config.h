@@ -232,6 +232,7 @@ struct KeyframeRefinementConfig {
 struct MapperConfig {
   double iterations_per_frame = 1.5;
   int first_keyframe_iterations = 30;
+  int memory_mb = 1000;
   InsertionConfig insertion;
   OptimizerConfig optimizer;
   ObjectiveConfig objective;
@@ -247,6 +248,11 @@ struct MapperConfig {
         "Optimisation steps spent on the first keyframe at once, so that a young map is not a raw "
         "one.",
         "", {0, 100000});
+    p.add(
+        "memory_mb", memory_mb,
+        "Memory for pictures and training views of keyframes; beyond it the oldest ones go to disk "
+        "(the folder TMPDIR names, else /var/tmp). The map stays the same to the bit.",
+        "MiB", {1, 1e6});
     p.add_group("insertion", insertion);
     p.add_group("optimizer", optimizer);
     p.add_group("objective", objective);

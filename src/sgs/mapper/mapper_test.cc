@@ -72,6 +72,25 @@ TEST(Mapper, VisitsThatLookAtLessLearnAsMuch) {
               0.1 * static_cast<double>(size_all));
 }
 
+// Nothing but time depends on where the pictures lie.
+TEST(Mapper, MemoryHasNoEffectOnTheMap) {
+  const auto map_with = [](int memory_mb) {
+    MapperConfig config = config_for_test();
+    config.memory_mb = memory_mb;
+    config.schedule.half_resolution_share = 0.7;
+    Mapper mapper(config, small_camera(), 3, nullptr);
+    for (int i = 0; i < 150; ++i) {
+      const SE3 T = translated(0.01 * (i % 40), 0.002 * (i % 40), 0);
+      mapper.add_keyframe(wall_frame(small_camera(), T, i), T);
+      mapper.iterate(2);
+    }
+    return mapper.snapshot()->gaussians;
+  };
+  const auto expected = map_with(1000), actual = map_with(1);
+  ASSERT_EQ(actual.size(), expected.size());
+  EXPECT_EQ(std::memcmp(actual.data(), expected.data(), actual.size() * sizeof(map::Gaussian)), 0);
+}
+
 TEST(Mapper, TrainingViewsLeaveOutWhatTheyAreTold) {
   MapperConfig all = config_for_test();
   all.schedule.min_transmittance = 1e-4;

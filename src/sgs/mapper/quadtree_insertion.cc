@@ -104,7 +104,7 @@ class QuadtreeInsertion {
         store_(store),
         camera_(keyframe.camera()),
         depth_(fill_depth(keyframe, config.fill_missing_depth)),
-        sums_(keyframe.color(), smallest_cell(config)) {}
+        sums_(keyframe.pictures()->color, smallest_cell(config)) {}
 
   void run() {
     for (int y = 0; y < camera_.height; y += config_.leaf_max_px) {
