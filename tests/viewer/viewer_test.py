@@ -59,8 +59,8 @@ class Program:
             line = self.process.stderr.readline()
             assert line, "the program ended: " + "".join(self.errors)
             self.errors.append(line)
-            if match := re.match(r"viewer +http://\S+:(\d+)/$", line):
-                self.port = int(match[1])
+            if match := re.match(r"viewer +http://\S+:(\d+)/(?:\?token=(\w+))?$", line):
+                self.port, self.token = int(match[1]), match[2]
         self.reader = threading.Thread(target=lambda: self.errors.extend(self.process.stderr))
         self.reader.start()
 
@@ -291,6 +291,26 @@ class Http(Case):
         self.assertEqual((head.status, body), (200, b""))
         self.assertEqual(int(head.headers["Content-Length"]), len(page))
         self.assertEqual(self.fetch(program.port, "/healthz")[1], b"ok\n")
+        self.assertEqual(program.stop(), 0)
+
+
+class Token(Case):
+    def test_who_comes_from_elsewhere_needs_the_token(self):
+        program = self.start("view", self.plain, "--port", 0, "--viewer-address", "0.0.0.0")
+        self.assertRegex(program.token, "^[0-9a-f]{32}$")
+        for path in ("/ws", "/ws?token=", "/ws?token=" + "0" * 32):
+            with self.assertRaises(ConnectionRefusedError) as refused:
+                Client(program.port, path=path)
+            self.assertEqual(refused.exception.args[0], 403)
+        with Client(program.port, path="/ws?token=" + program.token) as client:
+            self.assertEqual(client.receive()["type"], "hello")
+        self.assertEqual(program.stop(), 0)
+
+    def test_on_this_machine_there_is_none(self):
+        program = self.start("view", self.plain, "--port", 0)
+        self.assertIsNone(program.token)
+        with Client(program.port) as client:
+            self.assertEqual(client.receive()["type"], "hello")
         self.assertEqual(program.stop(), 0)
 
 

@@ -34,7 +34,7 @@ def upgrade_request(port, host=None, origin=None, path="/ws"):
 
 
 class Client:
-    def __init__(self, port, host=None, origin=None, timeout=120, receive_buffer=None):
+    def __init__(self, port, host=None, origin=None, timeout=120, receive_buffer=None, path="/ws"):
         self.passed = set()
         self.socket = socket.socket()
         if receive_buffer:
@@ -42,7 +42,7 @@ class Client:
         self.socket.settimeout(timeout)
         try:
             self.socket.connect(("127.0.0.1", port))
-            self.socket.sendall(upgrade_request(port, host, origin))
+            self.socket.sendall(upgrade_request(port, host, origin, path))
             head = b""
             while b"\r\n\r\n" not in head:
                 chunk = self.socket.recv(4096)

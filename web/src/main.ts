@@ -4,4 +4,5 @@ import "./style.css";
 import { App } from "./app";
 
 const scheme = location.protocol === "https:" ? "wss:" : "ws:";
-new App(`${scheme}//${location.host}/ws`).start();
+// A server that listens beyond its own machine asks for the token of the address that it printed.
+new App(`${scheme}//${location.host}/ws${location.search}`).start();

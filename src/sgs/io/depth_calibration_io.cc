@@ -12,6 +12,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kFormat = 1;
+// limit: nodes on a side of a depth calibration
 constexpr int kMostNodes = 256;       // on a side
 constexpr double kLargestOffset = 1;  // 1/m
 constexpr double kLargestShift = 1000;

@@ -19,7 +19,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint16_t kRawSaturated = 65535;
+// limit: file of an image, bytes
 constexpr std::int64_t kLargestImageFile_bytes = std::int64_t{256} << 20;
+// limit: image as its header announces it, pixels
 constexpr std::int64_t kLargestImage_px = 100'000'000;
 
 /// The library never prints; OpenCV's encoders would.

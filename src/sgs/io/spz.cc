@@ -126,6 +126,7 @@ Status save_spz(const fs::path& path, std::span<const map::Gaussian> splats) {
 }
 
 Result<std::vector<map::Gaussian>> load_spz(const fs::path& path) {
+  // limit: SPZ after decompression, bytes
   constexpr std::size_t kMaxBytes = std::size_t{1} << 31;
   SGS_ASSIGN_OR_RETURN(const std::string stream, read_file(path));
   const auto content = gzip_decompressed(stream, kMaxBytes);

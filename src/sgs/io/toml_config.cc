@@ -94,7 +94,10 @@ std::size_t longest_dotted_key(std::string_view text) {
 }  // namespace
 
 Result<toml::table> parse_toml(std::string_view text, std::string_view source) {
-  constexpr std::size_t kLargestText_bytes = 1 << 20, kDeepestKey = 500;
+  // limit: TOML text, bytes
+  constexpr std::size_t kLargestText_bytes = 1 << 20;
+  // limit: parts of a TOML key
+  constexpr std::size_t kDeepestKey = 500;
   if (text.size() > kLargestText_bytes || longest_dotted_key(text) > kDeepestKey) {
     return fail(
         ErrorCode::kUnsupported,

@@ -168,6 +168,7 @@ std::string frames_csv(std::span<const FrameRecord> records) {
 }
 
 Result<std::vector<FrameRecord>> frames_from_csv(std::string_view text, std::string_view source) {
+  // limit: frame number in frames.csv
   constexpr std::int64_t kLargestIndex = 10'000'000;  // four days at 30 Hz
   SGS_ASSIGN_OR_RETURN(const auto table, io::CsvTable::parse(text, source));
   for (const char* needed : {"index", "timestamp_s", "status"}) {

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <random>
+
+#include "sgs/core/format.h"
 
 namespace sgs::viewer {
 namespace {
@@ -57,6 +60,27 @@ bool HostPolicy::host_allowed(std::string_view host, std::string_view local_addr
                      [&](const std::string& extra) { return same_name(name, extra); });
 }
 
+bool HostPolicy::token_allowed(std::string_view target) const {
+  constexpr std::string_view kQuery = "/ws?token=";
+  if (token.empty()) return true;
+  if (!target.starts_with(kQuery)) return false;
+  const std::string_view given = target.substr(kQuery.size());
+  unsigned different = given.size() == token.size() ? 0 : 1;
+  for (std::size_t i = 0; i < token.size(); ++i) {
+    different |= static_cast<unsigned char>(token[i]) ^
+                 static_cast<unsigned char>(i < given.size() ? given[i] : 0);
+  }
+  return different == 0;
+}
+
+std::string make_token() {
+  constexpr int kWords = 4;
+  std::random_device random;  // the system's
+  std::string token;
+  for (int i = 0; i < kWords; ++i) token += fmt::format("{:08x}", random());
+  return token;
+}
+
 bool origin_allowed(std::optional<std::string_view> origin, std::string_view host) {
   if (!origin) return true;
   for (const std::string_view scheme : {"http://", "https://"}) {
@@ -74,7 +98,12 @@ Verdict judge(const RequestFacts& request, const HostPolicy& policy, std::string
     return {403, false, nullptr, "This server does not answer to that Host (see --viewer-host)."};
   }
   if (request.upgrade) {
-    if (request.target != "/ws") return {404, false, nullptr, "The WebSocket is at /ws."};
+    if (request.target.substr(0, request.target.find('?')) != "/ws") {
+      return {404, false, nullptr, "The WebSocket is at /ws."};
+    }
+    if (!policy.token_allowed(request.target)) {
+      return {403, false, nullptr, "The address on the terminal ends in a token: it is needed."};
+    }
     if (!origin_allowed(request.origin, request.host)) {
       return {403, false, nullptr, "Pages of other sites may not connect."};
     }

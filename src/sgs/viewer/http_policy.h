@@ -33,11 +33,17 @@ struct Verdict {
 /// checked) nor by opening a WebSocket across origins (Origin is checked).
 struct HostPolicy {
   std::vector<std::string> extra_names;  ///< allowed besides localhost and addresses
+  std::string token = {};  ///< what the target of a WebSocket must carry; empty = nothing
 
   /// `host` as in the header (name or address, optional port); `local_address` is the numeric
   /// address that the connection arrived at. Any port is fine: tunnels change it.
   bool host_allowed(std::string_view host, std::string_view local_address) const;
+  /// Whether `target` is "/ws", or "/ws?token=" and the token. Takes as long for any wrong token.
+  bool token_allowed(std::string_view target) const;
 };
+
+/// A token that nobody can guess: 128 random bits in hexadecimal.
+std::string make_token();
 
 /// A WebSocket may come from a page that this server sent (same host and port) or from a program
 /// that is no browser (no Origin at all).

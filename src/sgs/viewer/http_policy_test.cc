@@ -73,6 +73,27 @@ TEST(HttpPolicy, WebSocketsOnlyFromOurOwnPage) {
   EXPECT_EQ(get("/ws").status, 426);
 }
 
+TEST(HttpPolicy, AWebSocketNeedsTheTokenWhereThereIsOne) {
+  HostPolicy policy;
+  const auto status = [&](std::string_view target) {
+    RequestFacts facts{"GET", target, "localhost", std::nullopt, true};
+    return judge(facts, policy, "127.0.0.1", {}).status;
+  };
+  EXPECT_EQ(status("/ws"), 101);
+  EXPECT_EQ(status("/ws?token=anything"), 101);
+  EXPECT_EQ(status("/wsx"), 404);
+  policy.token = make_token();
+  EXPECT_EQ(policy.token.size(), 32u);
+  EXPECT_NE(policy.token, make_token());
+  EXPECT_EQ(status("/ws?token=" + policy.token), 101);
+  for (const std::string& wrong :
+       {std::string("/ws"), std::string("/ws?token="), "/ws?token=" + policy.token + "0",
+        "/ws?token=" + policy.token.substr(1), "/ws?token=" + std::string(32, '0'),
+        "/ws?Token=" + policy.token, "/ws?token=" + policy.token + "&x=1"}) {
+    EXPECT_EQ(status(wrong), 403) << wrong;
+  }
+}
+
 TEST(EmbeddedFiles, AlwaysHaveAPage) {
   const auto files = embedded_files();
   const Verdict verdict =

@@ -54,6 +54,7 @@ using ClientRequest = std::variant<ControlRequest, SubscribeRequest, ViewRequest
 Result<ClientRequest> parse_request(std::string_view text);
 
 /// Largest text a client may send, bytes.
+// limit: WebSocket message to the viewer, bytes
 inline constexpr std::size_t kMaxRequestBytes = 4096;
 
 }  // namespace sgs::viewer

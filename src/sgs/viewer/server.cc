@@ -118,6 +118,11 @@ Status Server::Impl::listen() {
                            : address.is_v6()        ? fmt::format("[{}]", address.to_string())
                                                     : address.to_string();
   url = fmt::format("http://{}:{}/", host, port);
+  // Beyond this machine a port is no secret: only who has seen the address may watch and pause.
+  if (!address.is_loopback()) {
+    core.policy.token = make_token();
+    url += "?token=" + core.policy.token;
+  }
   return {};
 }
 

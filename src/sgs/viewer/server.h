@@ -16,15 +16,22 @@ namespace sgs::viewer {
 
 /// What keeps a hostile or clumsy client from hurting anybody.
 struct ServerLimits {
-  std::size_t clients = 32;   ///< WebSockets at once; more are refused with 503
+  // limit: viewers at once
+  std::size_t clients = 32;  ///< WebSockets at once; more are refused with 503
+  // limit: HTTP connections at once
   std::size_t pending = 128;  ///< connections still busy with HTTP; the oldest gives way
+  // limit: header of an HTTP request, bytes
   std::uint32_t header_bytes = 8192;
-  double header_timeout_s = 5;     ///< to send a whole request
+  // limit: time to send an HTTP request, s
+  double header_timeout_s = 5;  ///< to send a whole request
+  // limit: time to take an HTTP answer, s
   double response_timeout_s = 30;  ///< to take a whole file
-  double send_timeout_s = 10;      ///< to take one WebSocket message; then the client is dropped
-  double requests_per_s = 200;     ///< WebSocket messages of one client, sustained; twice that
-                                   ///< at once
-  double resume_after_s = 10;      ///< a paused run goes on this long after the last client left
+  // limit: time to take a WebSocket message, s
+  double send_timeout_s = 10;  ///< to take one WebSocket message; then the client is dropped
+  // limit: WebSocket messages of a viewer per second
+  double requests_per_s = 200;  ///< WebSocket messages of one client, sustained; twice that
+                                ///< at once
+  double resume_after_s = 10;   ///< a paused run goes on this long after the last client left
 };
 
 struct ServerOptions {

@@ -91,6 +91,7 @@ class ClientSession : public std::enable_shared_from_this<ClientSession> {
     const bool stuck = outgoing_ && now_s - sending_since_s_ > core_.options.limits.send_timeout_s;
     constexpr double kGoodbye_s = 1;
     // Many times what a message may hold, and still no message: fragments without end.
+    // limit: bytes on a WebSocket without a message, bytes
     constexpr std::uint64_t kMostPerMessage = 16 * kMaxRequestBytes;
     flooding_ = flooding_ || received() - seen_bytes_ > kMostPerMessage;
     if (stuck || flooding_ || (closing_since_s_ > 0 && now_s - closing_since_s_ > kGoodbye_s))

@@ -43,9 +43,11 @@ inline std::chrono::milliseconds milliseconds(double seconds) {
 /// belongs to the thread that runs `io`.
 struct Core {
   Core(const ServerOptions& o, const RunInfo& i)
-      : options(o), hello(hello_message(i)), policy{o.names}, pictures(i.camera, [this](Picture p) {
-          asio::post(io, [this, p = std::move(p)] { deliver(p); });
-        }) {}
+      : options(o),
+        hello(hello_message(i)),
+        policy{o.names, {}},
+        pictures(i.camera,
+                 [this](Picture p) { asio::post(io, [this, p = std::move(p)] { deliver(p); }); }) {}
 
   /// Lets every client that is idle take what is new.
   void pump();

@@ -3,7 +3,9 @@
 "use strict";
 const out = document.getElementById("state");
 const secure = location.protocol === "https:";
-const socket = new WebSocket((secure ? "wss://" : "ws://") + location.host + "/ws");
+const socket = new WebSocket(
+  (secure ? "wss://" : "ws://") + location.host + "/ws" + location.search,
+);
 socket.onmessage = (event) => {
   if (typeof event.data !== "string") return;
   const message = JSON.parse(event.data);

@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Splat PLY: what loads is finite, can be saved in every format, and loads again.
+#include <cmath>
+
+#include "harness.h"
+#include "sgs/io/ply.h"
+#include "sgs/io/splat_file.h"
+#include "sgs/io/spz.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace sgs;
+  const fuzz::MemoryFile file({reinterpret_cast<const char*>(data), size});
+  const auto splats = io::load_splats(file.path());
+  if (!splats) return 0;
+  for (const map::Gaussian& g : *splats) {
+    fuzz::require(std::isfinite(g.mean[0] + g.mean[1] + g.mean[2]), "positions are finite");
+  }
+  const auto ply = fuzz::scratch_file("a.ply"), spz = fuzz::scratch_file("a.spz");
+  const bool saved = io::save_splats(ply, *splats).has_value();
+  fuzz::require(saved, "what loads can be saved");
+  const auto again = io::load_splats(ply);
+  fuzz::require(again && again->size() == splats->size(), "what was saved loads again");
+  if (io::save_spz(spz, *splats)) {  // positions may be too far apart for it
+    const auto packed = io::load_spz(spz);
+    fuzz::require(packed && packed->size() == splats->size(), "SPZ loads again");
+  }
+  const std::string records = io::splat_records(*splats);
+  fuzz::require(io::splats_from_records(records).size() == splats->size(), "records load again");
+  return 0;
+}
