@@ -18,12 +18,28 @@ find_package(hwy REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(PNG REQUIRED)
 find_package(JPEG REQUIRED)
+find_package(BZip2 REQUIRED)
+find_package(SQLite3 REQUIRED)
+find_package(yaml-cpp REQUIRED)
 
 if(NOT TARGET sgs_opencv)
   add_library(sgs_opencv INTERFACE IMPORTED)
   target_include_directories(sgs_opencv INTERFACE ${OpenCV_INCLUDE_DIRS})
   target_link_libraries(sgs_opencv INTERFACE opencv_core opencv_imgproc opencv_imgcodecs
                                              opencv_features2d opencv_calib3d)
+endif()
+
+# Chunks of recordings: bz2, lz4 and zstd; the latter two come without CMake packages in Debian 12.
+find_path(SGS_LZ4_INCLUDE lz4frame.h REQUIRED)
+find_library(SGS_LZ4_LIBRARY lz4 REQUIRED)
+find_path(SGS_ZSTD_INCLUDE zstd.h REQUIRED)
+find_library(SGS_ZSTD_LIBRARY zstd REQUIRED)
+mark_as_advanced(SGS_LZ4_INCLUDE SGS_LZ4_LIBRARY SGS_ZSTD_INCLUDE SGS_ZSTD_LIBRARY)
+if(NOT TARGET sgs_unpackers)
+  add_library(sgs_unpackers INTERFACE IMPORTED)
+  target_include_directories(sgs_unpackers INTERFACE "${SGS_LZ4_INCLUDE}" "${SGS_ZSTD_INCLUDE}")
+  target_link_libraries(sgs_unpackers INTERFACE BZip2::BZip2 ${SGS_LZ4_LIBRARY}
+                                                ${SGS_ZSTD_LIBRARY})
 endif()
 
 # OpenVDB is optional: where it is found, SGS_WITH_OPENVDB is on and the target sgs_openvdb exists.

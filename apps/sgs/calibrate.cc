@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "input_options.h"
 #include "interrupt.h"
 #include "log_setup.h"
 #include "progress.h"
@@ -74,7 +75,7 @@ void add_calibrate(CLI::App& app, Action& action) {
   auto command = std::make_shared<CalibrateCommand>();
   auto* sub = app.add_subcommand(
       "calibrate", "Find what is wrong with a recording's depth camera, without a target");
-  sub->add_option("INPUT", command->input.input, "Sequence folder, or synth:NAME[:LEVEL]")
+  sub->add_option("INPUT", command->input.input, "Sequence folder, bag, or synth:NAME[:LEVEL]")
       ->required();
   sub->add_option("-o,--output", command->output, "File to write, for `sgs run --calibration`")
       ->capture_default_str();
@@ -84,9 +85,7 @@ void add_calibrate(CLI::App& app, Action& action) {
       ->take_all()
       ->allow_extra_args(false);
   sub->add_option("--frames", command->input.frames, "a:b, frames a to b-1 of the sequence");
-  sub->add_option("--camera", command->input.camera, "fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]]");
-  sub->add_option("--depth-scale", command->input.depth_scale, "Raw depth units per metre")
-      ->check(CLI::PositiveNumber);
+  add_recording_options(*sub, command->input);
   sub->add_option("--trajectory", command->input.trajectory,
                   "Synthetic input: fly along this TUM trajectory");
   sub->add_option("--synth-seed", command->input.synth_seed, "Synthetic input: scene and noise");

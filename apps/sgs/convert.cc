@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "input_options.h"
 #include "interrupt.h"
 #include "log_setup.h"
 #include "progress.h"
@@ -51,9 +52,7 @@ void add_convert(CLI::App& app, Action& action) {
   sub->add_option("INPUT", command->input.input, "What `sgs run` takes")->required();
   sub->add_option("OUT", command->folder, "Folder to create")->required();
   sub->add_option("--frames", command->input.frames, "a:b, frames a to b-1 of the sequence");
-  sub->add_option("--camera", command->input.camera, "fx,fy,cx,cy[,k1,k2,p1,p2,k3]");
-  sub->add_option("--depth-scale", command->input.depth_scale, "Raw depth units per metre")
-      ->check(CLI::PositiveNumber);
+  add_recording_options(*sub, command->input);
   sub->add_option("--threads", command->threads, "Threads that decode or render")
       ->check(CLI::Range(1, 256));
   sub->add_flag("--jpeg", command->jpeg, "Colour as JPEG (smaller) instead of PNG (lossless)");

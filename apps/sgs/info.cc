@@ -4,9 +4,13 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "commands.h"
+#include "input_options.h"
+#include "sgs/bag/bag.h"
 #include "sgs/core/print.h"
+#include "sgs/dataset/bag_source.h"
 #include "sgs/eval/metrics.h"
 #include "sgs/run/input.h"
 #include "sgs/slam/frame_record.h"
@@ -39,32 +43,73 @@ int print_scenes() {
   return kExitDone;
 }
 
+std::string use_of(const dataset::TopicInfo& topic, const dataset::SequenceInfo* info) {
+  if (info == nullptr) return "";
+  if (topic.topic == info->color_topic) return "  <- colour";
+  return topic.topic == info->depth_topic ? "  <- depth" : "";
+}
+
+/// The topics of a bag; `info` says which of them are read, where that is known.
+void print_topics(const dataset::BagDescription& bag, const dataset::SequenceInfo* info) {
+  print("topics       {} of a {}\n", bag.topics.size(), bag.format);
+  for (const auto& topic : bag.topics) {
+    print("  {:<50} {:<28} {:>8} {:>9}  {}{}\n", topic.topic, topic.type,
+          topic.messages ? fmt::format("{}", *topic.messages) : "?",
+          topic.rate_hz ? fmt::format("{:.1f} Hz", *topic.rate_hz) : "", topic.encoding,
+          use_of(topic, info));
+  }
+}
+
+nlohmann::json topics_json(const dataset::BagDescription& bag) {
+  nlohmann::json topics = nlohmann::json::array();
+  for (const auto& topic : bag.topics) {
+    nlohmann::json entry = {{"topic", topic.topic}, {"type", topic.type}};
+    if (topic.messages) entry["messages"] = *topic.messages;
+    if (topic.rate_hz) entry["rate_hz"] = *topic.rate_hz;
+    if (!topic.encoding.empty()) entry["encoding"] = topic.encoding;
+    topics.push_back(std::move(entry));
+  }
+  return topics;
+}
+
 int print_sequence(const InfoOptions& options) {
+  std::optional<dataset::BagDescription> bag;
+  if (bag::looks_like_bag(options.input.input)) {
+    auto described = dataset::describe_bag(options.input.input);
+    if (!described) return report(described.error());
+    bag = std::move(*described);
+  }
   const auto input = run::open_input(options.input, 1);
+  if (bag && !options.json) print_topics(*bag, input ? &input->info : nullptr);
   if (!input) return report(input.error());
   const auto& info = input->info;
   const auto& c = info.calibration;
   if (options.json) {
-    const nlohmann::json json = {{"layout", info.layout},
-                                 {"name", info.name},
-                                 {"frames", info.frames},
-                                 {"frames_in_folder", info.frames_in_folder},
-                                 {"first_time_s", info.first_time_s},
-                                 {"last_time_s", info.last_time_s},
-                                 {"width", c.camera.width},
-                                 {"height", c.camera.height},
-                                 {"fx", c.camera.fx},
-                                 {"fy", c.camera.fy},
-                                 {"cx", c.camera.cx},
-                                 {"cy", c.camera.cy},
-                                 {"distortion", c.distortion.written()},
-                                 {"depth_scale", c.depth_scale},
-                                 {"calibration_source", info.calibration_source},
-                                 {"truth_rows", info.truth_rows},
-                                 {"color_without_depth", info.color_without_depth},
-                                 {"depth_without_color", info.depth_without_color},
-                                 {"missing_images", info.missing_images},
-                                 {"warnings", info.warnings}};
+    nlohmann::json json = {{"layout", info.layout},
+                           {"name", info.name},
+                           {"frames", info.frames},
+                           {"frames_in_folder", info.frames_in_folder},
+                           {"first_time_s", info.first_time_s},
+                           {"last_time_s", info.last_time_s},
+                           {"width", c.camera.width},
+                           {"height", c.camera.height},
+                           {"fx", c.camera.fx},
+                           {"fy", c.camera.fy},
+                           {"cx", c.camera.cx},
+                           {"cy", c.camera.cy},
+                           {"distortion", c.distortion.written()},
+                           {"depth_scale", c.depth_scale},
+                           {"calibration_source", info.calibration_source},
+                           {"truth_rows", info.truth_rows},
+                           {"color_without_depth", info.color_without_depth},
+                           {"depth_without_color", info.depth_without_color},
+                           {"missing_images", info.missing_images},
+                           {"warnings", info.warnings}};
+    if (bag) {
+      json["topics"] = topics_json(*bag);
+      json["color_topic"] = info.color_topic;
+      json["depth_topic"] = info.depth_topic;
+    }
     print("{}\n", json.dump(2));
     return kExitDone;
   }
@@ -89,9 +134,8 @@ int print_sequence(const InfoOptions& options) {
 void add_info(CLI::App& app, Action& action) {
   auto options = std::make_shared<InfoOptions>();
   auto* sub = app.add_subcommand("info", "Describe a sequence, the parameters or the scenes");
-  sub->add_option("INPUT", options->input.input, "Sequence folder or synth:NAME[:LEVEL]");
-  sub->add_option("--camera", options->input.camera, "fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]]");
-  sub->add_option("--depth-scale", options->input.depth_scale, "Raw depth units per metre");
+  sub->add_option("INPUT", options->input.input, "Sequence folder, bag, or synth:NAME[:LEVEL]");
+  add_recording_options(*sub, options->input);
   sub->add_option("--preset", options->preset, "default or paper (with --config)");
   sub->add_flag("--config", options->config, "Print all parameters as TOML");
   sub->add_flag("--markdown", options->markdown, "With --config: the table of docs/parameters.md");

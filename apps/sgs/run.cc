@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "input_options.h"
 #include "interrupt.h"
 #include "log_setup.h"
 #include "progress.h"
@@ -145,7 +146,7 @@ int run_command(RunCommand command) {
 void add_run(CLI::App& app, Action& action) {
   auto command = std::make_shared<RunCommand>();
   auto* sub = app.add_subcommand("run", "SLAM on a sequence: trajectory, Gaussian map, scores");
-  sub->add_option("INPUT", command->input.input, "Sequence folder, or synth:NAME[:LEVEL]");
+  sub->add_option("INPUT", command->input.input, "Sequence folder, bag, or synth:NAME[:LEVEL]");
   sub->add_option("-o,--output", command->output, "Run folder (default runs/TIME-NAME)");
   sub->add_option("--preset", command->config.preset, "default (ours) or paper");
   sub->add_option("--config", command->config.file, "TOML file, e.g. a run's config.toml");
@@ -154,9 +155,7 @@ void add_run(CLI::App& app, Action& action) {
       ->take_all()
       ->allow_extra_args(false);
   sub->add_option("--frames", command->input.frames, "a:b, frames a to b-1 of the sequence");
-  sub->add_option("--camera", command->input.camera, "fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]]");
-  sub->add_option("--depth-scale", command->input.depth_scale, "Raw depth units per metre")
-      ->check(CLI::PositiveNumber);
+  add_recording_options(*sub, command->input);
   sub->add_option("--calibration", command->input.calibration,
                   "Correct the depths by this file of `sgs calibrate`; auto: calibrate first");
   sub->add_option("--trajectory", command->input.trajectory,

@@ -18,6 +18,7 @@
 #include "sgs/core/error.h"
 #include "sgs/core/image.h"
 #include "sgs/core/stopwatch.h"
+#include "sgs/core/text.h"
 #include "sgs/core/thread_pool.h"
 
 namespace sgs {
@@ -205,6 +206,12 @@ TEST(Image, BytesAreRoundedAndClamped) {
   EXPECT_EQ(to_byte(7.0f), 255);
   EXPECT_EQ(to_byte(-0.1f), 0);
   EXPECT_EQ(to_byte(std::numeric_limits<float>::quiet_NaN()), 0);
+}
+
+TEST(Text, PrintableKeepsWordsAndHidesWhatATerminalObeys) {
+  EXPECT_EQ(printable("/camera/Bär"), "/camera/Bär");
+  EXPECT_EQ(printable("a\x1b[2Jb\n\x7f"), "a?[2Jb??");
+  EXPECT_EQ(printable("\xff\xc3"), "??");
 }
 
 TEST(Stopwatch, QuantilesAndMerging) {

@@ -92,6 +92,22 @@ std::string toml_quoted(std::string_view text) {
   return out + "\"";
 }
 
+std::string printable(std::string_view text) {
+  std::string result;
+  while (!text.empty()) {
+    const std::size_t length = utf8_length(text);
+    const auto first = static_cast<unsigned char>(text.front());
+    constexpr unsigned char kFirstVisible = 0x20, kDelete = 0x7f;
+    if (length == 0 || first < kFirstVisible || first == kDelete) {
+      result += '?';
+    } else {
+      result += text.substr(0, length);
+    }
+    text.remove_prefix(length == 0 ? 1 : length);
+  }
+  return result;
+}
+
 std::string shortened(std::string_view text) {
   constexpr std::size_t kLongest = 100;
   if (text.size() <= kLongest) return std::string(text);

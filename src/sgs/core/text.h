@@ -17,6 +17,10 @@ bool is_utf8(std::string_view text);
 /// UTF-8: bytes that are not become U+FFFD, so check is_utf8() where the text must come back.
 std::string toml_quoted(std::string_view text);
 
+/// `text` with '?' for control characters and for bytes that are not UTF-8: names out of foreign
+/// files may go to a terminal or into JSON.
+std::string printable(std::string_view text);
+
 /// `text`, cut where it would fill a terminal; for messages that quote what was typed.
 std::string shortened(std::string_view text);
 

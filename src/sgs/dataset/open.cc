@@ -4,7 +4,9 @@
 
 #include <algorithm>
 
+#include "sgs/bag/bag.h"
 #include "sgs/core/log.h"
+#include "sgs/dataset/bag_source.h"
 #include "sgs/dataset/calibration_lookup.h"
 #include "sgs/dataset/file_sequence.h"
 #include "sgs/dataset/frame_list.h"
@@ -144,6 +146,7 @@ void add_warnings(SequenceInfo& info, const FrameList& list) {
 
 Result<Sequence> open_sequence(const fs::path& folder, const OpenOptions& options) {
   SGS_RETURN_IF_ERROR(check_options(options));
+  if (bag::looks_like_bag(folder)) return open_bag_sequence(folder, options);
   SGS_ASSIGN_OR_RETURN(FrameList list, list_frames(folder, options));
   std::vector<fs::path> places = {list.folder};
   if (list.layout == "replica") places.push_back(list.folder / "..");

@@ -25,22 +25,29 @@ struct OpenOptions {
   std::int64_t first = 0;                  ///< frames [first, last) of the sequence are delivered
   std::int64_t last = std::numeric_limits<std::int64_t>::max();
   double max_time_difference_s = 0.02;  ///< between the colour and depth image of one frame
-  std::size_t prefetch = 8;             ///< frames decoded ahead on a thread of their own; 0 = none
+  // Of bags (bag_source.h); other layouts have no use for them.
+  std::string topics;  ///< "color=/a,depth=/b,..."; empty = guessed
+  std::string
+      extrinsics;  ///< T_color_depth as "tx,ty,tz,qx,qy,qz,qw", or "aligned"; empty = recorded
+  std::string
+      truth_topic;  ///< of poses, or "world:camera" of tf; empty = one that says it is the truth
+  std::size_t prefetch = 8;  ///< frames decoded ahead on a thread of their own; 0 = none
 };
 
 /// What is known about a sequence once it is open, for `sgs info` and the run report.
 struct SequenceInfo {
-  std::string layout;  ///< "tum", "replica" or "folder"
+  std::string layout;  ///< "tum", "replica", "folder", or what kind of bag
   std::string name;
   std::filesystem::path folder;       ///< the folder that holds the images
   std::int64_t frames = 0;            ///< frames in the opened range
   std::int64_t frames_in_folder = 0;  ///< frames in all of the sequence
   double first_time_s = 0;            ///< of the opened range
   double last_time_s = 0;
-  Calibration calibration;              ///< of the images as stored, distortion included
-  std::string calibration_source;       ///< "sgs.toml", "--camera", "known sequence freiburg1", ...
-  std::size_t truth_rows = 0;           ///< usable ground-truth poses
-  std::size_t color_without_depth = 0;  ///< colour images without a depth image near in time
+  Calibration calibration;         ///< of the images as stored, distortion included
+  std::string calibration_source;  ///< "sgs.toml", "--camera", "known sequence freiburg1", ...
+  std::string color_topic, depth_topic;  ///< of a bag
+  std::size_t truth_rows = 0;            ///< usable ground-truth poses
+  std::size_t color_without_depth = 0;   ///< colour images without a depth image near in time
   std::size_t depth_without_color = 0;
   std::size_t missing_images = 0;     ///< frames that name a file that is not there
   std::vector<std::string> warnings;  ///< everything that had to be put right; also in the log
@@ -53,6 +60,7 @@ struct Sequence {
 };
 
 /// Opens a recorded sequence, guessing its layout:
+///   - a bag: ROS 1 .bag, .mcap, .db3, or a folder of rosbag2, see open_bag_sequence();
 ///   - "folder": `sgs.toml` with sequence.color and sequence.depth;
 ///   - "tum": `rgb.txt` and `depth.txt`, else `associations.txt`; `groundtruth.txt` optional;
 ///   - "replica": `results/frame*.jpg` and `results/depth*.png`, or `images/` and `depth_images/`;

@@ -38,34 +38,31 @@ struct Encoded {
   StreamCheck check;
 };
 
-Result<Encoded> read_encoded(const fs::path& path) {
-  Encoded encoded;
-  SGS_ASSIGN_OR_RETURN(encoded.bytes, read_file(path, kLargestImageFile_bytes));
+Result<Encoded> checked_stream(std::string bytes, const std::string& name) {
+  Encoded encoded{std::move(bytes), {}};
   encoded.check = check_image_stream(encoded.bytes);
   if (!encoded.check.problem.empty()) {
-    return fail(ErrorCode::kInvalidFormat,
-                fmt::format("{}: {}", path.string(), encoded.check.problem),
+    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: {}", name, encoded.check.problem),
                 "copy or record the image again");
   }
   if (encoded.check.kind == StreamCheck::Kind::kUnknown) {
-    return fail(ErrorCode::kUnsupported, fmt::format("{}: neither PNG nor JPEG", path.string()),
+    return fail(ErrorCode::kUnsupported, fmt::format("{}: neither PNG nor JPEG", name),
                 "convert the images to PNG or JPEG");
   }
   // A few hundred kilobytes can announce gigabytes of pixels.
   const std::int64_t pixels = std::int64_t{encoded.check.width} * encoded.check.height;
   if (pixels > kLargestImage_px) {
-    return fail(
-        ErrorCode::kUnsupported,
-        fmt::format("{}: {}x{} pixels, more than {} million", path.string(), encoded.check.width,
-                    encoded.check.height, kLargestImage_px / 1'000'000),
-        "reduce the images");
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("{}: {}x{} pixels, more than {} million", name, encoded.check.width,
+                            encoded.check.height, kLargestImage_px / 1'000'000),
+                "reduce the images");
   }
   return encoded;
 }
 
 /// Puts the file's name before the message of a decoder.
-tl::unexpected<Error> named(const fs::path& path, Error error) {
-  error.message = fmt::format("{}: {}", path.string(), error.message);
+tl::unexpected<Error> named(const std::string& name, Error error) {
+  error.message = fmt::format("{}: {}", name, error.message);
   return tl::unexpected(std::move(error));
 }
 
@@ -105,32 +102,38 @@ Status encode_and_write(const fs::path& path, const char* extension, const cv::M
 
 }  // namespace
 
-Result<ColorImage> load_color(const fs::path& path) {
-  SGS_ASSIGN_OR_RETURN(const Encoded encoded, read_encoded(path));
+Result<ColorImage> decode_color(std::string bytes, const std::string& name) {
+  SGS_ASSIGN_OR_RETURN(const Encoded encoded, checked_stream(std::move(bytes), name));
   if (encoded.check.bits_per_channel > 8) {
     return fail(ErrorCode::kUnsupported,
-                fmt::format("{}: {} bits per channel where an 8-bit colour image is needed",
-                            path.string(), encoded.check.bits_per_channel),
+                fmt::format("{}: {} bits per channel where an 8-bit colour image is needed", name,
+                            encoded.check.bits_per_channel),
                 "are colour and depth swapped?");
   }
   auto image = encoded.check.kind == StreamCheck::Kind::kJpeg ? decode_jpeg(encoded.bytes)
                                                               : decode_png_color(encoded.bytes);
-  if (!image) return named(path, image.error());
+  if (!image) return named(name, image.error());
   return image;
 }
 
-Result<DepthImage> load_depth(const fs::path& path, double depth_scale) {
-  SGS_CHECK(depth_scale > 0 && std::isfinite(depth_scale), "depth scale must be positive");
-  SGS_ASSIGN_OR_RETURN(const Encoded encoded, read_encoded(path));
+Result<Image<std::uint16_t>> decode_raw_depth(std::string bytes, const std::string& name) {
+  SGS_ASSIGN_OR_RETURN(const Encoded encoded, checked_stream(std::move(bytes), name));
   if (encoded.check.kind == StreamCheck::Kind::kJpeg || encoded.check.bits_per_channel != 16) {
     return fail(ErrorCode::kUnsupported,
-                fmt::format("{}: {}-bit {} where 16-bit PNG depth is needed", path.string(),
+                fmt::format("{}: {}-bit {} where 16-bit PNG depth is needed", name,
                             encoded.check.bits_per_channel,
                             encoded.check.kind == StreamCheck::Kind::kJpeg ? "JPEG" : "PNG"),
                 "export raw depth as single-channel 16-bit PNG, not as a preview picture");
   }
-  const auto raw = decode_png_grey16(encoded.bytes);
-  if (!raw) return named(path, raw.error());
+  auto raw = decode_png_grey16(encoded.bytes);
+  if (!raw) return named(name, raw.error());
+  return raw;
+}
+
+Result<DepthImage> decode_depth(std::string bytes, const std::string& name, double depth_scale) {
+  SGS_CHECK(depth_scale > 0 && std::isfinite(depth_scale), "depth scale must be positive");
+  const auto raw = decode_raw_depth(std::move(bytes), name);
+  if (!raw) return tl::unexpected(raw.error());
   DepthImage image(raw->width(), raw->height());
   for (int y = 0; y < raw->height(); ++y) {
     const std::uint16_t* in = raw->row(y);
@@ -140,6 +143,16 @@ Result<DepthImage> load_depth(const fs::path& path, double depth_scale) {
     }
   }
   return image;
+}
+
+Result<ColorImage> load_color(const fs::path& path) {
+  SGS_ASSIGN_OR_RETURN(std::string bytes, read_file(path, kLargestImageFile_bytes));
+  return decode_color(std::move(bytes), path.string());
+}
+
+Result<DepthImage> load_depth(const fs::path& path, double depth_scale) {
+  SGS_ASSIGN_OR_RETURN(std::string bytes, read_file(path, kLargestImageFile_bytes));
+  return decode_depth(std::move(bytes), path.string(), depth_scale);
 }
 
 Status save_color(const fs::path& path, const ColorImage& image, int jpeg_quality) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -20,6 +21,12 @@ Result<ColorImage> load_color(const std::filesystem::path& path);
 /// metre, > 0). Raw 0 and 65535 become 0, "no measurement". Errors as for load_color; 8-bit or
 /// multi-channel images are kUnsupported.
 Result<DepthImage> load_depth(const std::filesystem::path& path, double depth_scale);
+
+/// The same from the bytes of a file that `name` names in errors.
+Result<ColorImage> decode_color(std::string bytes, const std::string& name);
+Result<DepthImage> decode_depth(std::string bytes, const std::string& name, double depth_scale);
+/// The raw values of a 16-bit single-channel PNG.
+Result<Image<std::uint16_t>> decode_raw_depth(std::string bytes, const std::string& name);
 
 /// Writes PNG or JPEG by the extension (.png, .jpg, .jpeg); `jpeg_quality` 1..100.
 Status save_color(const std::filesystem::path& path, const ColorImage& image,

@@ -91,6 +91,9 @@ Result<Input> open_recorded(const InputSpec& spec, const FrameRange& range) {
     SGS_ASSIGN_OR_RETURN(options.camera, io::parse_camera_option(spec.camera));
   }
   if (spec.depth_scale > 0) options.depth_scale = spec.depth_scale;
+  options.topics = spec.topics;
+  options.extrinsics = spec.extrinsics;
+  options.truth_topic = spec.truth_topic;
   options.first = range.first;
   options.last = range.last;
   SGS_ASSIGN_OR_RETURN(auto sequence, dataset::open_sequence(spec.input, options));
@@ -111,7 +114,7 @@ Result<Input> open_uncalibrated(const InputSpec& spec, int threads) {
 
 void InputSpec::declare(ParameterList& list) {
   const auto group = list.group("input");
-  list.add("source", input, "Folder of the sequence, or synth:NAME[:LEVEL].", {});
+  list.add("source", input, "Folder of the sequence, bag, or synth:NAME[:LEVEL].", {});
   list.add("frames", frames, "Frames a:b (half open) of the sequence; empty = all.", {});
   list.add("camera", camera,
            "fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]] instead of the folder's calibration.", {});
@@ -119,6 +122,15 @@ void InputSpec::declare(ParameterList& list) {
            "Raw depth units per metre instead of the folder's; 0 = as the folder says.", "1/m",
            {0, 1e9});
   list.add("calibration", calibration, "File of `sgs calibrate` that corrects the depths.", {});
+  list.add("topics", topics,
+           "Bags: color=/a,depth=/b[,color_info=/c][,depth_info=/d]; what is left out is guessed.",
+           {});
+  list.add("extrinsics", extrinsics,
+           "Bags: depth camera to colour camera as tx,ty,tz,qx,qy,qz,qw, or aligned; empty = as "
+           "recorded.",
+           {});
+  list.add("truth_topic", truth_topic,
+           "Bags: ground truth from a topic of poses, or WORLD:CAMERA of tf.", {});
   list.add("trajectory", trajectory, "TUM trajectory that a synthetic camera flies along.", {});
   list.add("synth_seed", synth_seed, "Seed of a synthetic scene, its motion and its noise.");
 }

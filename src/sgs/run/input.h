@@ -23,14 +23,17 @@ inline constexpr const char* kCalibrateFirst = "auto";
 /// Where frames come from, as the command line says it and as a run folder remembers it. All text,
 /// so that it can live in config.toml beside the parameters.
 struct InputSpec {
-  std::string input;       ///< a folder, or synth:NAME[:LEVEL]
+  std::string input;       ///< a folder, a bag, or synth:NAME[:LEVEL]
   std::string frames;      ///< "a:b", half open, either side may be missing; empty = all
   std::string camera;      ///< fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]] or empty
   double depth_scale = 0;  ///< raw units per metre; 0 = as the folder says
   /// File of `sgs calibrate` that corrects the depths; empty = none. kCalibrateFirst is for
   /// calibrate_first(), which puts a file here; open_input() takes it for none.
   std::string calibration;
-  std::string trajectory;  ///< synth only: TUM file with the camera's motion
+  std::string topics;  ///< bags: color=/a,depth=/b[,color_info=/c][,depth_info=/d]; empty = guessed
+  std::string extrinsics;   ///< bags: tx,ty,tz,qx,qy,qz,qw of T_color_depth, or "aligned"
+  std::string truth_topic;  ///< bags: a topic of poses, or world:camera of tf
+  std::string trajectory;   ///< synth only: TUM file with the camera's motion
   std::uint64_t synth_seed = 1;
 
   void declare(ParameterList& list);

@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "input_options.h"
+
+namespace sgs::app {
+
+void add_recording_options(CLI::App& app, run::InputSpec& input) {
+  app.add_option("--camera", input.camera, "fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]]");
+  app.add_option("--depth-scale", input.depth_scale, "Raw depth units per metre")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--topics", input.topics,
+                 "Bag: color=/a,depth=/b[,color_info=/c][,depth_info=/d] where guessing fails");
+  app.add_option("--extrinsics", input.extrinsics,
+                 "Bag: depth camera to colour camera, tx,ty,tz,qx,qy,qz,qw; or: aligned");
+  app.add_option("--truth-topic", input.truth_topic,
+                 "Bag: ground truth from a topic of poses, or WORLD:CAMERA of tf");
+}
+
+}  // namespace sgs::app

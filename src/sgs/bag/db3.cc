@@ -1,0 +1,149 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// SQLite files of rosbag2: tables topics(id, name, type, serialization_format) and
+// messages(id, topic_id, timestamp, data).
+#include <sqlite3.h>
+
+#include <algorithm>
+#include <map>
+
+#include "sgs/bag/chunked_bag.h"
+
+namespace sgs::bag {
+namespace {
+
+using Database = std::unique_ptr<sqlite3, decltype(&sqlite3_close)>;
+using Statement = std::unique_ptr<sqlite3_stmt, decltype(&sqlite3_finalize)>;
+
+std::string text_column(sqlite3_stmt* row, int column) {
+  const auto* text = sqlite3_column_text(row, column);
+  return text == nullptr ? std::string() : reinterpret_cast<const char*>(text);
+}
+
+class Db3 : public Bag {
+ public:
+  explicit Db3(std::filesystem::path path) : path_(std::move(path)) { format_ = "ROS 2 db3"; }
+
+  Status open() {
+    sqlite3* database = nullptr;
+    const int status = sqlite3_open_v2(path_.c_str(), &database, SQLITE_OPEN_READONLY, nullptr);
+    database_.reset(database);
+    if (status != SQLITE_OK) return tl::unexpected(problem());
+    SGS_ASSIGN_OR_RETURN(auto topics,
+                         prepare("SELECT id, name, type, serialization_format FROM topics"));
+    while (sqlite3_step(topics.get()) == SQLITE_ROW) {
+      const auto encoding =
+          text_column(topics.get(), 3) == "cdr" ? Encoding::kCdr : Encoding::kOther;
+      channel_of_id_[sqlite3_column_int64(topics.get(), 0)] =
+          channel_of(text_column(topics.get(), 1), text_column(topics.get(), 2), encoding);
+    }
+    return count_messages();
+  }
+
+  std::unique_ptr<Cursor> read(const std::vector<std::size_t>& channels) const override;
+
+  Result<Statement> prepare(const std::string& sql) const {
+    sqlite3_stmt* statement = nullptr;
+    if (sqlite3_prepare_v2(database_.get(), sql.c_str(), -1, &statement, nullptr) != SQLITE_OK) {
+      return tl::unexpected(problem());
+    }
+    return Statement(statement, sqlite3_finalize);
+  }
+  Error problem() const {
+    return {ErrorCode::kInvalidFormat,
+            fmt::format("{}: {}", path_.string(), sqlite3_errmsg(database_.get())),
+            "the file is damaged or no recording of rosbag2; copy or record it again"};
+  }
+  const std::map<std::int64_t, std::size_t>& channel_of_id() const { return channel_of_id_; }
+
+ private:
+  Status count_messages() {
+    SGS_ASSIGN_OR_RETURN(auto rows, prepare("SELECT topic_id, COUNT(*), MIN(timestamp), "
+                                            "MAX(timestamp) FROM messages GROUP BY topic_id"));
+    for (Channel& channel : channels_) channel.messages = 0;
+    int status = SQLITE_ROW;
+    while ((status = sqlite3_step(rows.get())) == SQLITE_ROW) {
+      const std::int64_t first = sqlite3_column_int64(rows.get(), 2);
+      const std::int64_t last = sqlite3_column_int64(rows.get(), 3);
+      first_time_ns_ = std::min(first_time_ns_.value_or(first), first);
+      last_time_ns_ = std::max(last_time_ns_.value_or(last), last);
+      const auto channel = channel_of_id_.find(sqlite3_column_int64(rows.get(), 0));
+      if (channel == channel_of_id_.end()) continue;
+      *channels_[channel->second].messages +=
+          static_cast<std::uint64_t>(sqlite3_column_int64(rows.get(), 1));
+    }
+    if (status != SQLITE_DONE) {
+      // Cut off: what can be reached is read, the counts are not known.
+      warnings_.push_back(
+          fmt::format("{}; what lies before the damage is read", problem().message));
+      for (Channel& channel : channels_) channel.messages.reset();
+    }
+    return {};
+  }
+
+  std::filesystem::path path_;
+  Database database_{nullptr, sqlite3_close};
+  std::map<std::int64_t, std::size_t> channel_of_id_;
+};
+
+class Db3Cursor : public Cursor {
+ public:
+  Db3Cursor(const Db3& bag, Result<Statement> rows) : bag_(bag), rows_(std::move(rows)) {}
+
+  Result<std::optional<Message>> next() override {
+    if (done_) return std::nullopt;
+    if (!rows_) {
+      done_ = true;
+      return tl::unexpected(rows_.error());
+    }
+    sqlite3_stmt* row = rows_->get();
+    const int status = sqlite3_step(row);
+    if (status != SQLITE_ROW) {
+      done_ = true;
+      if (status != SQLITE_DONE) return tl::unexpected(bag_.problem());
+      return std::nullopt;
+    }
+    const auto* data = static_cast<const char*>(sqlite3_column_blob(row, 2));
+    const auto bytes = static_cast<std::size_t>(sqlite3_column_bytes(row, 2));
+    return Message{bag_.channel_of_id().at(sqlite3_column_int64(row, 0)),
+                   sqlite3_column_int64(row, 1),
+                   data == nullptr ? std::string() : std::string(data, bytes)};
+  }
+
+ private:
+  const Db3& bag_;
+  Result<Statement> rows_;
+  bool done_ = false;
+};
+
+std::unique_ptr<Cursor> Db3::read(const std::vector<std::size_t>& channels) const {
+  std::string ids;
+  for (const auto& [id, channel] : channel_of_id_) {
+    if (std::find(channels.begin(), channels.end(), channel) == channels.end()) continue;
+    ids += fmt::format("{}{}", ids.empty() ? "" : ", ", id);
+  }
+  // By rowid, which is how the rows lie: any other order would have to be sorted in memory.
+  return std::make_unique<Db3Cursor>(
+      *this, prepare(fmt::format("SELECT topic_id, timestamp, data FROM messages WHERE topic_id IN "
+                                 "({}) ORDER BY rowid",
+                                 ids)));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Bag>> open_db3(const std::filesystem::path& path) {
+  SGS_ASSIGN_OR_RETURN(ByteFile file, ByteFile::open(path));
+  constexpr std::string_view kSqliteMagic("SQLite format 3\0", 16);
+  const auto magic = file.view(0, std::min<std::uint64_t>(file.size(), kSqliteMagic.size()));
+  if (!magic) return tl::unexpected(magic.error());
+  if (*magic != kSqliteMagic) {
+    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: not a SQLite file", path.string()),
+                "is the file whole, and its name right?");
+  }
+  auto bag = std::make_unique<Db3>(path);
+  SGS_RETURN_IF_ERROR(bag->open());
+  return bag;
+}
+
+}  // namespace sgs::bag

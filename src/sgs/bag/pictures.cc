@@ -1,0 +1,180 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/bag/pictures.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <opencv2/imgproc.hpp>
+
+#include "sgs/bag/bytes.h"
+#include "sgs/io/image_io.h"
+
+namespace sgs::bag {
+namespace {
+
+constexpr std::uint16_t kNoDepth = 65535;
+constexpr std::uint64_t kLargestPicture_px = 100'000'000;
+
+/// A colour encoding: its OpenCV type and how it becomes red green blue; -1 = it already is.
+struct ColorEncoding {
+  const char* name;
+  int type;
+  int conversion;
+};
+
+constexpr ColorEncoding kColorEncodings[] = {
+    {"rgb8", CV_8UC3, -1},
+    {"bgr8", CV_8UC3, cv::COLOR_BGR2RGB},
+    {"8UC3", CV_8UC3, cv::COLOR_BGR2RGB},
+    {"rgba8", CV_8UC4, cv::COLOR_RGBA2RGB},
+    {"bgra8", CV_8UC4, cv::COLOR_BGRA2RGB},
+    {"8UC4", CV_8UC4, cv::COLOR_BGRA2RGB},
+    {"mono8", CV_8UC1, cv::COLOR_GRAY2RGB},
+    {"8UC1", CV_8UC1, cv::COLOR_GRAY2RGB},
+    {"yuv422", CV_8UC2, cv::COLOR_YUV2RGB_UYVY},
+    {"uyvy", CV_8UC2, cv::COLOR_YUV2RGB_UYVY},
+    {"UYVY", CV_8UC2, cv::COLOR_YUV2RGB_UYVY},
+    {"yuv422_yuy2", CV_8UC2, cv::COLOR_YUV2RGB_YUY2},
+    {"yuyv", CV_8UC2, cv::COLOR_YUV2RGB_YUY2},
+    {"YUYV", CV_8UC2, cv::COLOR_YUV2RGB_YUY2},
+};
+
+/// Whether the rows of `pixel_bytes` per pixel fit the step and the data. Nothing is allocated on
+/// the word of a header that does not.
+Status check_size(const ImageMessage& image, std::uint64_t pixel_bytes) {
+  const std::uint64_t row = pixel_bytes * image.width;
+  const bool some = image.width > 0 && image.height > 0;
+  if (some && image.step >= row &&
+      std::uint64_t{image.step} * (image.height - 1) + row <= image.data.size() &&
+      std::uint64_t{image.width} * image.height <= kLargestPicture_px) {
+    return {};
+  }
+  return fail(ErrorCode::kInvalidFormat,
+              fmt::format("an image of {}x{} {} with rows of {} bytes does not fit its {} bytes",
+                          image.width, image.height, image.encoding, image.step, image.data.size()),
+              "the recording is damaged");
+}
+
+template <class T>
+T pixel(const char* from, bool swap) {
+  char raw[sizeof(T)];
+  std::memcpy(raw, from, sizeof(T));
+  if (swap) std::reverse(raw, raw + sizeof(T));
+  T value;
+  std::memcpy(&value, raw, sizeof(T));
+  return value;
+}
+
+/// The pixels of a raw image, turned into metres by `convert`.
+template <class T, class Convert>
+Result<DepthImage> convert_depth(const ImageMessage& image, Convert convert) {
+  SGS_RETURN_IF_ERROR(check_size(image, sizeof(T)));
+  static_assert(std::endian::native == std::endian::little);
+  DepthImage out(static_cast<int>(image.width), static_cast<int>(image.height));
+  for (int y = 0; y < out.height(); ++y) {
+    const char* row = image.data.data() + std::size_t{image.step} * static_cast<std::size_t>(y);
+    for (int x = 0; x < out.width(); ++x) {
+      out(x, y) =
+          convert(pixel<T>(row + sizeof(T) * static_cast<std::size_t>(x), image.big_endian));
+    }
+  }
+  return out;
+}
+
+float metres_of_raw(std::uint16_t raw, double units_per_metre) {
+  return raw == kNoDepth ? 0.0f : static_cast<float>(raw / units_per_metre);
+}
+
+float metres_of_float(float value) { return std::isfinite(value) && value > 0 ? value : 0.0f; }
+
+/// compressed_depth_image_transport: floats as 16-bit inverse depths, v = a / depth + b.
+Result<DepthImage> decode_inverse_depth(std::string png, float a, float b) {
+  SGS_ASSIGN_OR_RETURN(const auto raw, io::decode_raw_depth(std::move(png), "a compressed depth"));
+  DepthImage out(raw.width(), raw.height());
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    const std::uint16_t v = raw.data()[i];
+    if (v != 0) out.data()[i] = metres_of_float(a / (static_cast<float>(v) - b));
+  }
+  return out;
+}
+
+}  // namespace
+
+DepthEncoding depth_encoding(const std::string& encoding) {
+  if (encoding == "16UC1" || encoding == "32FC1") return DepthEncoding::kYes;
+  return encoding == "mono16" ? DepthEncoding::kMaybe : DepthEncoding::kNo;
+}
+
+Result<ColorImage> decode_color(const ImageMessage& image) {
+  const auto* known =
+      std::find_if(std::begin(kColorEncodings), std::end(kColorEncodings),
+                   [&](const ColorEncoding& e) { return image.encoding == e.name; });
+  if (known == std::end(kColorEncodings)) {
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("colour encoding '{}' is not known", image.encoding),
+                "record or convert it as rgb8, or choose another topic with --topics");
+  }
+  SGS_RETURN_IF_ERROR(check_size(image, CV_ELEM_SIZE(known->type)));
+  const bool pairs = CV_MAT_CN(known->type) == 2;
+  if (pairs && image.width % 2 != 0) {
+    return fail(ErrorCode::kInvalidFormat, fmt::format("{} of odd width", image.encoding));
+  }
+  ColorImage out(static_cast<int>(image.width), static_cast<int>(image.height));
+  // Only read; cv::Mat has no const view.
+  const cv::Mat in(out.height(), out.width(), known->type, const_cast<char*>(image.data.data()),
+                   image.step);
+  cv::Mat rgb(in.size(), CV_8UC3, out.data());
+  if (known->conversion < 0) {
+    in.copyTo(rgb);
+  } else {
+    cv::cvtColor(in, rgb, known->conversion);
+  }
+  return out;
+}
+
+Result<ColorImage> decode_color(const CompressedImageMessage& image) {
+  return io::decode_color(std::string(image.data), "a compressed image");
+}
+
+Result<DepthImage> decode_depth(const ImageMessage& image, const DepthUnit& unit) {
+  if (image.encoding == "32FC1") {
+    const double scale = unit.scale_floats ? unit.units_per_metre : 1;
+    return convert_depth<float>(image, [&](float value) {
+      return scale == 1 ? metres_of_float(value)
+                        : metres_of_float(static_cast<float>(value / scale));
+    });
+  }
+  if (depth_encoding(image.encoding) != DepthEncoding::kNo) {
+    return convert_depth<std::uint16_t>(
+        image, [&](std::uint16_t raw) { return metres_of_raw(raw, unit.units_per_metre); });
+  }
+  return fail(ErrorCode::kUnsupported,
+              fmt::format("depth encoding '{}' is not known", image.encoding),
+              "record it as 16UC1 (millimetres) or 32FC1 (metres), or choose another topic with "
+              "--topics");
+}
+
+Result<DepthImage> decode_depth(const CompressedImageMessage& image, const DepthUnit& unit) {
+  constexpr std::size_t kConfigBytes = 12;
+  const bool transport = image.format.find("compressedDepth") != std::string::npos;
+  if (!transport) {
+    return io::decode_depth(std::string(image.data), "a compressed depth", unit.units_per_metre);
+  }
+  if (image.format.find("rvl") != std::string::npos) {
+    return fail(ErrorCode::kUnsupported, "depth is packed with RVL",
+                "record it with compressedDepth's format png, or raw");
+  }
+  Bytes config(image.data);
+  config.number<std::int32_t>();
+  const auto a = config.number<float>(), b = config.number<float>();
+  if (!config.ok()) return fail(ErrorCode::kInvalidFormat, "a compressed depth that is too short");
+  std::string png(image.data.substr(kConfigBytes));
+  if (image.format.find("32FC1") != std::string::npos) {
+    return decode_inverse_depth(std::move(png), a, b);
+  }
+  return io::decode_depth(std::move(png), "a compressed depth", unit.units_per_metre);
+}
+
+}  // namespace sgs::bag

@@ -1,0 +1,213 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Whole recordings of foreign writers are in tests/bags; here are the parts that put them in order.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sgs/bag/bag.h"
+#include "sgs/dataset/bag_pairs.h"
+#include "sgs/dataset/bag_time.h"
+#include "sgs/dataset/bag_transforms.h"
+
+namespace sgs::dataset {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+template <class T>
+std::string packed(T value) {
+  std::string bytes(sizeof(T), '\0');
+  std::memcpy(bytes.data(), &value, sizeof(T));
+  return bytes;
+}
+
+std::string packed_text(const std::string& text) {
+  return packed(static_cast<std::uint32_t>(text.size())) + text;
+}
+
+std::string packed_header(std::int64_t stamp_ns, const std::string& frame) {
+  return packed(0u) + packed(static_cast<std::uint32_t>(stamp_ns / 1'000'000'000)) +
+         packed(static_cast<std::uint32_t>(stamp_ns % 1'000'000'000)) + packed_text(frame);
+}
+
+constexpr std::int64_t kMs = 1'000'000;
+
+/// Messages in memory.
+class MemoryBag : public bag::Bag {
+ public:
+  std::size_t topic(const std::string& name, const std::string& type) {
+    return channel_of(name, type, bag::Encoding::kRos1);
+  }
+  void add(std::size_t channel, std::string data, std::int64_t record_ns = 0) {
+    messages_.push_back({channel, record_ns, std::move(data)});
+  }
+  void stamp(std::size_t channel, std::int64_t ms) { add(channel, packed_header(ms * kMs, "c")); }
+  void damage() { messages_.push_back({kDamage, 0, ""}); }
+
+  std::unique_ptr<bag::Cursor> read(const std::vector<std::size_t>& channels) const override {
+    return std::make_unique<MemoryCursor>(*this, channels.front());
+  }
+
+ private:
+  static constexpr std::size_t kDamage = 99;
+  struct MemoryCursor : bag::Cursor {
+    MemoryCursor(const MemoryBag& b, std::size_t c) : bag(b), channel(c) {}
+    Result<std::optional<bag::Message>> next() override {
+      while (at < bag.messages_.size()) {
+        const bag::Message& message = bag.messages_[at++];
+        if (message.channel == kDamage) return fail(ErrorCode::kInvalidFormat, "damaged");
+        if (message.channel == channel) return message;
+      }
+      return std::nullopt;
+    }
+    const MemoryBag& bag;
+    std::size_t channel, at = 0;
+  };
+  std::vector<bag::Message> messages_;
+};
+
+struct TwoStreams {
+  MemoryBag bag;
+  std::size_t color = bag.topic("/c", "sensor_msgs/Image");
+  std::size_t depth = bag.topic("/d", "sensor_msgs/Image");
+
+  /// Colour times in ms of what comes out; "bad" events are negative.
+  std::vector<int> run(double tolerance_s = 0.02) {
+    BagPairs pairs(bag, color, depth, BagClock::kStamp, tolerance_s);
+    std::vector<int> times;
+    while (true) {
+      const auto event = pairs.next();
+      if (event.kind == BagPairs::Event::Kind::kEnd) break;
+      const bool bad = event.kind == BagPairs::Event::Kind::kBad;
+      times.push_back(bad ? -1 : static_cast<int>(event.time_ns / kMs));
+      if (bad) problem = event.error.message;
+    }
+    unpaired = {pairs.color_without_depth(), pairs.depth_without_color()};
+    return times;
+  }
+  std::string problem;
+  std::pair<std::size_t, std::size_t> unpaired;
+};
+
+TEST(BagPairs, NearestDepthOfAFasterCameraIsTaken) {
+  TwoStreams s;
+  for (const int ms : {0, 33, 66}) s.bag.stamp(s.color, ms);
+  for (const int ms : {0, 11, 22, 34, 45, 56, 65}) s.bag.stamp(s.depth, ms);
+  EXPECT_THAT(s.run(), ElementsAre(0, 33, 66));
+  EXPECT_EQ(s.unpaired, std::pair(std::size_t{0}, std::size_t{4}));
+}
+
+TEST(BagPairs, OrderInTheFileDoesNotMatter) {
+  TwoStreams s;
+  for (const int ms : {33, 0, 66, 133, 100}) s.bag.stamp(s.color, ms);
+  for (const int ms : {0, 33, 66, 100, 133}) s.bag.stamp(s.depth, ms);
+  EXPECT_THAT(s.run(), ElementsAre(0, 33, 66, 100, 133));
+}
+
+TEST(BagPairs, GapsLeaveOthersAlone) {
+  TwoStreams s;
+  for (int i = 0; i < 60; ++i) s.bag.stamp(s.color, 33 * i);
+  for (int i = 40; i < 100; ++i) s.bag.stamp(s.depth, 33 * i);
+  const auto times = s.run();
+  ASSERT_EQ(times.size(), 20u);
+  EXPECT_EQ(times.front(), 33 * 40);
+  EXPECT_EQ(s.unpaired.first, 40u);
+}
+
+TEST(BagPairs, ColourThatRepeatsOrGoesBackIsSaid) {
+  TwoStreams s;
+  for (const int ms : {5000, 5033, 5033, 5066, 1000, 5100}) s.bag.stamp(s.color, ms);
+  for (const int ms : {5000, 5033, 5066, 5100}) s.bag.stamp(s.depth, ms);
+  auto times = s.run();
+  EXPECT_EQ(std::count(times.begin(), times.end(), -1), 2);
+  times.erase(std::remove(times.begin(), times.end(), -1), times.end());
+  EXPECT_THAT(times, ElementsAre(5000, 5033, 5066, 5100));
+  EXPECT_THAT(s.problem, HasSubstr("1.000000 s"));
+}
+
+TEST(BagPairs, DamageIsOneBadFrameAndReadingGoesOn) {
+  TwoStreams s;
+  for (const int ms : {0, 33}) s.bag.stamp(s.color, ms), s.bag.stamp(s.depth, ms);
+  s.bag.damage();
+  for (const int ms : {66, 100}) s.bag.stamp(s.color, ms), s.bag.stamp(s.depth, ms);
+  auto times = s.run();
+  EXPECT_EQ(std::count(times.begin(), times.end(), -1), 1);
+  times.erase(std::remove(times.begin(), times.end(), -1), times.end());
+  EXPECT_THAT(times, ElementsAre(0, 33, 66, 100));
+}
+
+TEST(BagPairs, NeverTogetherIsCountedAndMeasured) {
+  TwoStreams s;
+  for (int i = 0; i < 20; ++i) s.bag.stamp(s.color, 33 * i), s.bag.stamp(s.depth, 10000 + 33 * i);
+  EXPECT_THAT(s.run(), ElementsAre());
+  BagPairs pairs(s.bag, s.color, s.depth, BagClock::kStamp, 0.02);
+  while (pairs.next().kind != BagPairs::Event::Kind::kEnd) {
+  }
+  ASSERT_TRUE(pairs.nearest_ns());
+  EXPECT_EQ(*pairs.nearest_ns(), (10000 - 33 * 19) * kMs);
+}
+
+TEST(BagTime, IsTheDoubleThatTextGives) {
+  EXPECT_EQ(seconds_of(1305031102'175304000), 1305031102.175304);
+  EXPECT_EQ(seconds_of(1'033333333), 1.033333333);
+  EXPECT_EQ(seconds_of(-500'000'000), -0.5);
+  EXPECT_EQ(seconds_of(0), 0);
+}
+
+std::string packed_transform(std::int64_t ms, const std::string& parent, const std::string& child,
+                             const SE3& T) {
+  const Eigen::Quaterniond q = T.quaternion();
+  std::string bytes = packed(1u) + packed_header(ms * kMs, parent) + packed_text(child);
+  for (const double v : {T.t.x(), T.t.y(), T.t.z(), q.x(), q.y(), q.z(), q.w()}) {
+    bytes += packed(v);
+  }
+  return bytes;
+}
+
+SE3 at(double x, double angle = 0) { return {so3_exp({0, 0, angle}), {x, 0, 0}}; }
+
+TEST(TransformTree, JoinsFramesThroughTheirCommonParent) {
+  MemoryBag bag;
+  const auto fixed = bag.topic("/tf_static", "tf2_msgs/TFMessage");
+  bag.add(fixed, packed_transform(0, "link", "color", at(0.05, 0.1)));
+  bag.add(fixed, packed_transform(0, "/link", "depth", at(-0.01, -0.2)));
+  bag.add(fixed, packed_transform(0, "elsewhere", "other", at(1)));
+  const auto tree = TransformTree::read(bag, false);
+  ASSERT_TRUE(tree);
+  const auto T = tree->fixed("color", "depth");
+  ASSERT_TRUE(T);
+  const SE3 expected = at(0.05, 0.1).inverse() * at(-0.01, -0.2);
+  EXPECT_TRUE(T->R.isApprox(expected.R));
+  EXPECT_TRUE(T->t.isApprox(expected.t));
+  EXPECT_FALSE(tree->fixed("color", "other"));
+  EXPECT_FALSE(tree->fixed("color", "nowhere"));
+  EXPECT_THAT(tree->frames(), HasSubstr("elsewhere"));
+}
+
+TEST(TransformTree, MovingFramesAreFollowedAndCyclesEnd) {
+  MemoryBag bag;
+  const auto fixed = bag.topic("/tf_static", "tf2_msgs/TFMessage");
+  const auto moving = bag.topic("/tf", "tf2_msgs/TFMessage");
+  bag.add(fixed, packed_transform(0, "body", "camera", at(0.5)));
+  for (int i = 0; i < 5; ++i) bag.add(moving, packed_transform(100 * i, "world", "body", at(i)));
+  bag.add(moving, packed_transform(0, "a", "b", at(1)));
+  bag.add(moving, packed_transform(0, "b", "a", at(1)));
+  const auto tree = TransformTree::read(bag, true);
+  ASSERT_TRUE(tree);
+  const auto poses = tree->moving("world", "camera", 0.15);
+  ASSERT_EQ(poses.size(), 5u);
+  EXPECT_DOUBLE_EQ(poses.poses()[3].timestamp_s, 0.3);
+  EXPECT_TRUE(poses.poses()[3].T_world_camera.t.isApprox(Eigen::Vector3d(3.5, 0, 0)));
+  EXPECT_TRUE(tree->moving("world", "a", 0.15).empty());
+}
+
+}  // namespace
+}  // namespace sgs::dataset

@@ -1,0 +1,94 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/dataset/bag_truth.h"
+
+#include <vector>
+
+#include "sgs/bag/messages.h"
+#include "sgs/dataset/bag_time.h"
+#include "sgs/dataset/bag_topics.h"
+#include "sgs/dataset/bag_transforms.h"
+
+namespace sgs::dataset {
+namespace {
+
+constexpr const char* kPoseType = "geometry_msgs/PoseStamped";
+constexpr const char* kOdometryType = "nav_msgs/Odometry";
+
+std::string pose_topics(const bag::Bag& bag) {
+  std::string text;
+  for (const bag::Channel& channel : bag.channels()) {
+    if (channel.type != kPoseType && channel.type != kOdometryType) continue;
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", channel.topic);
+  }
+  return text.empty() ? "none" : text;
+}
+
+std::optional<std::size_t> topic_named_truth(const bag::Bag& bag) {
+  std::optional<std::size_t> found;
+  for (std::size_t i = 0; i < bag.channels().size(); ++i) {
+    const bag::Channel& channel = bag.channels()[i];
+    const bool truth = channel.topic.find("groundtruth") != std::string::npos ||
+                       channel.topic.find("ground_truth") != std::string::npos;
+    if (!truth || (channel.type != kPoseType && channel.type != kOdometryType)) continue;
+    if (found) return std::nullopt;
+    found = i;
+  }
+  return found;
+}
+
+Result<Trajectory> read_poses(const bag::Bag& bag, std::size_t channel,
+                              const std::string& camera_frame) {
+  const bag::Channel& about = bag.channels()[channel];
+  const bool odometry = about.type == kOdometryType;
+  const auto cursor = bag.read({channel});
+  std::vector<StampedPose> poses;
+  std::optional<SE3> T_body_camera;
+  while (true) {
+    SGS_ASSIGN_OR_RETURN(const auto message, cursor->next());
+    if (!message) break;
+    SGS_ASSIGN_OR_RETURN(const auto pose, odometry ? bag::read_odometry(*message, about.encoding)
+                                                   : bag::read_pose(*message, about.encoding));
+    if (!T_body_camera) {
+      SGS_ASSIGN_OR_RETURN(const auto tree, TransformTree::read(bag, false));
+      const bool other_body = !pose.child.empty() && pose.child != camera_frame;
+      T_body_camera = other_body ? tree.fixed(pose.child, camera_frame).value_or(SE3{}) : SE3{};
+    }
+    poses.push_back({seconds_of(pose.header.stamp_ns), pose.pose * *T_body_camera});
+  }
+  return Trajectory(std::move(poses));
+}
+
+}  // namespace
+
+Result<Trajectory> read_bag_truth(const bag::Bag& bag, const std::string& option,
+                                  const std::string& camera_frame) {
+  constexpr double kLargestGap_s = 0.1;
+  if (option.empty()) {
+    const auto channel = topic_named_truth(bag);
+    return channel ? read_poses(bag, *channel, camera_frame) : Result<Trajectory>(Trajectory{});
+  }
+  if (const auto colon = option.find(':'); colon != std::string::npos) {
+    SGS_ASSIGN_OR_RETURN(const auto tree, TransformTree::read(bag, true));
+    const auto frame = [](std::string name) {
+      return name.starts_with('/') ? name.substr(1) : name;
+    };
+    auto truth =
+        tree.moving(frame(option.substr(0, colon)), frame(option.substr(colon + 1)), kLargestGap_s);
+    if (!truth.empty()) return truth;
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("--truth-topic {}: tf does not join these frames; it has {}", option,
+                            tree.empty() ? "none" : tree.frames()));
+  }
+  for (const char* type : {kPoseType, kOdometryType}) {
+    if (const auto channel = find_channel(bag, option, {type})) {
+      return read_poses(bag, *channel, camera_frame);
+    }
+  }
+  return fail(ErrorCode::kInvalidArgument,
+              fmt::format("--truth-topic '{}' is no topic of {} or {}; there are: {}", option,
+                          kPoseType, kOdometryType, pose_topics(bag)),
+              "name one, or two frames of tf as WORLD:CAMERA");
+}
+
+}  // namespace sgs::dataset
