@@ -108,7 +108,7 @@ void BagPairs::note_distance() {
 
 BagPairs::Event BagPairs::next() {
   Event event;
-  while (true) {
+  for (std::size_t alone = 0; alone < patience_; ++alone) {
     fill(color_, &problems_);
     fill(depth_, nullptr);
     if (color_.waiting.empty() || depth_.waiting.empty()) {
@@ -143,6 +143,7 @@ BagPairs::Event BagPairs::next() {
     event.depth = std::move(depth.message);
     return event;
   }
+  return event;
 }
 
 }  // namespace sgs::dataset

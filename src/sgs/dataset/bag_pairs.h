@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -25,6 +26,9 @@ class BagPairs {
  public:
   BagPairs(const bag::Bag& bag, std::size_t color, std::size_t depth, BagClock clock,
            double max_difference_s);
+
+  /// Ends the pairs when this many images in a row have no partner; for looking, not for reading.
+  void give_up_after(std::size_t images) { patience_ = images; }
 
   struct Event {
     enum class Kind {
@@ -74,6 +78,7 @@ class BagPairs {
   std::deque<Problem> problems_;  ///< not yet told
   BagClock clock_;
   double max_difference_s_;
+  std::size_t patience_ = std::numeric_limits<std::size_t>::max();
   std::optional<std::int64_t> nearest_ns_;
 };
 

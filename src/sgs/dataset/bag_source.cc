@@ -219,7 +219,9 @@ tl::unexpected<Error> never_together(const bag::Bag& bag, const BagPlan& plan,
 /// Decodes frames until one is fit to be judged. Sizes that --camera leaves open are filled in.
 Status probe(const bag::Bag& bag, BagPlan& plan, double& first_time_s) {
   constexpr int kTries = 50;
+  constexpr std::size_t kAlone = 4000;  // two minutes of one camera before the other starts
   BagPairs pairs = pairs_of(bag, plan);
+  pairs.give_up_after(kAlone);
   Error first_error;
   bool usable = false;
   for (int i = 0; i < kTries; ++i) {

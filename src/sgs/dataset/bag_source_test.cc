@@ -153,6 +153,10 @@ TEST(BagPairs, NeverTogetherIsCountedAndMeasured) {
   }
   ASSERT_TRUE(pairs.nearest_ns());
   EXPECT_EQ(*pairs.nearest_ns(), (10000 - 33 * 19) * kMs);
+  BagPairs impatient(s.bag, s.color, s.depth, BagClock::kStamp, 0.02);
+  impatient.give_up_after(3);
+  EXPECT_EQ(impatient.next().kind, BagPairs::Event::Kind::kEnd);
+  EXPECT_EQ(impatient.color_without_depth(), 3u);
 }
 
 TEST(BagTime, IsTheDoubleThatTextGives) {
