@@ -217,7 +217,7 @@ tl::unexpected<Error> never_together(const bag::Bag& bag, const BagPlan& plan,
 }
 
 /// Decodes frames until one is fit to be judged. Sizes that --camera leaves open are filled in.
-Status probe(const bag::Bag& bag, BagPlan& plan, double& first_time_s) {
+Status probe_bag(const bag::Bag& bag, BagPlan& plan, double& first_time_s) {
   constexpr int kTries = 50;
   constexpr std::size_t kAlone = 4000;  // two minutes of one camera before the other starts
   BagPairs pairs = pairs_of(bag, plan);
@@ -289,7 +289,7 @@ Result<Sequence> open_bag_as_sequence(std::unique_ptr<bag::Bag> bag, const fs::p
   SGS_ASSIGN_OR_RETURN(plan.topics, choose_topics(*bag, options.topics));
   SGS_ASSIGN_OR_RETURN(plan.cameras, find_bag_cameras(*bag, plan.topics, options));
   plan.clock = choose_clock(plan.topics, info.warnings);
-  SGS_RETURN_IF_ERROR(probe(*bag, plan, info.first_time_s));
+  SGS_RETURN_IF_ERROR(probe_bag(*bag, plan, info.first_time_s));
   SGS_ASSIGN_OR_RETURN(auto truth,
                        read_bag_truth(*bag, options.truth_topic, plan.topics.color.frame_id));
   info.layout = bag->format();
