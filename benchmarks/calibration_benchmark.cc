@@ -13,13 +13,11 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "sgs/backend/calibrate_depth.h"
-#include "sgs/backend/keyframe_archive.h"
 #include "sgs/core/log.h"
 #include "sgs/dataset/calibrated_source.h"
 #include "sgs/eval/trajectory_metrics.h"
+#include "sgs/run/calibrate.h"
 #include "sgs/run/run_config.h"
-#include "sgs/run/track_only.h"
 #include "sgs/synthetic/sensor.h"
 
 namespace {
@@ -74,26 +72,17 @@ struct Truth {
   }
 };
 
-/// Tracks the input of `spec`, and hands each tracked frame on.
-Result<eval::TrajectoryMetrics> track(
-    const run::InputSpec& spec, const DepthCalibration* calibration,
-    const slam::SessionConfig& config,
-    const std::function<void(const std::shared_ptr<const RgbdFrame>&, const tracker::TrackResult*)>&
-        watch) {
-  SGS_ASSIGN_OR_RETURN(auto input, run::open_input(spec, 2));
-  if (calibration != nullptr) {
-    SGS_ASSIGN_OR_RETURN(
-        input.source, dataset::calibrated(std::move(input.source), *calibration, "the estimate"));
-  }
+/// The path of a tracked input, as its frames come.
+struct Path {
   std::vector<StampedPose> poses;
-  SGS_RETURN_IF_ERROR(
-      run::track_only(*input.source, config, [&](const auto& frame, const auto* result) {
-        if (result != nullptr) poses.push_back({frame->timestamp_s, result->T_world_camera});
-        if (watch) watch(frame, result);
-      }));
-  return eval::evaluate_trajectory(eval::to_estimates(Trajectory(std::move(poses))),
-                                   input.source->ground_truth());
-}
+
+  void add(const RgbdFrame* frame, const tracker::TrackResult* result) {
+    if (result != nullptr) poses.push_back({frame->timestamp_s, result->T_world_camera});
+  }
+  eval::TrajectoryMetrics against(const Trajectory& truth) const {
+    return eval::evaluate_trajectory(eval::to_estimates(Trajectory(poses)), truth);
+  }
+};
 
 std::string in_words(const eval::TrajectoryMetrics& m) {
   return fmt::format("{:.2f} cm, scale {:.4f}", m.ate ? 100 * m.ate->rmse : NAN,
@@ -104,28 +93,20 @@ std::string in_words(const eval::TrajectoryMetrics& m) {
 Status judge(const Job& job, const slam::SessionConfig& config) {
   run::InputSpec spec;
   spec.input = job.folder;
-  backend::KeyframeArchive archive(config.backend.archive);
-  double readout_s = 0;
-  std::optional<synthetic::Sensor> sensor;
-  Truth truth;
+  SGS_ASSIGN_OR_RETURN(auto input, run::open_input(spec, 2));
+  const Trajectory true_path = input.source->ground_truth();
+  const synthetic::Sensor sensor(synthetic::SensorModel::of_level(job.level),
+                                 input.source->camera(), job.seed);
   const ImageGrid grid{config.backend.calibration.columns, config.backend.calibration.rows};
-  int frames = 0;
-  const auto watch = [&](const std::shared_ptr<const RgbdFrame>& frame,
-                         const tracker::TrackResult* result) {
-    if (result == nullptr || result->status == tracker::TrackingStatus::kLost) {
-      return archive.note_gap();
-    }
-    archive.add(frame, result->T_world_camera);
-    if (std::isfinite(result->diagnostics.readout_s)) readout_s = result->diagnostics.readout_s;
-    if (!sensor) {
-      sensor.emplace(synthetic::SensorModel::of_level(job.level), frame->camera, job.seed);
-    }
+  Truth truth;
+  Path raw, corrected;
+  const auto watch = [&](const auto& frame, const auto* result) {
     constexpr int kEvery = 30;
-    if (frames++ % kEvery == 0) truth.add(*frame, *sensor, grid);
+    raw.add(frame.get(), result);
+    if (result != nullptr && frame->index % kEvery == 0) truth.add(*frame, sensor, grid);
   };
-  SGS_ASSIGN_OR_RETURN(const auto before, track(spec, nullptr, config, watch));
-  const auto e =
-      backend::calibrate_depth(archive.keyframes(), readout_s, config.backend.calibration);
+  SGS_ASSIGN_OR_RETURN(const auto e, run::calibrate(input, config, watch));
+  const auto before = raw.against(true_path);
   const std::string name = job.folder.substr(job.folder.rfind('/') + 1);
   if (!e.why_not.empty()) {
     fmt::print("| {} | {} | {} |\n", name, e.why_not, in_words(before));
@@ -144,8 +125,15 @@ Status judge(const Job& job, const slam::SessionConfig& config) {
     shape_after += area[k] * (off - found + mean) * (off - found + mean);
     covered += std::abs(off) <= 2 * c.sigma_per_m[k] ? 1.0 / static_cast<double>(area.size()) : 0;
   }
-  SGS_ASSIGN_OR_RETURN(const auto after, track(spec, &c, config, {}));
-  const Eigen::Vector2d shift = sensor->registration_shift();
+  SGS_ASSIGN_OR_RETURN(input, run::open_input(spec, 2));
+  SGS_ASSIGN_OR_RETURN(input.source,
+                       dataset::calibrated(std::move(input.source), c, "the estimate"));
+  const auto follow = [&](const auto& frame, const auto* result) {
+    corrected.add(frame.get(), result);
+  };
+  SGS_RETURN_IF_ERROR(run::track_only(*input.source, config, follow));
+  const auto after = corrected.against(true_path);
+  const Eigen::Vector2d shift = sensor.registration_shift();
   fmt::print(
       "| {} | {} | {:+.5f} | {:+.5f} ± {:.5f} | {:.5f} | {:.5f} | {:.0f} % | {:+.2f} {:+.2f} | "
       "{:+.2f} {:+.2f} | {} | {} |\n",

@@ -26,7 +26,8 @@ install(EXPORT sgs-targets NAMESPACE sgs:: DESTINATION "${package_dir}")
 foreach(module IN LISTS modules)
   install(DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/${module}"
           DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/sgs"
-          FILES_MATCHING PATTERN "*.h" PATTERN "*-inl.h" EXCLUDE PATTERN "viewer/net" EXCLUDE)
+          FILES_MATCHING PATTERN "*.h" PATTERN "*-inl.h" EXCLUDE PATTERN "viewer/net" EXCLUDE
+          PATTERN "test_*.h" EXCLUDE)
 endforeach()
 
 configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/sgs-config.cmake.in"

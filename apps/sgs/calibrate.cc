@@ -13,7 +13,6 @@
 #include "progress.h"
 #include "sgs/core/print.h"
 #include "sgs/io/depth_calibration_io.h"
-#include "sgs/run/run_config.h"
 
 namespace sgs::app {
 namespace {
@@ -50,7 +49,7 @@ int run_calibrate(CalibrateCommand command) {
   setup_logging({}, command.quiet);
   Progress progress("frames", input->source->size(), command.quiet);
   const auto estimate = run::calibrate(
-      *input, *config, [&] { progress.step(""); }, stop_token());
+      *input, *config, [&](const auto&, const auto*) { progress.step(""); }, stop_token());
   progress.finish();
   if (!estimate) return report(estimate.error());
   if (!estimate->why_not.empty()) {
@@ -59,12 +58,12 @@ int run_calibrate(CalibrateCommand command) {
                    "record ten seconds of textured surfaces at different distances; the depth "
                    "camera is used as it is"});
   }
+  print_estimate(*estimate);
+  for (const std::string& warning : estimate->warnings()) say("sgs: {}\n", warning);
   if (const auto saved = io::save_depth_calibration(command.output, estimate->calibration);
       !saved) {
     return report(saved.error());
   }
-  print_estimate(*estimate);
-  for (const std::string& warning : estimate->warnings()) say("sgs: {}\n", warning);
   print("{}\n", command.output);
   return kExitDone;
 }
@@ -79,16 +78,7 @@ void add_calibrate(CLI::App& app, Action& action) {
       ->required();
   sub->add_option("-o,--output", command->output, "File to write, for `sgs run --calibration`")
       ->capture_default_str();
-  sub->add_option("--config", command->config.file, "TOML file, e.g. a run's config.toml");
-  sub->add_option("--tracker", command->config.tracker, "spectral, gicp, orb or cvm");
-  sub->add_option("--set", command->config.assignments, "key=value, see `sgs info --config`")
-      ->take_all()
-      ->allow_extra_args(false);
-  sub->add_option("--frames", command->input.frames, "a:b, frames a to b-1 of the sequence");
-  add_recording_options(*sub, command->input);
-  sub->add_option("--trajectory", command->input.trajectory,
-                  "Synthetic input: fly along this TUM trajectory");
-  sub->add_option("--synth-seed", command->input.synth_seed, "Synthetic input: scene and noise");
+  add_tracking_options(*sub, command->input, command->config);
   sub->add_option("--threads", command->threads, "Threads that decode or render")
       ->check(CLI::Range(1, 256));
   sub->add_flag("--quiet", command->quiet, "No progress, no warnings on the terminal");

@@ -4,12 +4,15 @@
 
 #include <CLI/CLI.hpp>
 
-#include "sgs/run/input.h"
+#include "sgs/run/run_config.h"
 
 namespace sgs::app {
 
 /// Options of recordings, for every command that opens one: calibration, unit, and what to take
 /// from a bag.
 void add_recording_options(CLI::App& app, run::InputSpec& input);
+/// What a command that tracks an input may be told about it: the above, --config, --tracker, --set,
+/// --frames, --trajectory, --synth-seed.
+void add_tracking_options(CLI::App& app, run::InputSpec& input, run::ConfigSources& config);
 
 }  // namespace sgs::app

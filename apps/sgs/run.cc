@@ -100,12 +100,14 @@ Result<int> run_sequence(const RunCommand& command, const slam::SessionConfig& c
   return kExitDone;
 }
 
-/// `--calibration auto`: once through the input before the run proper.
+/// What `--calibration` says where the input is to be calibrated from itself.
+constexpr const char* kCalibrateFirst = "auto";
+
+/// Once through the input before the run proper.
 Status calibrate_input(RunCommand& command, const slam::SessionConfig& config, run::Input& input,
                        run::RunFolder& folder) {
-  if (command.input.calibration != run::kCalibrateFirst) return {};
   Progress progress("calibration", input.source->size(), command.quiet);
-  const auto step = [&] { progress.step(""); };
+  const auto step = [&](const auto&, const auto*) { progress.step(""); };
   const Status status = run::calibrate_first(command.input, input, config, command.options.threads,
                                              folder, step, stop_token());
   progress.finish();
@@ -120,6 +122,8 @@ int run_command(RunCommand command) {
     return report({ErrorCode::kInvalidArgument, "no input given",
                    "give a sequence folder or synth:NAME (see `sgs info --scenes`)"});
   }
+  const bool calibrate = command.input.calibration == kCalibrateFirst;
+  if (calibrate) command.input.calibration.clear();
   auto input = run::open_input(command.input, command.options.threads);
   if (!input) return report(input.error());
   auto folder = command.output.empty() ? run::RunFolder::create_below("runs", input->info.name)
@@ -128,9 +132,12 @@ int run_command(RunCommand command) {
   run::point_latest_to("runs", folder->path());
   setup_logging(folder->path() / run::files::kLog, command.quiet);
   for (const std::string& warning : input->info.warnings) log().warn("{}", warning);
-  if (const auto status = calibrate_input(command, *config, *input, *folder); !status) {
-    folder->end(run::Stage::kInterrupted, 0, status.error().message);
-    return report(status.error());
+  if (calibrate) {
+    const auto status = calibrate_input(command, *config, *input, *folder);
+    if (!status) {
+      folder->end(run::Stage::kInterrupted, 0, status.error().message);
+      return report(status.error());
+    }
   }
   if (command.preload) {
     input->source = dataset::preload(std::move(input->source), stop_token());
@@ -149,18 +156,9 @@ void add_run(CLI::App& app, Action& action) {
   sub->add_option("INPUT", command->input.input, "Sequence folder, bag, or synth:NAME[:LEVEL]");
   sub->add_option("-o,--output", command->output, "Run folder (default runs/TIME-NAME)");
   sub->add_option("--preset", command->config.preset, "default (ours) or paper");
-  sub->add_option("--config", command->config.file, "TOML file, e.g. a run's config.toml");
-  sub->add_option("--tracker", command->config.tracker, "spectral, paper, gicp, orb or cvm");
-  sub->add_option("--set", command->config.assignments, "key=value, see `sgs info --config`")
-      ->take_all()
-      ->allow_extra_args(false);
-  sub->add_option("--frames", command->input.frames, "a:b, frames a to b-1 of the sequence");
-  add_recording_options(*sub, command->input);
+  add_tracking_options(*sub, command->input, command->config);
   sub->add_option("--calibration", command->input.calibration,
                   "Correct the depths by this file of `sgs calibrate`; auto: calibrate first");
-  sub->add_option("--trajectory", command->input.trajectory,
-                  "Synthetic input: fly along this TUM trajectory");
-  sub->add_option("--synth-seed", command->input.synth_seed, "Synthetic input: scene and noise");
   sub->add_option("--threads", command->options.threads, "Threads")->check(CLI::Range(1, 256));
   sub->add_option("--seed", command->config.seed, "Seed of the mapper's random choices");
   add_score_options(*sub, command->score);

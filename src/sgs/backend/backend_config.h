@@ -9,6 +9,7 @@ namespace sgs::backend {
 /// Which frames the back end keeps, and which of their pixels.
 struct ArchiveConfig {
   double view_distance = 0.12;
+  int most = 200;
   double longest_gap_s = 0.25;
   double block_px = 24;
   double gradient_threshold = 6;
@@ -16,6 +17,11 @@ struct ArchiveConfig {
   void declare(ParameterList& p) {
     p.add("view_distance", view_distance, "How far the view moves between two keyframes.",
           "image widths", {0.01, 2});
+    p.add(
+        "most", most,
+        "Keyframes kept, the first of a recording: each takes 2 MB, and a minute or two tells what "
+        "there is to know.",
+        "", {8, 10000});
     p.add("longest_gap_s", longest_gap_s,
           "A frame whose neighbours are further apart becomes no keyframe: how the camera moved is "
           "not known.",

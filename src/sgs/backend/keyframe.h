@@ -9,6 +9,7 @@
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/geometry/se3.h"
 #include "sgs/registration/inverse_depth_field.h"
+#include "sgs/registration/view_distance.h"
 
 namespace sgs::backend {
 
@@ -30,9 +31,10 @@ struct Keyframe {
   std::vector<HostPixel> pixels;
 };
 
-/// How far two views of a scene are apart: the shift of the image's centre in image widths, plus
-/// half the distance in mean depths, plus half the roll in radians (0 = the same view; what one
-/// sees the other does not at about 1).
-double view_distance(const Keyframe& from, const SE3& T_world_to);
+/// registration::view_distance() from a keyframe to another pose.
+inline double view_distance(const Keyframe& from, const SE3& T_world_to) {
+  return registration::view_distance(from.gray.level(0).camera, from.mean_depth_m,
+                                     from.T_world_camera.inverse() * T_world_to);
+}
 
 }  // namespace sgs::backend

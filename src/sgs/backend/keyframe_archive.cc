@@ -8,19 +8,7 @@ namespace sgs::backend {
 namespace {
 
 constexpr int kLevels = 4;
-
-double mean_depth(const DepthImage& depth) {
-  constexpr int kStride = 8;
-  double sum = 0;
-  int n = 0;
-  for (int y = 0; y < depth.height(); y += kStride) {
-    for (int x = 0; x < depth.width(); x += kStride) {
-      const float z = depth(x, y);
-      if (z > 0) sum += double{z}, ++n;
-    }
-  }
-  return n > 0 ? sum / n : 0;
-}
+constexpr double kFarthest_m = 100;
 
 /// The pixels of highest contrast, one to a block, that lie on a smooth surface.
 std::vector<HostPixel> choose_pixels(const Keyframe& keyframe, const DepthImage& depth,
@@ -47,7 +35,7 @@ Keyframe make_keyframe(const RgbdFrame& frame, const SE3& T_world_camera, const 
   k.timestamp_s = frame.timestamp_s;
   k.T_world_camera = T_world_camera;
   k.velocity = velocity;
-  k.mean_depth_m = mean_depth(frame.depth);
+  k.mean_depth_m = registration::mean_depth(frame.depth, kFarthest_m);
   if (k.mean_depth_m <= 0) return k;
   k.gray.build(frame.color, frame.camera, kLevels);
   k.inverse_depth = registration::InverseDepthField(frame.depth, frame.camera);
@@ -76,6 +64,7 @@ void KeyframeArchive::note_gap() {
 }
 
 bool KeyframeArchive::wants(const SE3& T_world_camera) const {
+  if (keyframes_.size() >= static_cast<std::size_t>(config_.most)) return false;
   return keyframes_.empty() ||
          view_distance(keyframes_.back(), T_world_camera) > config_.view_distance;
 }

@@ -82,6 +82,11 @@ double DepthCalibration::mean_offset_per_m() const {
   return std::inner_product(area.begin(), area.end(), offset_per_m.begin(), 0.0);
 }
 
+bool DepthCalibration::corrects_nothing() const {
+  const auto is_zero = [](double offset) { return offset == 0; };
+  return shift_px.isZero(0) && std::all_of(offset_per_m.begin(), offset_per_m.end(), is_zero);
+}
+
 double DepthCalibration::offset_at(double u, double v) const {
   if (offset_per_m.empty()) return 0;
   const GridWeights w = grid.at(u, v, camera);
@@ -95,6 +100,7 @@ double DepthCalibration::offset_at(double u, double v) const {
 DepthImage DepthCalibration::apply(const DepthImage& measured) const {
   SGS_CHECK(measured.width() == camera.width && measured.height() == camera.height,
             "the depth image has another size than its calibration");
+  if (corrects_nothing()) return measured;
   const int w = measured.width(), h = measured.height();
   DepthImage out(w, h);
   // Pixel x of the colour image is pixel x - shift of the depth image.

@@ -45,14 +45,16 @@ struct DepthCalibration {
   Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();
   Eigen::Vector2d shift_sigma_px = Eigen::Vector2d::Zero();
 
-  bool empty() const { return offset_per_m.empty() && shift_px.isZero(); }
+  /// Whether apply() would change nothing.
+  bool corrects_nothing() const;
   /// Mean over the image, 1/m.
   double mean_offset_per_m() const;
   /// Offset of inverse depth at a pixel of the depth image, 1/m.
   double offset_at(double u, double v) const;
   /// The depth image of an ideal camera, pixel by pixel of the colour image: shifted, with the
   /// offset added to the inverse depth. Inverse depth is interpolated where all four neighbours lie
-  /// on one surface and taken from the nearest elsewhere. The image must have the camera's size.
+  /// on one surface and taken from the nearest elsewhere. What nothing is to be corrected of stays
+  /// as it is, to the bit. The image must have the camera's size.
   DepthImage apply(const DepthImage& measured) const;
 
   friend bool operator==(const DepthCalibration&, const DepthCalibration&) = default;

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -87,6 +88,17 @@ TEST(DepthCalibration, AnOffsetBeyondInfinityIsNoMeasurement) {
   const DepthCalibration c = constant_offset(-0.2);
   const DepthImage out = c.apply(DepthImage(64, 48, 5.0f));
   EXPECT_EQ(out(10, 10), 0);
+}
+
+TEST(DepthCalibration, NothingToCorrectLeavesTheBits) {
+  DepthImage measured(64, 48);
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    measured.data()[i] = 0.3f + 0.0017f * static_cast<float>(i);
+  }
+  const DepthImage out = constant_offset(0).apply(measured);
+  EXPECT_TRUE(std::equal(out.data(), out.data() + out.size(), measured.data()));
+  EXPECT_TRUE(constant_offset(0).corrects_nothing());
+  EXPECT_FALSE(constant_offset(1e-9).corrects_nothing());
 }
 
 TEST(DepthCalibration, WholePixelsOnlyMove) {

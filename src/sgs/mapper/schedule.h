@@ -5,31 +5,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "sgs/core/random.h"
 #include "sgs/mapper/mapper_config.h"
 
 namespace sgs::mapper {
-
-/// Small deterministic generator (SplitMix64, Steele et al. 2014) with its own mappings, so that
-/// results do not depend on a library's distributions.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  std::uint64_t next() {
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15ULL);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-    return z ^ (z >> 31);
-  }
-  /// Uniform in [0, count).
-  std::size_t below(std::size_t count) {
-    return static_cast<std::size_t>(uniform() * static_cast<double>(count));
-  }
-  /// Uniform in [0, 1).
-  double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
-
- private:
-  std::uint64_t state_;
-};
 
 /// Which keyframe is optimised next: a new keyframe once, then in an order that mixes all.
 ///
@@ -47,14 +26,14 @@ class Schedule {
   void add_keyframe(std::size_t index);
   /// Number of the keyframe to optimise; there must be one.
   std::size_t next();
-  Random& random() { return random_; }
+  SplitMix64& random() { return random_; }
 
  private:
   std::size_t next_in_round();
   std::size_t next_balanced();
   void count_visit(std::size_t index);
 
-  Random random_;
+  SplitMix64 random_;
   VisitOrder order_;
   double visit_bias_;
   std::size_t count_ = 0;

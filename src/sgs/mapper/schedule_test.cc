@@ -86,8 +86,8 @@ TEST(Schedule, BalancedOrderSpreadsVisitsOverTime) {
   EXPECT_LE(longest, 2 * kKeyframes) << "twice a round, because of the jitter";
 }
 
-TEST(Random, IsUniform) {
-  Random random(5);
+TEST(SplitMix64, IsUniform) {
+  SplitMix64 random(5);
   std::vector<int> histogram(10);
   for (int i = 0; i < 10000; ++i) ++histogram[random.below(10)];
   for (const int count : histogram) EXPECT_NEAR(count, 1000, 150);

@@ -8,13 +8,11 @@
 #include "sgs/core/log.h"
 #include "sgs/io/depth_calibration_io.h"
 #include "sgs/run/run_files.h"
-#include "sgs/run/track_only.h"
 
 namespace sgs::run {
 
 Result<backend::DepthEstimate> calibrate(Input& input, const slam::SessionConfig& config,
-                                         const std::function<void()>& progress,
-                                         const std::stop_token& stop) {
+                                         const TrackedFrame& watch, const std::stop_token& stop) {
   backend::KeyframeArchive archive(config.backend.archive);
   double readout_s = 0;
   const auto take_in = [&](const std::shared_ptr<const RgbdFrame>& frame,
@@ -26,18 +24,16 @@ Result<backend::DepthEstimate> calibrate(Input& input, const slam::SessionConfig
       const double learned_s = result->diagnostics.readout_s;
       if (std::isfinite(learned_s)) readout_s = learned_s;
     }
-    if (progress) progress();
+    if (watch) watch(frame, result);
   };
   SGS_RETURN_IF_ERROR(track_only(*input.source, config, take_in, stop));
   return backend::calibrate_depth(archive.keyframes(), readout_s, config.backend.calibration);
 }
 
 Status calibrate_first(InputSpec& spec, Input& input, const slam::SessionConfig& config,
-                       int threads, RunFolder& folder, const std::function<void()>& progress,
+                       int threads, RunFolder& folder, const TrackedFrame& watch,
                        const std::stop_token& stop) {
-  if (spec.calibration != kCalibrateFirst) return {};
-  spec.calibration.clear();
-  SGS_ASSIGN_OR_RETURN(const auto estimate, calibrate(input, config, progress, stop));
+  SGS_ASSIGN_OR_RETURN(const auto estimate, calibrate(input, config, watch, stop));
   if (estimate.useful()) {
     const auto path = folder.path() / files::kCalibration;
     SGS_RETURN_IF_ERROR(io::save_depth_calibration(path, estimate.calibration));

@@ -18,7 +18,7 @@ Input four_frames() {
 TEST(Calibrate, AFewFramesDoNotTell) {
   Input input = four_frames();
   int frames = 0;
-  const auto estimate = calibrate(input, {}, [&] { ++frames; });
+  const auto estimate = calibrate(input, {}, [&](const auto&, const auto*) { ++frames; });
   ASSERT_TRUE(estimate) << estimate.error().text();
   EXPECT_EQ(frames, 4);
   EXPECT_THAT(estimate->why_not, testing::HasSubstr("keyframes"));
@@ -37,7 +37,7 @@ TEST(Calibrate, AStopIsAnInterruption) {
   Input input = four_frames();
   std::stop_source stop;
   const auto estimate = calibrate(
-      input, {}, [&] { stop.request_stop(); }, stop.get_token());
+      input, {}, [&](const auto&, const auto*) { stop.request_stop(); }, stop.get_token());
   ASSERT_FALSE(estimate);
   EXPECT_EQ(estimate.error().code, ErrorCode::kInterrupted);
 }

@@ -153,9 +153,7 @@ Result<FrameRange> parse_frame_range(const std::string& text) {
 }
 
 Result<Input> open_input(const InputSpec& spec, int threads) {
-  if (spec.calibration.empty() || spec.calibration == kCalibrateFirst) {
-    return open_uncalibrated(spec, threads);
-  }
+  if (spec.calibration.empty()) return open_uncalibrated(spec, threads);
   SGS_ASSIGN_OR_RETURN(auto calibration, io::load_depth_calibration(spec.calibration));
   SGS_ASSIGN_OR_RETURN(auto input, open_uncalibrated(spec, threads));
   SGS_ASSIGN_OR_RETURN(input.source,

@@ -20,7 +20,7 @@ struct FrameRecord {
   double timestamp_s = 0;
   bool bad = false;  ///< the frame could not be read; everything below is empty
   std::string bad_reason;
-  /// The tracker's pose, before keyframe refinement (pose_correction.h); not in frames.csv.
+  /// The tracker's pose, before keyframe refinement (keyframe_pose.h); not in frames.csv.
   SE3 T_odom_camera;
   tracker::TrackingStatus status = tracker::TrackingStatus::kLost;
   tracker::LostReason lost_reason = tracker::LostReason::kNone;

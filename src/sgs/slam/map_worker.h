@@ -14,7 +14,7 @@
 
 #include "sgs/core/thread_pool.h"
 #include "sgs/mapper/mapper.h"
-#include "sgs/slam/pose_correction.h"
+#include "sgs/slam/keyframe_pose.h"
 #include "sgs/slam/session_config.h"
 
 namespace sgs::slam {

@@ -153,11 +153,11 @@ void Session::finish() { worker_->finish(); }
 map::SnapshotPtr Session::snapshot() { return worker_->newest_snapshot(); }
 
 Trajectory Session::trajectory() const {
+  const PoseCorrection to_world = odom_to_world(worker_->keyframes());
   std::vector<StampedPose> poses;
   for (const FrameRecord& r : records_) {
     if (r.bad) continue;
-    poses.push_back(
-        {r.timestamp_s, corrected_pose(r.T_odom_camera, r.timestamp_s, worker_->keyframes())});
+    poses.push_back({r.timestamp_s, to_world.corrected(r.T_odom_camera, r.timestamp_s)});
   }
   return Trajectory(std::move(poses));
 }

@@ -13,8 +13,8 @@
 #include "sgs/geometry/trajectory.h"
 #include "sgs/map/gaussian.h"
 #include "sgs/slam/frame_record.h"
+#include "sgs/slam/keyframe_pose.h"
 #include "sgs/slam/map_worker.h"
-#include "sgs/slam/pose_correction.h"
 #include "sgs/slam/session_config.h"
 #include "sgs/tracker/tracker.h"
 

@@ -332,11 +332,11 @@ TEST(TrackablePoints, AddsOnlyWhereNothingIsAndFollowsKeyframes) {
   registration::make_sampler({}, kCamera, false)
       ->sample(render(room(), true, pose_at(0), 0).depth, source);
   TrackablePoints points({0.03f, 0.03f});
-  const int all = points.insert(source, pose_at(0), nullptr);
+  const int all = points.insert(source, {0, pose_at(0)}, nullptr);
   EXPECT_EQ(all, static_cast<int>(source.points.size()));
   const auto search = registration::make_search({}, kCamera);
   search->prepare(points.cloud(), pose_at(0));
-  EXPECT_EQ(points.insert(source, pose_at(0), search.get()), 0);
+  EXPECT_EQ(points.insert(source, {0, pose_at(0)}, search.get()), 0);
 
   const registration::TargetPoint before = points.cloud().points[5];
   const SE3 shift(Eigen::Matrix3d::Identity(), {0.1, 0, 0});

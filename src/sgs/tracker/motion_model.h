@@ -31,10 +31,14 @@ class MotionModel {
   void miss() { ++frames_held_; }
   /// The same, but the velocity is forgotten: predictions stay at the last pose.
   void hold();
+  /// The last trusted pose was not quite right: goes on from `T` with the velocity it had.
+  void correct(const SE3& T) { T_ = T; }
   /// The camera was found again, perhaps far away: motions are judged from `T` on.
   void jump_to(const SE3& T);
 
   const SE3& pose() const { return T_; }
+  /// Of the last trusted pose.
+  double timestamp_s() const { return timestamp_s_; }
   /// Frames since the last trusted pose.
   int frames_held() const { return frames_held_; }
 

@@ -15,6 +15,12 @@ void Relocaliser::add_keyframe(const RgbdFrame& frame, const SE3& T_local_camera
   keyframes_.push_back(std::move(keyframe));
 }
 
+void Relocaliser::correct(const PoseCorrection& correction) {
+  for (Keyframe& k : keyframes_) {
+    k.T_local_camera = correction.corrected(k.T_local_camera, k.frame.timestamp_s);
+  }
+}
+
 std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame) const {
   features::OrbExtractor extractor(config_.orb);
   const features::OrbFrame current = extractor.extract(frame);

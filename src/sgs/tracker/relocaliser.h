@@ -8,6 +8,7 @@
 
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/features/visual_map.h"
+#include "sgs/geometry/pose_correction.h"
 #include "sgs/tracker/tracker_config.h"
 
 namespace sgs::tracker {
@@ -21,6 +22,8 @@ class Relocaliser {
 
   /// Remembers a keyframe (colour and depth are copied); the oldest makes room.
   void add_keyframe(const RgbdFrame& frame, const SE3& T_local_camera);
+  /// Moves the remembered keyframes (in local coordinates).
+  void correct(const PoseCorrection& correction);
   /// Pose of a frame among the remembered keyframes, camera to local; empty when none fits.
   std::optional<SE3> relocalise(const RgbdFrame& frame) const;
 

@@ -80,6 +80,11 @@ struct TrackResult {
   TrackingStatus status = TrackingStatus::kOk;
   LostReason lost_reason = LostReason::kNone;  ///< anything else exactly where status is kLost
   bool keyframe = false;  ///< the tracker extended its own target map with this frame
+  /// What the alignment saw of the pose: its normal equations, on twists of the camera. Pixels and
+  /// points are counted as if they were independent. Empty where the tracker does not know.
+  std::optional<Matrix6d> information;
+  /// Camera twist over the readout of the rolling shutter, rotation first; zero where not known.
+  Vector6d readout = Vector6d::Zero();
   Diagnostics diagnostics;
 };
 

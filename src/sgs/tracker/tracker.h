@@ -7,6 +7,7 @@
 
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/core/error.h"
+#include "sgs/geometry/pose_correction.h"
 #include "sgs/map/gaussian.h"
 #include "sgs/tracker/track_result.h"
 
@@ -27,6 +28,10 @@ class Tracker {
   /// True when poses are relative to the (moving) Gaussians of the snapshots; false when the
   /// tracker keeps target points of its own that refinement of keyframes does not move.
   virtual bool follows_map() const = 0;
+  /// Moves everything that is remembered of the past as `correction` (of poses that track() has
+  /// returned) tells, and goes on from there. Only those are corrected whose results carry
+  /// TrackResult::information.
+  virtual void correct(const PoseCorrection& /*correction*/) {}
 };
 
 /// Makes the tracker that `config.type` names. Fails on settings out of range and cameras without a

@@ -26,7 +26,7 @@ class SessionFeed {
 };
 
 /// Carries a tracked pose into the refined map by the correction of its newest keyframe (what
-/// slam::corrected_pose does behind the last keyframe).
+/// PoseCorrection does behind its last pose).
 SE3 pose_in_map(const slam::FrameRecord& record, const std::deque<slam::FrameRecord>& records,
                 const map::SnapshotPtr& snapshot);
 

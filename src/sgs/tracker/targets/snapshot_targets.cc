@@ -35,9 +35,9 @@ const registration::TargetCloud& SnapshotTargets::cloud() const {
   return has_snapshot_ ? cloud_ : before_.cloud();
 }
 
-void SnapshotTargets::insert(const registration::SourceCloud& source, const SE3& T_local_camera,
+void SnapshotTargets::insert(const registration::SourceCloud& source, const StampedPose& keyframe,
                              const registration::CorrespondenceSearch* search) {
-  if (!has_snapshot_) before_.insert(source, T_local_camera, search);
+  if (!has_snapshot_) before_.insert(source, keyframe, search);
 }
 
 void SnapshotTargets::append(const map::Anchor& anchor) {

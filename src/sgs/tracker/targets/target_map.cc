@@ -12,10 +12,11 @@ class GridTargets : public TargetMap {
  public:
   explicit GridTargets(const TrackablePoints::Spacing& spacing) : points_(spacing) {}
   void update(const map::SnapshotPtr&) override {}
-  void insert(const registration::SourceCloud& source, const SE3& T_local_camera,
+  void insert(const registration::SourceCloud& source, const StampedPose& keyframe,
               const registration::CorrespondenceSearch* search) override {
-    points_.insert(source, T_local_camera, search);
+    points_.insert(source, keyframe, search);
   }
+  void correct(const PoseCorrection& correction) override { points_.correct(correction); }
   const registration::TargetCloud& cloud() const override { return points_.cloud(); }
   bool wants_keyframes() const override { return true; }
   bool follows_map() const override { return false; }

@@ -20,8 +20,10 @@ class TargetMap {
   virtual void update(const map::SnapshotPtr& snapshot) = 0;
   /// Extends the targets by a tracking keyframe, if they are the tracker's own. `search` is
   /// prepared for this frame, or null for the first one.
-  virtual void insert(const registration::SourceCloud& source, const SE3& T_local_camera,
+  virtual void insert(const registration::SourceCloud& source, const StampedPose& keyframe,
                       const registration::CorrespondenceSearch* search) = 0;
+  /// Moves the tracker's own targets with the keyframes that saw them.
+  virtual void correct(const PoseCorrection& correction) = 0;
   /// Whether insert() does anything now.
   virtual bool wants_keyframes() const = 0;
   virtual const registration::TargetCloud& cloud() const = 0;

@@ -4,8 +4,9 @@
 
 namespace sgs::tracker {
 
-int TrackablePoints::insert(const registration::SourceCloud& source, const SE3& T_local_camera,
+int TrackablePoints::insert(const registration::SourceCloud& source, const StampedPose& keyframe,
                             const registration::CorrespondenceSearch* search) {
+  const SE3& T_local_camera = keyframe.T_world_camera;
   const Eigen::Matrix3f R = T_local_camera.R.cast<float>();
   const Eigen::Vector3f t = T_local_camera.t.cast<float>();
   const SE3 T = search ? search->T_local_reference().inverse() * T_local_camera : SE3{};
@@ -22,7 +23,7 @@ int TrackablePoints::insert(const registration::SourceCloud& source, const SE3& 
     cloud_.points.push_back({R * p.point + t, R * p.normal, p.variance_m2});
     if (with_ellipses) cloud_.covariances.push_back(R * source.covariances[i] * R.transpose());
   }
-  keyframes_.push_back({T_local_camera, begin, cloud_.points.size()});
+  keyframes_.push_back({keyframe.timestamp_s, T_local_camera, begin, cloud_.points.size()});
   return static_cast<int>(cloud_.points.size() - begin);
 }
 
@@ -42,6 +43,13 @@ void TrackablePoints::move_keyframe(int keyframe, const SE3& T_local_camera) {
   }
   ++cloud_.moves;
   k.T_local_camera = T_local_camera;
+}
+
+void TrackablePoints::correct(const PoseCorrection& correction) {
+  for (int k = 0; k < keyframes(); ++k) {
+    const Keyframe& keyframe = keyframes_[static_cast<std::size_t>(k)];
+    move_keyframe(k, correction.corrected(keyframe.T_local_camera, keyframe.timestamp_s));
+  }
 }
 
 }  // namespace sgs::tracker

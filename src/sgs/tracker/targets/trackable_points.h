@@ -5,7 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "sgs/geometry/se3.h"
+#include "sgs/geometry/pose_correction.h"
+#include "sgs/geometry/trajectory.h"
 #include "sgs/registration/correspondence_search.h"
 
 namespace sgs::tracker {
@@ -23,19 +24,23 @@ class TrackablePoints {
 
   explicit TrackablePoints(const Spacing& spacing) : spacing_(spacing) {}
 
-  /// Adds the points of a keyframe at `T_local_camera` where no target is near, as `search`
+  /// Adds the points of a keyframe (camera to local) where no target is near, as `search`
   /// (prepared for this frame) tells; all of them when `search` is null. Returns how many were
   /// added.
-  int insert(const registration::SourceCloud& source, const SE3& T_local_camera,
+  int insert(const registration::SourceCloud& source, const StampedPose& keyframe,
              const registration::CorrespondenceSearch* search);
   /// Moves keyframe number `keyframe` (in order of insertion) and its points to `T_local_camera`.
   void move_keyframe(int keyframe, const SE3& T_local_camera);
+
+  /// Moves all of them, where there is anything to move.
+  void correct(const PoseCorrection& correction);
 
   int keyframes() const { return static_cast<int>(keyframes_.size()); }
   const registration::TargetCloud& cloud() const { return cloud_; }
 
  private:
   struct Keyframe {
+    double timestamp_s;
     SE3 T_local_camera;
     std::size_t begin, end;  // of its points
   };

@@ -51,6 +51,7 @@ void GeometricTerm::set_frame(const RgbdFrame& frame, const map::SnapshotPtr& sn
   source_sampler_->sample(frame.depth, source_);
   targets_->update(snapshot);
   depth_ = &frame.depth;
+  timestamp_s_ = frame.timestamp_s;
   prepared_ = false;
   T_searched_.reset();
   readout_.setZero();
@@ -146,7 +147,8 @@ void GeometricTerm::insert_keyframe(const SE3& T_local_camera, const Vector6d& r
   // surface between a point and its target.
   target_sampler_->sample(*depth_, keyframe_source_);
   if (!readout.isZero(0)) move_points(keyframe_source_, readout, depth_->height());
-  targets_->insert(keyframe_source_, T_local_camera, prepared_ ? search_.get() : nullptr);
+  targets_->insert(keyframe_source_, {timestamp_s_, T_local_camera},
+                   prepared_ ? search_.get() : nullptr);
 }
 
 }  // namespace sgs::tracker

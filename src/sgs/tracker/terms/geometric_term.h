@@ -57,6 +57,9 @@ class GeometricTerm {
   /// corrected for.
   void insert_keyframe(const SE3& T_local_camera, const Vector6d& readout = Vector6d::Zero());
 
+  /// Moves the tracker's own targets (in local coordinates).
+  void correct(const PoseCorrection& correction) { targets_->correct(correction); }
+
   const registration::SourceCloud& source() const { return source_; }
   /// Depth smoothed by the plane fit at a pixel of the frame, 0 = none (always with the paper's
   /// sampling, which fits no planes).
@@ -75,7 +78,8 @@ class GeometricTerm {
   registration::GeometricCost coarse_cost_;
   registration::SourceCloud coarse_source_;  // every n-th point of source_, made on demand
   const DepthImage* depth_ = nullptr;        // of the current frame
-  Vector6d readout_ = Vector6d::Zero();      // that its points are corrected for
+  double timestamp_s_ = 0;
+  Vector6d readout_ = Vector6d::Zero();  // that its points are corrected for
   SE3 T_reference_local_;
   std::optional<SE3> T_searched_;  // pose of the last full search with these points
   bool prepared_ = false;

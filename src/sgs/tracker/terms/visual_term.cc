@@ -8,25 +8,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "sgs/registration/view_distance.h"
+
 namespace sgs::tracker {
 namespace {
 
 constexpr double kDefaultDepth_m = 2;
 // Coarser levels have too few pixels for three more unknowns: the readout is as believed there.
 constexpr int kCoarsestReadoutLevel = 1;
-
-double mean_depth(const DepthImage& depth, double max_depth_m) {
-  constexpr std::size_t kStride = 37;  // coprime to usual image widths: an even sample
-  double sum = 0;
-  int count = 0;
-  for (std::size_t i = 0; i < depth.size(); i += kStride) {
-    const double z = static_cast<double>(depth.data()[i]);
-    if (!(z > 0 && z < max_depth_m)) continue;
-    sum += z;
-    ++count;
-  }
-  return count > 0 ? sum / count : kDefaultDepth_m;
-}
 
 }  // namespace
 
@@ -36,18 +25,10 @@ void VisualTerm::set_frame(const RgbdFrame& frame) {
   frame_ = &frame;
 }
 
-// How different the view from `T_local_camera` is from a keyframe's: shift of the view's centre in
-// image widths, change of distance and roll, half each (docs/method.md, section 5).
 double VisualTerm::view_distance(const Keyframe& keyframe, const SE3& T_local_camera) const {
-  const PinholeCamera& camera = pyramid_.level(0).camera;
-  const SE3 T = keyframe.reference.T_world_keyframe().inverse() * T_local_camera;
-  const Eigen::Vector3d centre = T * Eigen::Vector3d(0, 0, keyframe.mean_depth_m);
-  constexpr double kNear_m = 0.2, kFarAway = 9;
-  if (centre.z() < kNear_m) return kFarAway;
-  const double shift = std::hypot(centre.x() / centre.z() * camera.fx / camera.width,
-                                  centre.y() / centre.z() * camera.fy / camera.height);
-  const double roll = std::acos(std::clamp(T.R(1, 1), -1.0, 1.0));
-  return shift + 0.5 * T.t.norm() / keyframe.mean_depth_m + 0.5 * roll;
+  return registration::view_distance(
+      pyramid_.level(0).camera, keyframe.mean_depth_m,
+      keyframe.reference.T_world_keyframe().inverse() * T_local_camera);
 }
 
 VisualTerm::Fit VisualTerm::start(const SE3& T_local_predicted) const {
@@ -154,11 +135,18 @@ void VisualTerm::insert_keyframe(const SE3& T_local_camera, const Fit& fit, cons
     newest_ = r.keyframe;
     return;
   }
+  const double depth_m = registration::mean_depth(frame_->depth, config_.photometric.max_depth_m);
   keyframes_.push_back({registration::PhotometricReference(pyramid_, frame_->depth, T_local_camera,
                                                            config_.photometric, smooth_depth,
                                                            registration::ReadoutMotion(readout)),
-                        mean_depth(frame_->depth, config_.photometric.max_depth_m)});
+                        depth_m > 0 ? depth_m : kDefaultDepth_m, frame_->timestamp_s});
   newest_ = keyframes_.size() - 1;
+}
+
+void VisualTerm::correct(const PoseCorrection& correction) {
+  for (Keyframe& k : keyframes_) {
+    k.reference.set_pose(correction.corrected(k.reference.T_world_keyframe(), k.timestamp_s));
+  }
 }
 
 }  // namespace sgs::tracker

@@ -7,6 +7,7 @@
 #include "sgs/camera/pyramid.h"
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/degeneracy/fusion.h"
+#include "sgs/geometry/pose_correction.h"
 #include "sgs/registration/photometric.h"
 #include "sgs/tracker/readout_estimator.h"
 #include "sgs/tracker/tracker_config.h"
@@ -37,6 +38,8 @@ class VisualTerm {
   /// `readout`: camera twist over its readout.
   void insert_keyframe(const SE3& T_local_camera, const Fit& fit, const Vector6d& readout,
                        const registration::DepthLookup& smooth_depth);
+  /// Moves the keyframes (in local coordinates).
+  void correct(const PoseCorrection& correction);
   int keyframes() const { return static_cast<int>(keyframes_.size()); }
   /// Number of the keyframe the camera was last at.
   std::size_t newest_keyframe() const { return newest_; }
@@ -45,6 +48,7 @@ class VisualTerm {
   struct Keyframe {
     registration::PhotometricReference reference;
     double mean_depth_m;
+    double timestamp_s;
   };
   double view_distance(const Keyframe& keyframe, const SE3& T_local_camera) const;
   bool is_near(const Keyframe& keyframe, const SE3& T_local_camera, double share) const;
@@ -90,6 +94,8 @@ class VisualTerm::Fit {
   /// Of the last linearize(): pixels used, and mean cost per pixel.
   int used() const { return sum_.used; }
   double mean_cost() const { return sum_.used > 0 ? sum_.cost / sum_.used : 0.0; }
+  /// Share of the newest keyframe's pixels that were used.
+  double newest_share() const { return newest_share_; }
 
  private:
   friend class VisualTerm;

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sgs/geometry/se3.h"
+#include "sgs/geometry/pose_correction.h"
 
 namespace sgs::slam {
 
@@ -24,10 +24,15 @@ inline SE3 T_world_odom(const KeyframePose& keyframe) {
   return keyframe.T_world_camera * keyframe.T_odom_camera.inverse();
 }
 
-/// Carries tracked poses into the refined map: each keyframe's T_world_odom acts on the frames near
-/// it, interpolated in time between neighbouring keyframes and held constant before the first and
-/// after the last one. `keyframes` must be in increasing time order.
-SE3 corrected_pose(const SE3& T_odom_camera, double timestamp_s,
-                   const std::vector<KeyframePose>& keyframes);
+/// What refinement has made of the tracker's world: carries tracked poses into the map's.
+/// `keyframes` must be in increasing time order.
+inline PoseCorrection odom_to_world(const std::vector<KeyframePose>& keyframes) {
+  std::vector<MovedPose> poses;
+  poses.reserve(keyframes.size());
+  for (const KeyframePose& k : keyframes) {
+    poses.push_back({k.timestamp_s, k.T_odom_camera, k.T_world_camera});
+  }
+  return PoseCorrection(std::move(poses));
+}
 
 }  // namespace sgs::slam

@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/geometry/pose_correction.h"
+
+#include <gtest/gtest.h>
+
+#include "sgs/core/error.h"
+
+namespace sgs {
+namespace {
+
+SE3 pose(double rx, double ry, double rz, double x, double y, double z) {
+  Vector6d xi;
+  xi << rx, ry, rz, x, y, z;
+  return SE3::exp(xi);
+}
+
+void expect_same(const SE3& a, const SE3& b) { EXPECT_LT((a.inverse() * b).log().norm(), 1e-9); }
+
+TEST(PoseCorrection, NothingMovesWithoutPoses) {
+  const SE3 T = pose(0.1, 0.2, 0.3, 1, 2, 3);
+  expect_same(PoseCorrection().corrected(T, 5), T);
+}
+
+TEST(PoseCorrection, CamerasMoveWithTheirNeighboursInTime) {
+  const SE3 A = pose(0, 0, 0.2, 1, 0, 0), B = pose(0, 0.1, 0, 0, 1, 0);
+  const SE3 T1 = pose(0.3, 0, 0, 4, 0, 0), T2 = pose(0, 0.4, 0, 0, 5, 0);
+  const PoseCorrection c({{1, T1, A * T1}, {3, T2, B * T2}});
+  const SE3 T = pose(0.5, 0.2, 0.1, 1, 1, 1);
+  expect_same(c.corrected(T1, 1), A * T1);
+  expect_same(c.corrected(T, 0), A * T);
+  expect_same(c.corrected(T, 4), B * T);
+  expect_same(c.corrected(T, 2.5), interpolate(A * T, B * T, 0.75));
+  EXPECT_NEAR(c.largest_rotation_rad(), 0.2, 1e-9);
+}
+
+TEST(PoseCorrection, DoesNotDependOnTheWorld) {
+  const SE3 W = pose(0.4, -0.3, 0.2, 100, -50, 20);
+  const SE3 T1 = pose(0.3, 0, 0, 4, 0, 0), T2 = pose(0, 0.4, 0, 0, 5, 0);
+  const PoseCorrection c({{1, T1, pose(0, 0, 0.2, 1, 0, 0) * T1}, {3, T2, T2}});
+  const SE3 T = pose(0.5, 0.2, 0.1, 1, 1, 1);
+  expect_same(c.in_frame(W).corrected(W * T, 1.7), W * c.corrected(T, 1.7));
+}
+
+TEST(PoseCorrection, TimesRise) {
+  EXPECT_THROW(PoseCorrection({{1, {}, {}}, {1, {}, {}}}), ContractViolation);
+}
+
+}  // namespace
+}  // namespace sgs

@@ -1,0 +1,202 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/tracker/joint_aligner.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+#include "sgs/degeneracy/planarity.h"
+#include "sgs/tracker/loss_checks.h"
+
+namespace sgs::tracker {
+namespace {
+
+degeneracy::NormalEquations normal_equations(const registration::Linearization& l) {
+  return {l.H, l.b, 0.5 * l.error};
+}
+
+/// -H^-1 b, shortened to the caps; zero when there is no finite solution.
+Vector6d capped_step(const degeneracy::NormalEquations& system,
+                     const registration::SolverConfig& config) {
+  Vector6d xi = -system.H.ldlt().solve(system.b);
+  if (!xi.allFinite()) return Vector6d::Zero();
+  const double longest =
+      std::max(xi.head<3>().norm() / config.max_step_rad, xi.tail<3>().norm() / config.max_step_m);
+  return longest > 1 ? Vector6d(xi / longest) : xi;
+}
+
+bool is_small(const Vector6d& xi, const registration::SolverConfig& config) {
+  return xi.head<3>().norm() < config.stop_rad && xi.tail<3>().norm() < config.stop_m;
+}
+
+// Every fourth normal is plenty.
+double planarity_of(const registration::SourceCloud& source) {
+  constexpr std::size_t kStride = 4;
+  std::vector<Eigen::Vector3f> normals;
+  for (std::size_t i = 0; i < source.points.size(); i += kStride) {
+    normals.push_back(source.points[i].normal);
+  }
+  if (normals.empty()) return Diagnostics::kNone;
+  const std::vector<float> equal(normals.size(), 1.0f);
+  return degeneracy::planarity(normals, equal).eta;
+}
+
+}  // namespace
+
+Matrix6d Alignment::information() const {
+  Matrix6d H = Matrix6d::Zero();
+  if (geometry && geometry->holds) H += geometry->H;
+  if (picture_holds()) H += picture->H;
+  return H;
+}
+
+JointAligner::JointAligner(const SpectralConfig& config, const PinholeCamera& camera,
+                           const SE3& T_local_world)
+    : config_(config), geometry_(config.geometry, camera, T_local_world), vision_(config.vision) {}
+
+void JointAligner::look_at(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) {
+  times_ = {};
+  {
+    const CpuTimer timer(times_.points);
+    geometry_.set_frame(frame, snapshot);
+    surfaces_ = geometry_.surface_information(config_.degeneracy.noise_stride);
+    observability_ = degeneracy::observe(surfaces_, config_.degeneracy, hysteresis_);
+    planarity_ = planarity_of(geometry_.source());
+  }
+  const CpuTimer timer(times_.visual);
+  vision_.set_frame(frame);
+}
+
+LostReason JointAligner::check_frame() const { return check_points(source_points(), config_.loss); }
+
+Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout) {
+  Alignment a;
+  a.T_local_camera = T_start;
+  a.lost_reason = LostReason::kNotFinite;
+  if (!T_start.all_finite()) return a;
+  const bool with_geometry = geometry_.has_targets() && check_frame() == LostReason::kNone;
+  {
+    const CpuTimer timer(times_.index);
+    a.fit = vision_.start(T_start);
+    if (with_geometry) geometry_.prepare(T_start);
+  }
+  const int coarsest = a.fit.has_references() ? vision_.levels() - 1 : 0;
+  a.fit.set_readout(readout.belief(a.T_local_camera));
+  for (int level = coarsest; level >= 0; --level) {
+    if (level < coarsest) a.fit.update_belief(readout.belief(a.T_local_camera));
+    a.points_readout = readout.of_frame(a.fit.readout());
+    geometry_.set_readout(a.points_readout);
+    align_level(level, with_geometry, a);
+  }
+  if (with_geometry) a.geometry = geometry_at(a.T_local_camera);
+  if (a.fit.has_references()) a.picture = picture_at(a.T_local_camera, a.fit);
+  a.lost_reason = judge(a);
+  return a;
+}
+
+void JointAligner::align_level(int level, bool with_geometry, Alignment& a) {
+  for (int i = 0; i < config_.alignment.max_iterations; ++i) {
+    ++a.iterations;
+    degeneracy::NormalEquations geometry, vision;
+    if (with_geometry) geometry = linearize_geometry(level, a.T_local_camera);
+    const CpuTimer timer(times_.visual);
+    if (a.fit.has_references()) {
+      vision = a.fit.linearize(level, a.T_local_camera);
+      // A handful of pixels at a coarse level would only pull the pose somewhere.
+      if (a.fit.used() < config_.alignment.min_pixels) vision = {};
+    }
+    const auto joint =
+        config_.fusion == Fusion::kRemove
+            ? degeneracy::fuse_removed(geometry, observability_.K, vision, config_.degeneracy)
+            : degeneracy::fuse_joint(geometry, vision, config_.degeneracy);
+    const Vector6d xi = capped_step(joint, config_.solver);
+    a.T_local_camera = a.T_local_camera * SE3::exp(xi);
+    a.fit.back_substitute(xi);
+    if (is_small(xi, config_.solver)) break;
+  }
+}
+
+degeneracy::NormalEquations JointAligner::linearize_geometry(int level, const SE3& T) {
+  const CpuTimer timer(times_.geometry);
+  return normal_equations(level > 0 ? geometry_.linearize_coarse(T, config_.alignment.coarse_stride)
+                                    : geometry_.linearize(T));
+}
+
+Alignment::Geometry JointAligner::geometry_at(const SE3& T) {
+  const CpuTimer timer(times_.geometry);
+  const auto l = geometry_.linearize(T);
+  const Matrix6d K =
+      config_.fusion == Fusion::kRemove ? observability_.K : Matrix6d(Matrix6d::Identity());
+  Alignment::Geometry g;
+  g.inliers = l.inliers;
+  g.cost = l.error;
+  g.overlap = geometry_.overlap(T);
+  g.spectrum = degeneracy::spectrum(l.H);
+  g.H = degeneracy::fuse_removed(normal_equations(l), K, {}, config_.degeneracy).H;
+  g.holds = check_matches(g.inliers, source_points(), config_.loss) == LostReason::kNone;
+  return g;
+}
+
+Alignment::Picture JointAligner::picture_at(const SE3& T, VisualTerm::Fit& fit) {
+  const CpuTimer timer(times_.visual);
+  Alignment::Picture p;
+  p.H = fit.linearize(0, T).H;
+  p.pixels = fit.used();
+  p.mean_cost = fit.mean_cost();
+  p.holds =
+      p.pixels >= config_.alignment.min_pixels && p.mean_cost <= config_.alignment.max_mean_cost;
+  return p;
+}
+
+// Whether geometry and vision together pin down all six axes.
+LostReason JointAligner::judge(const Alignment& a) const {
+  const bool geometry_holds = a.geometry && a.geometry->holds;
+  Matrix6d H_vision = Matrix6d::Zero();  // on the scaled and centred twists of the axes
+  if (a.picture_holds()) {
+    const Matrix6d A = surfaces_.camera_from_scaled();
+    H_vision = A.transpose() * a.picture->H * A;
+  }
+  for (int k = 0; k < 6; ++k) {
+    const bool seen = geometry_holds && ((observability_.mask >> k) & 1u) == 0;
+    const Vector6d axis = observability_.axes.col(k);
+    if (!seen && axis.dot(H_vision * axis) < config_.alignment.min_information) {
+      return why_unseen(a);
+    }
+  }
+  return LostReason::kNone;
+}
+
+// What kept an axis from being seen: geometry is asked first.
+LostReason JointAligner::why_unseen(const Alignment& a) const {
+  const LostReason points = check_frame();
+  if (points != LostReason::kNone) return points;
+  if (!a.geometry || !a.geometry->holds) return LostReason::kTooFewMatches;
+  if (!a.picture || a.picture->pixels < config_.alignment.min_pixels) {
+    return LostReason::kTooFewPixels;
+  }
+  return a.picture->holds ? LostReason::kUnseenAxis : LostReason::kPoorPictureFit;
+}
+
+void JointAligner::correct(const PoseCorrection& correction) {
+  vision_.correct(correction);
+  geometry_.correct(correction);
+}
+
+JointAligner::Extension JointAligner::extend(const Alignment& a, const Vector6d& readout) {
+  Extension out;
+  if (check_frame() != LostReason::kNone) return out;
+  if (vision_.wants_keyframe(a.T_local_camera, a.fit)) {
+    const int before = vision_.keyframes();
+    vision_.insert_keyframe(a.T_local_camera, a.fit, readout,
+                            [this](int u, int v) { return geometry_.smooth_depth(u, v); });
+    out.keyframe = vision_.keyframes() > before;
+  }
+  const bool unexplained =
+      a.geometry && a.geometry->overlap < config_.geometry.keyframe.min_overlap;
+  if (geometry_.has_targets() && !unexplained) return out;
+  geometry_.insert_keyframe(a.T_local_camera, a.points_readout);
+  out.targets = true;
+  return out;
+}
+
+}  // namespace sgs::tracker

@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "sgs/degeneracy/observability.h"
+#include "sgs/degeneracy/spectrum.h"
+#include "sgs/tracker/step_times.h"
+#include "sgs/tracker/terms/geometric_term.h"
+#include "sgs/tracker/terms/visual_term.h"
+
+namespace sgs::tracker {
+
+/// What one alignment of a frame came to: a pose, what it rests on, and why it is not to be trusted
+/// if it is not.
+struct Alignment {
+  /// Geometry at the pose.
+  struct Geometry {
+    int inliers = 0;
+    double cost = 0;
+    double overlap = 0;
+    degeneracy::Spectrum spectrum;  ///< of the registration alone
+    Matrix6d H = Matrix6d::Zero();  ///< as it enters the joint equations
+    bool holds = false;             ///< enough points are matched
+  };
+  /// The picture at the pose.
+  struct Picture {
+    int pixels = 0;
+    double mean_cost = 0;
+    bool holds = false;             ///< enough pixels fit well enough
+    Matrix6d H = Matrix6d::Zero();  ///< normal equations
+  };
+
+  SE3 T_local_camera;
+  LostReason lost_reason = LostReason::kNone;
+  std::optional<Geometry> geometry;  ///< empty: there was nothing to register
+  std::optional<Picture> picture;    ///< empty: there was no keyframe to align to
+  VisualTerm::Fit fit;
+  Vector6d points_readout = Vector6d::Zero();  ///< camera twist that the points are corrected for
+  int iterations = 0;                          ///< Gauss-Newton steps over all levels
+
+  /// Normal equations of what holds, on twists of the camera.
+  Matrix6d information() const;
+  bool trusted() const { return lost_reason == LostReason::kNone; }
+  bool picture_holds() const { return picture && picture->holds; }
+};
+
+/// What is believed of the camera's motion during the readout of the frame that is aligned.
+struct ReadoutModel {
+  /// Before its picture is asked, at a pose (camera to local).
+  std::function<ReadoutEstimator::Belief(const SE3& T_local_camera)> belief;
+  /// The frame's own share of what appears against the newest keyframe.
+  std::function<Vector6d(const Vector6d& readout)> of_frame;
+};
+
+/// Geometry and photometry in one Gauss-Newton, coarse to fine, with geometry projected off the
+/// axes that the frame's own surfaces do not observe:
+///     H = w_g K^T H_g K + H_v + damping I,   b = w_g K^T b_g + b_v,   K = I - P
+/// (docs/method.md, section 6; `fusion = joint` leaves K = I). Knows nothing of motion: it aligns
+/// the frame it looks at to the targets and keyframes it was given. Poses are camera to local.
+class JointAligner {
+ public:
+  JointAligner(const SpectralConfig& config, const PinholeCamera& camera, const SE3& T_local_world);
+
+  /// Samples the frame, which must outlive its use, and tells which axes its own surfaces observe.
+  void look_at(const RgbdFrame& frame, const map::SnapshotPtr& snapshot);
+  /// Coarse to fine from one start pose. Not trusted where an axis is observed by neither half.
+  Alignment align(const SE3& T_start, const ReadoutModel& readout);
+  /// Which of the maps took in the frame.
+  struct Extension {
+    bool keyframe = false;  ///< a new one of the visual term
+    bool targets = false;
+  };
+  /// Takes the aligned frame in as visual keyframe and as targets, each where it is wanted.
+  /// `readout`: camera twist over its readout.
+  Extension extend(const Alignment& alignment, const Vector6d& readout);
+
+  /// Moves keyframes and targets (in local coordinates).
+  void correct(const PoseCorrection& correction);
+
+  bool has_map() const { return geometry_.has_targets() || vision_.keyframes() > 0; }
+  /// Whether the frame shows enough depth to be registered: kNone or kTooFewPoints.
+  LostReason check_frame() const;
+  int source_points() const { return static_cast<int>(geometry_.source().points.size()); }
+  const GeometricTerm& geometry() const { return geometry_; }
+  const VisualTerm& vision() const { return vision_; }
+  const degeneracy::Observability& observability() const { return observability_; }
+  const degeneracy::SurfaceInformation& surfaces() const { return surfaces_; }
+  double planarity() const { return planarity_; }
+  StepTimes& times() { return times_; }
+  const StepTimes& times() const { return times_; }
+
+ private:
+  // While an alignment lasts, geometry_ holds its points and matches; what outlives it is the value
+  // alone.
+  void align_level(int level, bool with_geometry, Alignment& a);
+  degeneracy::NormalEquations linearize_geometry(int level, const SE3& T);
+  Alignment::Geometry geometry_at(const SE3& T);
+  Alignment::Picture picture_at(const SE3& T, VisualTerm::Fit& fit);
+  LostReason judge(const Alignment& a) const;
+  LostReason why_unseen(const Alignment& a) const;
+
+  SpectralConfig config_;
+  GeometricTerm geometry_;
+  VisualTerm vision_;
+
+  // Of the current frame, before anything is matched:
+  degeneracy::HysteresisState hysteresis_;
+  degeneracy::SurfaceInformation surfaces_;
+  degeneracy::Observability observability_;
+  double planarity_ = Diagnostics::kNone;
+  StepTimes times_;
+};
+
+}  // namespace sgs::tracker

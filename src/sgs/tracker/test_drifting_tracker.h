@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <optional>
+
+#include "sgs/core/random.h"
+#include "sgs/tracker/tracker.h"
+
+namespace sgs::tracker {
+
+/// For tests and benchmarks: another tracker's poses with a drift added, a random walk over the way
+/// that the camera goes. Shows what closing loops does, however good the tracker.
+class DriftingTracker : public Tracker {
+ public:
+  /// Standard deviations after one metre; both grow with the root of the way.
+  struct Drift {
+    double translation_m = 0.01;
+    double rotation_deg = 0.5;
+  };
+
+  DriftingTracker(std::unique_ptr<Tracker> tracker, const Drift& drift, std::uint64_t seed)
+      : tracker_(std::move(tracker)), drift_(drift), random_(seed) {}
+
+  TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) override {
+    TrackResult result = tracker_->track(frame, snapshot);
+    const SE3 T = result.T_world_camera;
+    if (!last_) {
+      drifted_ = T;
+    } else {
+      const SE3 motion = last_->inverse() * T;
+      drifted_ = (drifted_ * motion * SE3::exp(step(motion.t.norm()))).normalized();
+    }
+    last_ = T;
+    timestamp_s_ = frame.timestamp_s;
+    result.T_world_camera = drifted_;
+    return result;
+  }
+  bool follows_map() const override { return tracker_->follows_map(); }
+  void correct(const PoseCorrection& correction) override {
+    drifted_ = correction.corrected(drifted_, timestamp_s_);
+  }
+
+ private:
+  double normal() {
+    double sum = -6;
+    for (int k = 0; k < 12; ++k) sum += random_.uniform();
+    return sum;
+  }
+  Vector6d step(double way_m) {
+    const double root = std::sqrt(way_m);
+    const double turn = root * drift_.rotation_deg * std::numbers::pi / 180 / std::sqrt(3.0);
+    const double shift = root * drift_.translation_m / std::sqrt(3.0);
+    Vector6d xi;
+    for (int k = 0; k < 6; ++k) xi[k] = (k < 3 ? turn : shift) * normal();
+    return xi;
+  }
+
+  std::unique_ptr<Tracker> tracker_;
+  Drift drift_;
+  SplitMix64 random_;
+  std::optional<SE3> last_;
+  SE3 drifted_;
+  double timestamp_s_ = 0;
+};
+
+}  // namespace sgs::tracker
