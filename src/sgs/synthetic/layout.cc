@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sgs/synthetic/floor_plan.h"
 #include "sgs/synthetic/scene_builder.h"
 #include "sgs/synthetic/scene_table.h"
 
@@ -149,6 +150,8 @@ std::shared_ptr<const Scene> build_scene(const SceneInfo& info, const Trajectory
     build_wall_scene(b, info);
   else if (info.name == "corridor")
     build_corridor(b);
+  else if (const auto plan = floor_plan(info.name))
+    build_floor_plan(b, *plan, seed);
   else
     build_room(b, info);
   return b.finished();

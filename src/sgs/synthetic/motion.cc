@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "sgs/synthetic/floor_plan.h"
 #include "sgs/synthetic/random.h"
 #include "sgs/synthetic/scene_table.h"
 #include "sgs/synthetic/source.h"
@@ -25,6 +26,15 @@ Aim aim_at(const std::string& scene, double t, double length, const std::array<d
   const auto wave = [&](double amplitude, double period, std::size_t k) {
     return amplitude * std::sin(2 * M_PI * t / period + ph[k]);
   };
+  if (const auto plan = floor_plan(scene)) {
+    const Walk walk(plan->route);
+    const double metres = 0.3 + s * (walk.length_m() - 1.5);
+    const Eigen::Vector2d here = walk.at(metres), ahead = walk.at(metres + 0.9) - here;
+    const double yaw = std::atan2(ahead.y(), ahead.x()) + wave(0.2, 7, 0);
+    const Vector3d eye(here.x() + wave(0.05, 9, 1), here.y() + wave(0.05, 11, 2),
+                       1.42 + wave(0.04, 5, 3));
+    return {eye, eye + Vector3d(2 * std::cos(yaw), 2 * std::sin(yaw), -0.85 + wave(0.2, 13, 1))};
+  }
   if (scene.starts_with("nostructure") || scene == "dual") {
     const bool near = scene.ends_with("near");
     const double height = near ? 1.0 : 1.9;
