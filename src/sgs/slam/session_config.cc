@@ -11,6 +11,7 @@ SessionConfig make_session_config(Preset preset) {
     config.tracker = tracker::paper_tracker_config();
     config.mapper = mapper::paper_mapper_config();
     config.keyframe_interval = 10;
+    config.loops.enabled = false;
   }
   return config;
 }

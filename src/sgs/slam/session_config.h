@@ -8,6 +8,7 @@
 #include "sgs/backend/backend_config.h"
 #include "sgs/camera/heldout.h"
 #include "sgs/core/config.h"
+#include "sgs/loops/loop_config.h"
 #include "sgs/mapper/mapper_config.h"
 #include "sgs/tracker/tracker_config.h"
 
@@ -32,6 +33,7 @@ struct SessionConfig {
   tracker::TrackerConfig tracker;
   mapper::MapperConfig mapper;
   backend::BackendConfig backend;
+  loops::LoopConfig loops;
 
   void declare(ParameterList& p) {
     {
@@ -55,6 +57,7 @@ struct SessionConfig {
     p.add_group("tracker", tracker);
     p.add_group("mapper", mapper);
     p.add_group("backend", backend);
+    p.add_group("loops", loops);
   }
 };
 

@@ -65,14 +65,14 @@ FloorPlan ring() {
 
 // A wall of a room: where it stands and which way it is looked at.
 struct Wall {
-  Vector2f from, to;  // left to right for somebody who looks at it
+  Vector2f from, to;
   Vector2f inward;
 };
 
 std::vector<Wall> walls_of(const PlanRoom& room) {
   const Vector2f a = room.area.min(), c = room.area.max(), b(c.x(), a.y()), d(a.x(), c.y());
-  // Seen from inside, counter-clockwise corners run from right to left.
-  std::vector<Wall> walls = {{b, a, {0, 1}}, {c, b, {-1, 0}}, {d, c, {0, -1}}, {a, d, {1, 0}}};
+  // Counter-clockwise: a quad along the wall and downwards faces inwards.
+  std::vector<Wall> walls = {{a, b, {0, 1}}, {b, c, {-1, 0}}, {c, d, {0, -1}}, {d, a, {1, 0}}};
   if (!room.solid) return walls;
   for (Wall& wall : walls) {
     std::swap(wall.from, wall.to);
@@ -81,7 +81,7 @@ std::vector<Wall> walls_of(const PlanRoom& room) {
   return walls;
 }
 
-/// The stretches of a wall that openings leave, in metres from its left end.
+/// The openings of a wall, in metres from where it begins.
 std::vector<std::pair<float, float>> openings(const Wall& wall, const FloorPlan& plan) {
   const float length = (wall.to - wall.from).norm();
   const Vector2f along = (wall.to - wall.from) / length;

@@ -1,0 +1,172 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// What closing loops does to recordings whose truth is known, with tracking alone: one row each.
+//     sgs_loop_benchmark [--drift] [--set key=value] INPUT...
+// INPUT may be synth:NAME:LEVEL@SEED.
+
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_sinks.h>
+
+#include <CLI/CLI.hpp>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sgs/core/log.h"
+#include "sgs/core/stopwatch.h"
+#include "sgs/eval/trajectory_metrics.h"
+#include "sgs/loops/loop_closer.h"
+#include "sgs/run/input.h"
+#include "sgs/run/run_config.h"
+#include "sgs/tracker/test_drifting_tracker.h"
+
+namespace {
+
+using namespace sgs;
+
+struct Options {
+  bool drift = false;
+  double gap_m = 0;
+  std::string calibration;
+};
+
+double ate_cm(const std::vector<StampedPose>& poses, const Trajectory& truth) {
+  const auto m = eval::evaluate_trajectory(eval::to_estimates(Trajectory(poses)), truth);
+  return m.ate ? 100 * m.ate->rmse : NAN;
+}
+
+/// Mean of e^T Lambda e per direction, and how many edges it is of.
+struct Nees {
+  double sum = 0;
+  int directions = 0, edges = 0;
+
+  void add(const graph::Edge& edge, const SE3& T_from_to) {
+    const Vector6d e = (edge.T_from_to.inverse() * T_from_to).log();
+    sum += e.dot(edge.information * e);
+    directions += graph::rank(edge.information);
+    ++edges;
+  }
+  double mean() const { return directions > 0 ? sum / directions : NAN; }
+};
+
+/// One row of the table.
+Status judge(const std::string& input_name, const slam::SessionConfig& config,
+             const Options& options) {
+  run::InputSpec spec;
+  // synth:NAME:LEVEL@SEED
+  const auto at = input_name.rfind('@');
+  spec.input = input_name.substr(0, at);
+  if (at != std::string::npos) spec.synth_seed = std::stoull(input_name.substr(at + 1));
+  spec.calibration = options.calibration;
+  SGS_ASSIGN_OR_RETURN(auto input, run::open_input(spec, 2));
+  dataset::FrameSource& source = *input.source;
+  const Trajectory truth = source.ground_truth();
+  SGS_ASSIGN_OR_RETURN(auto tracker, tracker::make_tracker(config.tracker, source.camera(), SE3{}));
+  if (options.drift) {
+    tracker = std::make_unique<tracker::DriftingTracker>(
+        std::move(tracker), tracker::DriftingTracker::Drift{}, config.seed);
+  }
+  loops::LoopCloser closer(config.loops, config.tracker, config.seed);
+  std::vector<StampedPose> online, corrected;
+  std::vector<double> track_ms;
+  double closing_ms = 0, longest_ms = 0;
+  int lost = 0;
+  RgbdFrame frame;
+  Error error;
+  for (auto read = source.next(frame, error); read != dataset::FrameRead::kEnd;
+       read = source.next(frame, error)) {
+    if (read != dataset::FrameRead::kOk) continue;
+    const double begin_s = thread_cpu_time_s();
+    const auto result = tracker->track(frame, nullptr);
+    const double tracked_s = thread_cpu_time_s();
+    track_ms.push_back(1e3 * (tracked_s - begin_s));
+    lost += result.status == tracker::TrackingStatus::kLost ? 1 : 0;
+    online.push_back({frame.timestamp_s, result.T_world_camera});
+    corrected.push_back(online.back());
+    if (!config.loops.enabled) continue;
+    const auto correction = closer.add(frame, result);
+    const double ms = 1e3 * (thread_cpu_time_s() - tracked_s);
+    closing_ms += ms;
+    longest_ms = std::max(longest_ms, ms);
+    if (!correction) continue;
+    log().debug("frame {}: moves by {:.3f} m", frame.index, correction->largest_translation_m());
+    for (StampedPose& p : corrected) {
+      p.T_world_camera = correction->corrected(p.T_world_camera, p.timestamp_s);
+    }
+    tracker->correct(*correction);
+    closer.note_applied();
+  }
+  // Edges against the truth.
+  const loops::Skeleton& s = closer.skeleton();
+  const auto true_pose = [&](int node) { return truth.at(s.node(node).timestamp_s, 0.1); };
+  Nees loop_nees, way_nees;
+  int wrong = 0;
+  for (const graph::Edge& e : s.loops()) {
+    const auto a = true_pose(e.from), b = true_pose(e.to);
+    if (!a || !b) continue;
+    const SE3 T = a->inverse() * *b;
+    loop_nees.add(e, T);
+    const SE3 off = e.T_from_to.inverse() * T;
+    wrong += off.t.norm() > 0.1 || off.angle() > 5 * std::numbers::pi / 180 ? 1 : 0;
+  }
+  for (int k = 0; k + 1 < s.size(); ++k) {
+    const auto a = true_pose(k), b = true_pose(k + 1);
+    const auto way = s.tracked(k, k + 1);
+    if (a && b) way_nees.add({k, k + 1, way.T, way.covariance.inverse(), false}, a->inverse() * *b);
+  }
+  const auto p95 = [&](std::size_t begin, std::size_t end) {
+    std::vector<double> part(track_ms.begin() + static_cast<std::ptrdiff_t>(begin),
+                             track_ms.begin() + static_cast<std::ptrdiff_t>(end));
+    if (part.empty()) return 0.0;
+    std::sort(part.begin(), part.end());
+    return part[part.size() * 95 / 100];
+  };
+  const loops::LoopCounts& c = closer.counts();
+  fmt::print(
+      "| {} | {} | {} | {:.2f} | {:.2f} | {} | {} / {} / {} / {} / {} | {} | {} | {:.2f} | {:.2f} "
+      "| "
+      "{:.1f} / {:.1f} | {:.2f} | {:.0f} |\n",
+      input_name.substr(input_name.rfind('/') + 1), online.size(), lost, ate_cm(online, truth), ate_cm(corrected, truth), s.size(),
+      c.compared, c.verified, c.gated, c.accepted, c.taken_back, wrong, c.corrections,
+      loop_nees.mean(), way_nees.mean(), p95(0, track_ms.size() / 2),
+      p95(track_ms.size() / 2, track_ms.size()),
+      closing_ms / static_cast<double>(std::max<std::size_t>(1, online.size())), longest_ms);
+  std::fflush(stdout);
+  return {};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Loop closure with tracking alone");
+  std::vector<std::string> inputs, assignments;
+  Options options;
+  bool verbose = false;
+  app.add_option("INPUT", inputs)->required();
+  app.add_option("--set", assignments, "key=value")->take_all()->allow_extra_args(false);
+  app.add_option("--calibration", options.calibration, "of the depth camera, for all inputs");
+  app.add_flag("--drift", options.drift, "Add a drift of 1 % and 0.5 degrees per metre.");
+  app.add_flag("--verbose", verbose);
+  CLI11_PARSE(app, argc, argv);
+  log().set_level(verbose ? spdlog::level::debug : spdlog::level::warn);
+  if (verbose) set_log_sinks({std::make_shared<spdlog::sinks::stderr_sink_st>()});
+  run::ConfigSources sources;
+  sources.assignments = assignments;
+  run::InputSpec none;
+  const auto config = run::resolve_config(sources, none);
+  if (!config) return fmt::print(stderr, "{}\n", config.error().text()), 2;
+  fmt::print(
+      "| sequence | frames | lost | ATE online | final cm | nodes | compared / verified / gated / "
+      "accepted / taken back | wrong | corrections | NEES loops | way | tracking p95 first, second "
+      "half ms | closing ms a frame | longest |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  for (const std::string& input : inputs) {
+    if (const auto judged = judge(input, *config, options); !judged) {
+      fmt::print(stderr, "{}: {}\n", input, judged.error().text());
+      return 1;
+    }
+  }
+  return 0;
+}

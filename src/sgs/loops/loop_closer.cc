@@ -1,0 +1,215 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/loops/loop_closer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sgs/loops/drift.h"
+#include "sgs/registration/view_distance.h"
+
+namespace sgs::loops {
+namespace {
+
+constexpr double kFarthestDepth_m = 10;
+constexpr std::size_t kMostPending = 64;
+
+/// By how many image widths a view may be elsewhere than expected, one standard deviation.
+double view_sigma(const Matrix6d& covariance, const PinholeCamera& camera, double depth_m) {
+  const double shift_m = std::sqrt(covariance.bottomRightCorner<3, 3>().trace());
+  const double turn = std::sqrt(covariance.topLeftCorner<3, 3>().trace());
+  const double widths = camera.fx / camera.width;
+  return widths * (shift_m / depth_m + turn) + 0.5 * shift_m / depth_m + 0.5 * turn;
+}
+
+/// Squared deviation of a verified loop from where the other node was expected.
+double gate_chi2(const graph::Edge& loop, const graph::UncertainPose& predicted) {
+  const graph::UncertainPose measured{loop.T_from_to, Matrix6d::Zero()};
+  graph::UncertainPose round = inverse(measured) * predicted;
+  // What the loop did not see cannot contradict anything.
+  const Matrix6d& L = loop.information;
+  const Vector6d e = round.T.log();
+  const Matrix6d S = predicted.covariance;
+  // e^T (S + L^-1)^-1 e, with L of any rank: L - L (S^-1 + L)^-1 L.
+  const Matrix6d inner = (S.inverse() + L).inverse();
+  const Matrix6d weight = L - L * inner * L;
+  return e.dot(weight * e);
+}
+
+bool agree(const Skeleton& skeleton, const graph::Edge& k, const graph::Edge& l) {
+  // Whatever a loop did not see is given a metre, a radian.
+  const auto uncertain = [](const graph::Edge& e) {
+    Matrix6d information = e.information;
+    information.diagonal().array() += 1;
+    return graph::UncertainPose{e.T_from_to, information.inverse()};
+  };
+  const auto round = uncertain(k) * skeleton.tracked(k.to, l.to) * inverse(uncertain(l)) *
+                     skeleton.tracked(l.from, k.from);
+  return closure_chi2(round) < graph::chi2_limit(6);
+}
+
+}  // namespace
+
+LoopCloser::LoopCloser(const LoopConfig& config, const tracker::TrackerConfig& tracker,
+                       std::uint64_t seed)
+    : config_(config), verifier_(config, tracker), ferns_(seed) {}
+
+std::optional<PoseCorrection> LoopCloser::add(const RgbdFrame& frame,
+                                              const tracker::TrackResult& result) {
+  const double dt = T_last_ ? frame.timestamp_s - last_s_ : 0;
+  last_s_ = frame.timestamp_s;
+  if (result.status == tracker::TrackingStatus::kLost) {
+    gap_s_ += dt;
+    return std::nullopt;
+  }
+  if (!result.information) return std::nullopt;
+  camera_ = frame.camera;
+  if (T_last_) path_m_ += (result.T_world_camera.t - T_last_->t).norm();
+  T_last_ = result.T_world_camera;
+  if (!wants_node(frame, result.T_world_camera)) return std::nullopt;
+  add_node(frame, result);
+  look_for_loops();
+  accept_supported();
+  return correction();
+}
+
+bool LoopCloser::wants_node(const RgbdFrame& frame, const SE3& T_world_camera) const {
+  if (skeleton_.size() == 0 || gap_s_ > 0) return true;
+  const Node& last = skeleton_.node(skeleton_.size() - 1);
+  SE3 T_last_camera = last.T_world_camera.inverse() * T_world_camera;
+  return registration::view_distance(frame.camera, last.mean_depth_m, T_last_camera) >
+         config_.view_distance;
+}
+
+void LoopCloser::add_node(const RgbdFrame& frame, const tracker::TrackResult& result) {
+  Node node;
+  node.timestamp_s = frame.timestamp_s;
+  node.T_world_camera = result.T_world_camera;
+  node.mean_depth_m = registration::mean_depth(frame.depth, kFarthestDepth_m);
+  if (node.mean_depth_m <= 0) return;
+  node.readout = result.readout;
+  node.view = CompactView(frame);
+  node.ferns = ferns_.code(frame);
+  skeleton_.add(std::move(node),
+                motion_covariance(*result.information,
+                                  registration::mean_depth(frame.depth, kFarthestDepth_m), path_m_,
+                                  gap_s_, config_.drift));
+  skeleton_.note_left(camera_, config_.left_distance);
+  path_m_ = gap_s_ = 0;
+}
+
+// A loop between these two stretches was found a moment ago.
+bool LoopCloser::recently_tied(int older) const {
+  const int newest = skeleton_.size() - 1;
+  const auto near = [&](const graph::Edge& e) {
+    return newest - e.to < config_.spacing_nodes &&
+           std::abs(older - e.from) < 2 * config_.spacing_nodes;
+  };
+  return std::any_of(skeleton_.loops().begin(), skeleton_.loops().end(), near);
+}
+
+// Older nodes that may see what the newest one sees, the most alike first.
+std::vector<int> LoopCloser::candidates(const std::vector<graph::UncertainPose>& predicted) const {
+  const int newest = skeleton_.size() - 1;
+  const Node& n = skeleton_.node(newest);
+  std::vector<std::pair<double, int>> alike;
+  for (int k = 0; k < newest; ++k) {
+    const Node& m = skeleton_.node(k);
+    if (!m.left || n.timestamp_s - m.timestamp_s < config_.min_gap_s) continue;
+    const graph::UncertainPose& p = predicted[static_cast<std::size_t>(k)];
+    const double distance = registration::view_distance(camera_, m.mean_depth_m, p.T);
+    const double reach = config_.reach_sigmas * view_sigma(p.covariance, camera_, m.mean_depth_m);
+    if (distance - reach > config_.revisit_distance || recently_tied(k)) continue;
+    alike.emplace_back(-features::Ferns::similarity(m.ferns, n.ferns), k);
+  }
+  std::sort(alike.begin(), alike.end());
+  std::vector<int> out;
+  for (const auto& [similarity, k] : alike) {
+    if (static_cast<int>(out.size()) >= config_.candidates) break;
+    const auto next_to = [&](int other) { return std::abs(other - k) < config_.spacing_nodes; };
+    if (std::none_of(out.begin(), out.end(), next_to)) out.push_back(k);
+  }
+  return out;
+}
+
+void LoopCloser::look_for_loops() {
+  const int newest = skeleton_.size() - 1;
+  const auto predicted = skeleton_.relative_to(newest);
+  for (const int older : candidates(predicted)) {
+    ++counts_.compared;
+    const graph::UncertainPose& p = predicted[static_cast<std::size_t>(older)];
+    const auto loop = verifier_.verify(skeleton_, older, newest, p.T);
+    if (!loop) continue;
+    ++counts_.verified;
+    if (gate_chi2(*loop, p) > config_.max_gate_chi2) {
+      ++counts_.gated;
+      continue;
+    }
+    if (pending_.size() < kMostPending) pending_.push_back(*loop);
+  }
+}
+
+// Pending loops become edges once enough of them agree with each other.
+void LoopCloser::accept_supported() {
+  const int newest = skeleton_.size() - 1;
+  std::erase_if(pending_,
+                [&](const graph::Edge& e) { return newest - e.to > config_.patience_nodes; });
+  std::vector<std::uint64_t> agrees(pending_.size(), 0);
+  for (std::size_t i = 0; i < pending_.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (pending_[i].to == pending_[j].to || !agree(skeleton_, pending_[i], pending_[j])) continue;
+      agrees[i] |= std::uint64_t{1} << j;
+      agrees[j] |= std::uint64_t{1} << i;
+    }
+  }
+  const std::vector<int> believed = graph::largest_agreement(agrees);
+  if (static_cast<int>(believed.size()) < config_.support) return;
+  for (const int k : believed) skeleton_.add_loop(pending_[static_cast<std::size_t>(k)]);
+  for (auto k = believed.rbegin(); k != believed.rend(); ++k) pending_.erase(pending_.begin() + *k);
+  counts_.accepted += static_cast<int>(believed.size());
+}
+
+// Solves with the new loops; takes them back where they bend the tracked way too much.
+std::optional<PoseCorrection> LoopCloser::correction() {
+  const std::size_t fresh = skeleton_.loops().size() - loops_solved_;
+  if (fresh == 0 || in_flight_) return std::nullopt;
+  const graph::GraphSolution solution = skeleton_.solve();
+  const auto tracked = static_cast<std::size_t>(skeleton_.tracked_edges());
+  const bool bent =
+      std::any_of(solution.chi2.begin(), solution.chi2.begin() + skeleton_.tracked_edges(),
+                  [&](double c) { return c > config_.max_odometry_chi2; });
+  const bool refused = std::any_of(solution.weights.end() - static_cast<std::ptrdiff_t>(fresh),
+                                   solution.weights.end(), [](double w) { return w <= 0; });
+  (void)tracked;
+  if (bent || refused) {
+    skeleton_.remove_last_loops(fresh);
+    counts_.accepted -= static_cast<int>(fresh);
+    counts_.taken_back += static_cast<int>(fresh);
+    return std::nullopt;
+  }
+  loops_solved_ = skeleton_.loops().size();
+  std::vector<MovedPose> poses;
+  for (int k = 0; k < skeleton_.size(); ++k) {
+    const Node& n = skeleton_.node(k);
+    poses.push_back(
+        {n.timestamp_s, n.T_world_camera, solution.T_world_node[static_cast<std::size_t>(k)]});
+  }
+  PoseCorrection out(std::move(poses));
+  if (out.largest_translation_m() < config_.apply_m &&
+      out.largest_rotation_rad() < config_.apply_deg * std::numbers::pi / 180) {
+    return std::nullopt;
+  }
+  in_flight_ = out;
+  ++counts_.corrections;
+  return out;
+}
+
+void LoopCloser::note_applied() {
+  SGS_CHECK(in_flight_.has_value(), "no correction was returned");
+  skeleton_.move(*in_flight_);
+  if (T_last_) T_last_ = in_flight_->corrected(*T_last_, last_s_);
+  in_flight_.reset();
+}
+
+}  // namespace sgs::loops

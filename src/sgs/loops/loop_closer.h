@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "sgs/camera/rgbd_frame.h"
+#include "sgs/features/ferns.h"
+#include "sgs/geometry/pose_correction.h"
+#include "sgs/loops/loop_config.h"
+#include "sgs/loops/loop_verifier.h"
+#include "sgs/loops/skeleton.h"
+#include "sgs/tracker/track_result.h"
+
+namespace sgs::loops {
+
+/// How many loops were looked at, and what became of them.
+struct LoopCounts {
+  int compared = 0;  ///< pairs of nodes
+  int verified = 0;  ///< whose views could be aligned
+  int gated = 0;     ///< of these: contradicted the drift there can have been
+  int accepted = 0;  ///< of these: in the graph
+  int taken_back = 0;
+  int corrections = 0;
+};
+
+/// Knows places again and says how the past has to move for them to be in one place only. A pure
+/// function of what it is given, in order: deterministic, one thread.
+///
+/// A correction that add() returns is in the tracker's coordinates of that moment. The caller
+/// applies it when it suits and says so by note_applied(); until then there is no other.
+class LoopCloser {
+ public:
+  LoopCloser(const LoopConfig& config, const tracker::TrackerConfig& tracker, std::uint64_t seed);
+
+  /// Takes in the next tracked frame. Frames without TrackResult::information are passed over.
+  std::optional<PoseCorrection> add(const RgbdFrame& frame, const tracker::TrackResult& result);
+  /// Poses of frames that come from now on are corrected.
+  void note_applied();
+
+  const Skeleton& skeleton() const { return skeleton_; }
+  const LoopCounts& counts() const { return counts_; }
+
+ private:
+  bool wants_node(const RgbdFrame& frame, const SE3& T_world_camera) const;
+  void add_node(const RgbdFrame& frame, const tracker::TrackResult& result);
+  std::vector<int> candidates(const std::vector<graph::UncertainPose>& predicted) const;
+  void look_for_loops();
+  void accept_supported();
+  std::optional<PoseCorrection> correction();
+  bool recently_tied(int older) const;
+
+  LoopConfig config_;
+  LoopVerifier verifier_;
+  features::Ferns ferns_;
+  PinholeCamera camera_;
+  Skeleton skeleton_;
+  std::vector<graph::Edge> pending_;  // verified, without enough support so far
+  std::optional<PoseCorrection> in_flight_;
+  std::optional<SE3> T_last_;  // of the last trusted frame
+  double last_s_ = 0;
+  double path_m_ = 0, gap_s_ = 0;  // since the last node
+  std::size_t loops_solved_ = 0;
+  LoopCounts counts_;
+};
+
+}  // namespace sgs::loops

@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/loops/loop_verifier.h"
+
+#include <Eigen/Eigenvalues>
+#include <numbers>
+
+#include "sgs/features/visual_map.h"
+#include "sgs/loops/drift.h"
+#include "sgs/loops/pair_aligner.h"
+#include "sgs/registration/view_distance.h"
+
+namespace sgs::loops {
+
+std::optional<LoopVerifier::Found> LoopVerifier::align(const Node& older, const Node& newer,
+                                                       const SE3& T_start) const {
+  const RgbdFrame reference = older.view.frame(), frame = newer.view.frame();
+  PairAligner aligner(tracker_, reference, older.readout);
+  const auto a = aligner.align(frame, newer.readout, T_start);
+  if (!a || a->overlap < config_.min_overlap) return std::nullopt;
+  if (a->used > 0 && a->used < config_.min_used) return std::nullopt;
+  const Matrix6d information =
+      edge_information(a->information, newer.mean_depth_m, config_.min_information, config_.drift);
+  if (information.isZero(0) || graph::rank(information) < config_.min_rank) return std::nullopt;
+  return Found{a->T_reference_camera, information};
+}
+
+std::optional<SE3> LoopVerifier::match_features(const Node& older, const Node& newer) const {
+  features::OrbExtractor extractor(tracker_.relocaliser.orb);
+  features::VisualMap map(tracker_.relocaliser.pose);
+  map.insert(extractor.extract(older.view.frame()), SE3{});
+  const auto found = map.relocalise(extractor.extract(newer.view.frame()));
+  if (found.verdict != features::Verdict::kOk) return std::nullopt;
+  return found.T_world_camera;
+}
+
+// Only along what the alignment has seen.
+bool LoopVerifier::agree(const Found& found, const SE3& other) const {
+  const Vector6d e = (found.T_older_newer.inverse() * other).log();
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(found.information);
+  Vector6d seen = Vector6d::Zero();
+  for (int k = 0; k < 6; ++k) {
+    const Vector6d axis = eigen.eigenvectors().col(k);
+    if (eigen.eigenvalues()[k] > 1e-9 * eigen.eigenvalues()[5]) seen += axis.dot(e) * axis;
+  }
+  return seen.head<3>().norm() <= config_.agree_deg * std::numbers::pi / 180 &&
+         seen.tail<3>().norm() <= config_.agree_m;
+}
+
+std::optional<graph::Edge> LoopVerifier::verify(const Skeleton& skeleton, int older, int newer,
+                                                const SE3& T_older_newer) const {
+  const Node &m = skeleton.node(older), &n = skeleton.node(newer);
+  auto found = align(m, n, T_older_newer);
+  if (!found) {
+    const auto start = match_features(m, n);
+    if (start) found = align(m, n, *start);
+  }
+  if (!found) return std::nullopt;
+  constexpr double kFarthestNeighbour = 0.7;  // a view that hardly overlaps says nothing
+  const PinholeCamera camera = m.view.frame().camera;
+  int confirmed = 0;
+  for (const int neighbour : {older - 1, older + 1}) {
+    if (neighbour < 0 || neighbour >= newer - 1) continue;
+    const SE3 T_older_neighbour = skeleton.tracked(older, neighbour).T;
+    const SE3 expected = T_older_neighbour.inverse() * found->T_older_newer;
+    const Node& k = skeleton.node(neighbour);
+    if (registration::view_distance(camera, k.mean_depth_m, expected) > kFarthestNeighbour)
+      continue;
+    const auto other = align(k, n, expected);
+    if (!other) continue;
+    if (!agree(*found, T_older_neighbour * other->T_older_newer)) return std::nullopt;
+    ++confirmed;
+  }
+  if (confirmed == 0) return std::nullopt;
+  return graph::Edge{older, newer, found->T_older_newer, found->information, true};
+}
+
+}  // namespace sgs::loops

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "sgs/loops/loop_config.h"
+#include "sgs/loops/skeleton.h"
+#include "sgs/tracker/tracker_config.h"
+
+namespace sgs::loops {
+
+/// Whether two nodes see the same place, and where one camera stands in the other's view if so.
+class LoopVerifier {
+ public:
+  LoopVerifier(const LoopConfig& config, const tracker::TrackerConfig& tracker)
+      : config_(config), tracker_(tracker) {}
+
+  /// Aligns the view of node `newer` to that of node `older` and, on its own, to the neighbours of
+  /// `older`: an edge of the graph where the alignments hold and agree. They begin at
+  /// `T_older_newer`, and where that fails at what matched features say.
+  std::optional<graph::Edge> verify(const Skeleton& skeleton, int older, int newer,
+                                    const SE3& T_older_newer) const;
+
+ private:
+  struct Found {
+    SE3 T_older_newer;
+    Matrix6d information;
+  };
+  std::optional<Found> align(const Node& older, const Node& newer, const SE3& T_start) const;
+  std::optional<SE3> match_features(const Node& older, const Node& newer) const;
+  bool agree(const Found& found, const SE3& other) const;
+
+  LoopConfig config_;
+  tracker::SpectralConfig tracker_;
+};
+
+}  // namespace sgs::loops

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "sgs/camera/rgbd_frame.h"
+#include "sgs/tracker/joint_aligner.h"
+
+namespace sgs::loops {
+
+/// What aligning one view to another came to.
+struct PairAlignment {
+  SE3 T_reference_camera;
+  /// On twists of the aligned camera, pixels and points counted as independent.
+  Matrix6d information = Matrix6d::Zero();
+  double used = 0;     ///< share of the reference's pixels that fit
+  double overlap = 0;  ///< share of the aligned view's points that fit
+  double mean_cost = 0;
+};
+
+/// Aligns views to a reference view as the tracker aligns frames to its map (JointAligner), and
+/// with the same right to say that it cannot.
+class PairAligner {
+ public:
+  /// `readout` is the camera's twist over the readout of the reference.
+  PairAligner(const tracker::SpectralConfig& config, const RgbdFrame& reference,
+              const Vector6d& readout);
+
+  /// Empty where the alignment is not to be trusted.
+  std::optional<PairAlignment> align(const RgbdFrame& frame, const Vector6d& readout,
+                                     const SE3& T_start);
+
+ private:
+  tracker::JointAligner aligner_;
+};
+
+}  // namespace sgs::loops

@@ -1,0 +1,131 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/loops/skeleton.h"
+
+#include <Eigen/Eigenvalues>
+#include <queue>
+
+#include "sgs/core/error.h"
+#include "sgs/registration/view_distance.h"
+
+namespace sgs::loops {
+namespace {
+
+/// Covariance of an edge; what it did not see may be anything within a metre or a radian.
+Matrix6d covariance_of(const Matrix6d& information) {
+  constexpr double kUnseen = 1;
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information);
+  Vector6d variances;
+  for (int k = 0; k < 6; ++k) {
+    variances[k] = eigen.eigenvalues()[k] > 1 / kUnseen ? 1 / eigen.eigenvalues()[k] : kUnseen;
+  }
+  return eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+Matrix6d carried(const Matrix6d& covariance, const SE3& T) {
+  const Matrix6d A = T.adjoint();
+  return A * covariance * A.transpose();
+}
+
+}  // namespace
+
+void Skeleton::add(Node node, const Matrix6d& motion_covariance) {
+  if (!nodes_.empty()) {
+    const SE3 T = nodes_.back().T_world_camera.inverse() * node.T_world_camera;
+    motions_.push_back({T, motion_covariance, motion_covariance.inverse()});
+  }
+  nodes_.push_back(std::move(node));
+}
+
+void Skeleton::note_left(const PinholeCamera& camera, double left_distance) {
+  const SE3& newest = nodes_.back().T_world_camera;
+  for (Node& n : nodes_) {
+    n.left =
+        n.left || registration::view_distance(camera, n.mean_depth_m,
+                                              n.T_world_camera.inverse() * newest) > left_distance;
+  }
+}
+
+void Skeleton::add_loop(const graph::Edge& loop) { loops_.push_back(loop); }
+
+void Skeleton::remove_last_loops(std::size_t count) { loops_.resize(loops_.size() - count); }
+
+graph::UncertainPose Skeleton::tracked(int from, int to) const {
+  if (from > to) return inverse(tracked(to, from));
+  graph::UncertainPose out;
+  for (int k = from; k < to; ++k) {
+    const Motion& m = motions_[static_cast<std::size_t>(k)];
+    out = out * graph::UncertainPose{m.T_from_to, m.covariance};
+  }
+  return out;
+}
+
+// Dijkstra over the sum of squared standard deviations of position, turns counted at an arm's
+// length; covariances are carried to the end node's camera.
+std::vector<graph::UncertainPose> Skeleton::relative_to(int to) const {
+  struct Step {
+    int node;
+    Matrix6d covariance;  // in world coordinates
+    double cost;
+  };
+  std::vector<std::vector<Step>> steps(nodes_.size());
+  const auto join = [&](int a, int b, const Matrix6d& at_b) {
+    const Matrix6d world = carried(at_b, node(b).T_world_camera);
+    const double cost = at_b.trace();
+    steps[static_cast<std::size_t>(a)].push_back({b, world, cost});
+    steps[static_cast<std::size_t>(b)].push_back({a, world, cost});
+  };
+  for (int k = 0; k + 1 < size(); ++k) {
+    join(k, k + 1, motions_[static_cast<std::size_t>(k)].covariance);
+  }
+  for (const graph::Edge& loop : loops_) {
+    join(loop.from, loop.to, covariance_of(loop.information));
+  }
+  std::vector<double> best(nodes_.size(), 1e300);
+  std::vector<Matrix6d> covariance(nodes_.size(), Matrix6d::Zero());
+  using Entry = std::pair<double, int>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  best[static_cast<std::size_t>(to)] = 0;
+  queue.emplace(0, to);
+  while (!queue.empty()) {
+    const auto [cost, at] = queue.top();
+    queue.pop();
+    if (cost > best[static_cast<std::size_t>(at)]) continue;
+    for (const Step& s : steps[static_cast<std::size_t>(at)]) {
+      const auto next = static_cast<std::size_t>(s.node);
+      if (cost + s.cost >= best[next]) continue;
+      best[next] = cost + s.cost;
+      covariance[next] = covariance[static_cast<std::size_t>(at)] + s.covariance;
+      queue.emplace(best[next], s.node);
+    }
+  }
+  const SE3 T_to_world = node(to).T_world_camera.inverse();
+  std::vector<graph::UncertainPose> out;
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    out.push_back({nodes_[k].T_world_camera.inverse() * node(to).T_world_camera,
+                   carried(covariance[k], T_to_world)});
+  }
+  return out;
+}
+
+std::vector<graph::Edge> Skeleton::edges() const {
+  std::vector<graph::Edge> out;
+  for (int k = 0; k + 1 < size(); ++k) {
+    const Motion& m = motions_[static_cast<std::size_t>(k)];
+    out.push_back({k, k + 1, m.T_from_to, m.information, false});
+  }
+  out.insert(out.end(), loops_.begin(), loops_.end());
+  return out;
+}
+
+graph::GraphSolution Skeleton::solve() const {
+  std::vector<SE3> poses;
+  for (const Node& n : nodes_) poses.push_back(n.T_world_camera);
+  return graph::optimise(std::move(poses), edges());
+}
+
+void Skeleton::move(const PoseCorrection& correction) {
+  for (Node& n : nodes_) n.T_world_camera = correction.corrected(n.T_world_camera, n.timestamp_s);
+}
+
+}  // namespace sgs::loops

@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "sgs/features/ferns.h"
+#include "sgs/geometry/pose_correction.h"
+#include "sgs/graph/consistency.h"
+#include "sgs/graph/pose_graph.h"
+#include "sgs/loops/compact_view.h"
+
+namespace sgs::loops {
+
+/// A frame that is remembered so that its place can be known again.
+struct Node {
+  double timestamp_s = 0;
+  SE3 T_world_camera;  ///< in the tracker's world, as corrected so far
+  double mean_depth_m = 0;
+  Vector6d readout = Vector6d::Zero();  ///< camera twist over its readout
+  CompactView view;
+  features::FernCode ferns;
+  bool left = false;  ///< the camera has looked elsewhere since
+};
+
+/// The nodes of a run, the tracked way from each to the next, and the loops between them: what is
+/// known of where they lie relative to each other, and how well.
+class Skeleton {
+ public:
+  int size() const { return static_cast<int>(nodes_.size()); }
+  const Node& node(int index) const { return nodes_[static_cast<std::size_t>(index)]; }
+  /// Appends a node; `motion_covariance` is that of the way from the last one, on twists of the new
+  /// one (of no meaning for the first).
+  void add(Node node, const Matrix6d& motion_covariance);
+  /// Notes which nodes the newest one no longer sees.
+  void note_left(const PinholeCamera& camera, double left_distance);
+
+  const std::vector<graph::Edge>& loops() const { return loops_; }
+  void add_loop(const graph::Edge& loop);
+  void remove_last_loops(std::size_t count);
+
+  /// The tracked way between two nodes, without loops.
+  graph::UncertainPose tracked(int from, int to) const;
+  /// Where every node lies relative to node `to`, by the surest way there is, loops included:
+  /// T_node_to with covariance on twists of `to`.
+  std::vector<graph::UncertainPose> relative_to(int to) const;
+
+  /// Poses that agree best with the tracked ways and the loops.
+  graph::GraphSolution solve() const;
+  /// Number of edges of the tracked way in solve(): the first of its edges, one to each node but
+  /// the first.
+  int tracked_edges() const { return size() - 1; }
+  void move(const PoseCorrection& correction);
+
+ private:
+  struct Motion {
+    SE3 T_from_to;
+    Matrix6d covariance, information;
+  };
+  std::vector<graph::Edge> edges() const;
+
+  std::vector<Node> nodes_;
+  std::vector<Motion> motions_;  // to each node but the first
+  std::vector<graph::Edge> loops_;
+};
+
+}  // namespace sgs::loops
