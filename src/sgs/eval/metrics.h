@@ -22,7 +22,7 @@ struct Metrics {
   using Real = std::optional<double>;
   using Text = std::optional<std::string>;
 
-  Real ate_rmse_m, ate_mean_m, ate_median_m, ate_max_m;
+  Real ate_rmse_m, ate_online_rmse_m, ate_mean_m, ate_median_m, ate_max_m;
   Real rpe_trans_1s_m, rpe_rot_1s_deg;
   Real scale_error_percent, tracked_percent;
   Count frames, frames_tracked, frames_lost;
@@ -32,6 +32,7 @@ struct Metrics {
   Real lpips, lpips_full, lpips_heldout;
   Real depth_l1_m;
   Count gaussians, map_bytes, keyframes, mapping_iterations;
+  Count loops_accepted, loops_rejected, corrections;
   Real fps_system, fps_wall;
   Real track_ms_p50, track_ms_p95, map_iteration_ms_p50;
   Count frames_dropped, peak_rss_bytes;
@@ -80,6 +81,10 @@ void visit_metrics(M&& m, Visitor&& visit) {
           "Absolute trajectory error after rigid alignment, root mean square over all frames with "
           "ground truth."},
         m.ate_rmse_m);
+  visit(I{"ate_online_rmse_m", t, "ATE online", "cm", kCm, 2, kLess, kMain,
+          "The same of the poses as they were said frame by frame, before loops were closed and "
+          "keyframes refined."},
+        m.ate_online_rmse_m);
   visit(I{"ate_mean_m", t, "ATE mean", "cm", kCm, 2, kLess, kDetail, "Its mean."}, m.ate_mean_m);
   visit(I{"ate_median_m", t, "ATE median", "cm", kCm, 2, kLess, kDetail, "Its median."},
         m.ate_median_m);
@@ -148,6 +153,15 @@ void visit_metrics(M&& m, Visitor&& visit) {
         m.map_bytes);
   visit(I{"keyframes", p, "Keyframes", "", 1, 0, kNeither, kDetail, "Keyframes of the mapper."},
         m.keyframes);
+  visit(I{"loops_accepted", p, "Loops closed", "", 1, 0, kNeither, kDetail,
+          "Pairs of places that were found to be one, and are in the pose graph."},
+        m.loops_accepted);
+  visit(I{"loops_rejected", p, "Loops rejected", "", 1, 0, kNeither, kDetail,
+          "Pairs that looked alike and were not believed."},
+        m.loops_rejected);
+  visit(I{"corrections", p, "Corrections", "", 1, 0, kNeither, kDetail,
+          "How often closing loops moved trajectory and map."},
+        m.corrections);
   visit(I{"mapping_iterations", p, "Mapping iterations", "", 1, 0, kNeither, kDetail,
           "Mapping steps of the whole run."},
         m.mapping_iterations);

@@ -35,6 +35,7 @@ struct DriftConfig {
 /// Closing loops (docs/loops.md).
 struct LoopConfig {
   bool enabled = true;
+  int lag = 20;
   double view_distance = 0.2;
   double min_gap_s = 5;
   double left_distance = 0.8;
@@ -58,6 +59,10 @@ struct LoopConfig {
 
   void declare(ParameterList& p) {
     p.add("enabled", enabled, "Close loops.");
+    p.add("lag", lag,
+          "Offline a correction is applied so many frames after the one that gave it, so that "
+          "nothing depends on timing.",
+          "frames", {1, 1000});
     p.add("view_distance", view_distance, "How far the view moves between two nodes.",
           "image widths", {0.01, 2});
     p.add("min_gap_s", min_gap_s, "A place seen less than this long ago is no loop.", "s",

@@ -11,6 +11,7 @@
 #include "sgs/mapper/keyframe.h"
 #include "sgs/mapper/keyframe_memory.h"
 #include "sgs/mapper/keyframe_refinement.h"
+#include "sgs/mapper/move_map.h"
 #include "sgs/mapper/optimizer.h"
 #include "sgs/mapper/schedule.h"
 #include "sgs/mapper/snapshot_pool.h"
@@ -209,6 +210,21 @@ int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE
   m.changed = true;
   if (index == 0) iterate(m.config.first_keyframe_iterations);
   return index;
+}
+
+void Mapper::move_keyframes(const std::vector<SE3>& moves) {
+  Impl& m = *impl_;
+  SGS_CHECK(moves.size() == m.keyframes.size(), "a move for every keyframe");
+  const ScopedTimer timer(m.times, "map/move");
+  for (std::size_t k = 0; k < moves.size(); ++k) {
+    MapKeyframe& keyframe = m.keyframes[k];
+    keyframe.T_world_camera = (moves[k] * keyframe.T_world_camera).normalized();
+    keyframe.T_odom_camera = (moves[k] * keyframe.T_odom_camera).normalized();
+  }
+  move_gaussians(moves, m.store);
+  m.bounds.assign(m.store.raw, m.store.average);
+  m.views.forget();
+  m.changed = true;
 }
 
 IterationReport Mapper::iterate(int count) {

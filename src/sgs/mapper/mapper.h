@@ -38,6 +38,9 @@ class Mapper {
   int add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE3& T_world_camera);
   int add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE3& T_world_camera,
                    const SE3& T_odom_camera);
+  /// Moves keyframes in the world, all that hangs on them with them: `moves[k]` is that of keyframe
+  /// k, one for each. Learning goes on from there.
+  void move_keyframes(const std::vector<SE3>& moves);
   /// Runs `count` optimisation steps over the keyframes; nothing happens without keyframes.
   IterationReport iterate(int count);
 

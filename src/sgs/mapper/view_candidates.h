@@ -25,6 +25,8 @@ class ViewCandidates {
   explicit ViewCandidates(int interval) : interval_(interval) {}
   /// The next visit of a keyframe, to a map of so many Gaussians. Valid until the next call.
   Visit next(std::size_t keyframe, std::size_t gaussians);
+  /// Gaussians have moved: the next visit of each keyframe looks at everything.
+  void forget() { keyframes_.clear(); }
   /// `removed` Gaussians are about to go, the others move up.
   void follow_removal(const map::GaussianSet& removed);
 

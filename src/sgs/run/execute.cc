@@ -39,6 +39,11 @@ eval::Metrics run_metrics(const RunOptions& options, const slam::SessionConfig& 
     m.map_iteration_ms_p50 = quantile(it->second, 0.5);
   }
   if (const auto rss = peak_rss_bytes(); rss > 0) m.peak_rss_bytes = rss;
+  if (const auto loops = session.loop_counts()) {
+    m.loops_accepted = loops->accepted;
+    m.loops_rejected = loops->gated + loops->taken_back;
+    m.corrections = loops->corrections;
+  }
   if (options.realtime) m.frames_dropped = clock.frames_dropped;
   m.seed = static_cast<std::int64_t>(config.seed);
   m.threads = options.threads;

@@ -18,7 +18,7 @@ namespace sgs::run {
 
 /// First line of a trajectory.txt that holds poses as the tracker said them, frame by frame. They
 /// lie in the tracker's world; keyframes.txt carries them into that of the map
-/// (slam/pose_correction.h). A finished run's trajectory.txt has no such line.
+/// (slam/keyframe_pose.h). A finished run's trajectory.txt has no such line.
 inline constexpr std::string_view kOnlinePoses =
     "# poses as tracked, before the refinement of keyframes; the run is not finished\n";
 

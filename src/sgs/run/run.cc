@@ -37,14 +37,15 @@ Status load_poses(const fs::path& path, Trajectory& poses) {
 
 /// Tracked poses carried into the map of the last checkpoint, as those of a finished run are.
 Trajectory corrected(const Trajectory& online, const Trajectory& keyframes) {
-  std::vector<slam::KeyframePose> known;
+  std::vector<MovedPose> known;
   for (const StampedPose& refined : keyframes.poses()) {
     const auto tracked = online.at(refined.timestamp_s, 0.0);
-    if (tracked) known.push_back({0, refined.timestamp_s, *tracked, refined.T_world_camera});
+    if (tracked) known.push_back({refined.timestamp_s, *tracked, refined.T_world_camera});
   }
+  const PoseCorrection to_map(std::move(known));
   std::vector<StampedPose> poses = online.poses();
   for (StampedPose& pose : poses) {
-    pose.T_world_camera = slam::corrected_pose(pose.T_world_camera, pose.timestamp_s, known);
+    pose.T_world_camera = to_map.corrected(pose.T_world_camera, pose.timestamp_s);
   }
   return Trajectory(std::move(poses));
 }
@@ -97,7 +98,10 @@ const std::array<PartFile, 6> kPartFiles = {{
     {kTrajectory, files::kTrajectory,
      [](const fs::path& path, Run& run) -> Status {
        SGS_ASSIGN_OR_RETURN(run.trajectory, load_trajectory_of(path));
-       return {};
+       // Runs without one are scored without it.
+       const fs::path online = path.parent_path() / files::kOnline;
+       std::error_code unreadable;
+       return fs::exists(online, unreadable) ? load_poses(online, run.online) : Status{};
      },
      "`sgs export RUN ply` does without poses"},
     {kKeyframes, files::kKeyframes,
@@ -218,6 +222,7 @@ Run run_of(const slam::Session& session, const Input& input, const InputSpec& sp
   Run run = beginning_of(input, spec, config);
   run.frames.assign(session.records().begin(), session.records().end());
   run.trajectory = session.trajectory();
+  run.online = session.online_trajectory();
   run.keyframes = session.keyframe_trajectory();
   run.frames_total = static_cast<std::int64_t>(run.frames.size());
   if (const auto snapshot = session.final_snapshot()) run.gaussians = snapshot->gaussians;
@@ -250,6 +255,7 @@ void save_run(const Run& run, RunFolder& folder) {
     folder.save(name, [&](const fs::path& path) { return io::save_trajectory(path, poses); });
   };
   save_poses(files::kTrajectory, run.trajectory);
+  save_poses(files::kOnline, run.online);
   save_poses(files::kKeyframes, run.keyframes);
   folder.save_text(files::kFrames, slam::frames_csv(run.frames));
   folder.save(files::kMap,

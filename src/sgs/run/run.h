@@ -31,6 +31,7 @@ struct Run {
   std::optional<DepthCalibration> calibration;  ///< of their depths, where one was used
   std::vector<slam::FrameRecord> frames;
   Trajectory trajectory;  ///< estimated, one pose per readable frame
+  Trajectory online;      ///< the same as it was said frame by frame; may be empty
   Trajectory keyframes;   ///< of the mapper, refined
   Trajectory truth;       ///< empty where there is none
   std::vector<map::Gaussian> gaussians;

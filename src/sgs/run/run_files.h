@@ -11,6 +11,7 @@ inline constexpr const char* kConfig = "config.toml";  ///< input and every para
 inline constexpr const char* kCamera = "camera.txt";   ///< of the frames as they were tracked
 inline constexpr const char* kCalibration = "calibration.toml";  ///< of the depths, where used
 inline constexpr const char* kTrajectory = "trajectory.txt";
+inline constexpr const char* kOnline = "trajectory_online.txt";  ///< as said frame by frame
 inline constexpr const char* kKeyframes = "keyframes.txt";
 inline constexpr const char* kTruth = "groundtruth.txt";
 inline constexpr const char* kFrames = "frames.csv";
@@ -25,8 +26,8 @@ inline constexpr const char* kRenders = "renders";  ///< folder
 inline constexpr const char* kPictures = "renders/pictures.csv";
 
 /// What a run makes: a new run into the same folder begins by removing these.
-inline constexpr std::array<const char*, 13> kResults = {
-    kConfig, kCamera,  kCalibration, kTrajectory, kKeyframes, kTruth,   kFrames,
+inline constexpr std::array<const char*, 14> kResults = {
+    kConfig, kCamera,  kCalibration, kTrajectory, kOnline, kKeyframes, kTruth,   kFrames,
     kMap,    kTimings, kMetrics,     kReport,     kLog,       kPictures};
 
 }  // namespace sgs::run::files

@@ -95,6 +95,11 @@ Scores score_trajectory(const Run& run, eval::Association association) {
   scores.trajectory = eval::evaluate_trajectory(estimates_of(run), run.truth, options);
   scores.metrics = run.metrics;
   eval::replace_group(scores.metrics, eval::kTrajectoryGroup, scores.trajectory.scores);
+  if (!run.online.empty()) {
+    const auto online =
+        eval::evaluate_trajectory(eval::to_estimates(run.online), run.truth, options);
+    scores.metrics.ate_online_rmse_m = online.scores.ate_rmse_m;
+  }
   add_frame_metrics(run.frames, scores.metrics);
   return scores;
 }

@@ -20,8 +20,10 @@ struct FrameRecord {
   double timestamp_s = 0;
   bool bad = false;  ///< the frame could not be read; everything below is empty
   std::string bad_reason;
-  /// The tracker's pose, before keyframe refinement (keyframe_pose.h); not in frames.csv.
+  /// The tracker's pose, before keyframe refinement (keyframe_pose.h), as corrected since; not in
+  /// frames.csv.
   SE3 T_odom_camera;
+  SE3 T_online_camera;  ///< the same as it was said when the frame came
   tracker::TrackingStatus status = tracker::TrackingStatus::kLost;
   tracker::LostReason lost_reason = tracker::LostReason::kNone;
   bool tracking_keyframe = false;
@@ -31,6 +33,8 @@ struct FrameRecord {
   double track_ms = 0;
   std::int64_t gaussians = 0;
   std::int64_t iterations = 0;
+  int loops = 0;            ///< closed so far
+  double correction_m = 0;  ///< by how much the past was moved just before this frame
 };
 
 /// A per-frame value: its key in frames.csv and in the viewer's messages, its unit ("" = none) and
@@ -106,6 +110,9 @@ void visit_columns(Record& r, Visitor&& visit) {
   visit(C{"lost_reason", "", "Why a lost frame has no pose that can be trusted; else `none`."},
         r.lost_reason);
   visit(C{"targets", "", "Points of the map among which the registration searched."}, d.targets);
+  visit(C{"loops", "", "Loops closed so far."}, r.loops);
+  visit(C{"correction_m", "m", "By how much closing loops moved the past just before this frame."},
+        r.correction_m);
 }
 
 /// The first line of frames.csv, with its line feed.

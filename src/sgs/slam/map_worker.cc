@@ -35,7 +35,21 @@ MapWorker::~MapWorker() {
   if (thread_.joinable()) thread_.join();
 }
 
+// Both worlds move alike: what refinement has found stays.
+void MapWorker::correct(const PoseCorrection& correction) {
+  std::vector<SE3> moves;
+  moves.reserve(keyframes_.size());
+  for (KeyframePose& k : keyframes_) {
+    const SE3 T_odom_camera = correction.corrected(k.T_odom_camera, k.timestamp_s);
+    moves.push_back(T_odom_camera * k.T_odom_camera.inverse());
+    k.T_odom_camera = T_odom_camera;
+  }
+  mapper_.move_keyframes(moves);
+  publish();
+}
+
 void MapWorker::process(const MapJob& job) {
+  if (job.correction) correct(*job.correction);
   if (job.keyframe) {
     KeyframePose keyframe{job.keyframe->index, job.keyframe->timestamp_s, job.T_odom_camera,
                           job.T_odom_camera};
@@ -83,7 +97,7 @@ void MapWorker::submit(MapJob job) {
   {
     const std::scoped_lock lock(mutex_);
     if (failure_) std::rethrow_exception(failure_);
-    if (mode_ == Mode::kLive && !job.keyframe) return;
+    if (mode_ == Mode::kLive && !job.keyframe && !job.correction) return;
     queue_.push_back(std::move(job));
   }
   changed_.notify_all();

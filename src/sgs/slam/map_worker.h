@@ -23,6 +23,8 @@ namespace sgs::slam {
 struct MapJob {
   std::shared_ptr<const RgbdFrame> keyframe;  ///< null when the frame is no mapping keyframe
   SE3 T_odom_camera;                          ///< the tracker's pose of that keyframe
+  /// How the tracker's past was corrected just before this frame; null = not at all.
+  std::shared_ptr<const PoseCorrection> correction;
 };
 
 /// Map state that one frame may see.
@@ -69,6 +71,7 @@ class MapWorker {
 
  private:
   void process(const MapJob& job);
+  void correct(const PoseCorrection& correction);
   void publish();
   void loop();
 

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/slam/session.h"
 
+#include <exception>
+
 #include "sgs/core/log.h"
 #include "sgs/slam/track_stopwatch.h"
 
@@ -48,6 +50,10 @@ Session::Session(const SessionConfig& config, const PinholeCamera& camera,
                                            : MapWorker::Mode::kThread;
   worker_ =
       std::make_unique<MapWorker>(config_, camera_, tracker_->follows_map(), mode, options.threads);
+  // A tracker that follows the map would see the correction some frames late.
+  if (config_.loops.enabled && !tracker_->follows_map()) {
+    loops_ = std::make_unique<LoopWorker>(config_, mode);
+  }
 }
 
 Session::~Session() = default;
@@ -57,16 +63,40 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& frame) 
   SGS_CHECK(frame->color.width() == camera_.width && frame->color.height() == camera_.height &&
                 frame->depth.width() == camera_.width && frame->depth.height() == camera_.height,
             "frame size differs from the session's camera");
+  correct_past();
   const MapView view = wait_for_map();
   double cpu_ms = 0;
   const tracker::TrackResult result = track(*frame, view.snapshot, cpu_ms);
   FrameRecord record = make_record(*frame, view, result);
   record.track_ms = cpu_ms;
+  if (loops_) {
+    record.loops = loops_->loops_before(frames_fed_);
+    loops_->submit(frame, result);
+  }
   hand_to_mapper(frame, record);
   report_loss(record);
   records_.push_back(std::move(record));
   if (on_frame_) on_frame_(records_.back());
   return records_.back();
+}
+
+// Before a frame is tracked: tracker, records and (with this frame's job) the map move together.
+void Session::correct_past() {
+  correction_ = loops_ ? loops_->correction_before(frames_fed_) : nullptr;
+  if (!correction_) return;
+  const ScopedTimer timer(track_times_, "correct the past");
+  tracker_->correct(*correction_);
+  correct_records(*correction_);
+}
+
+void Session::correct_records(const PoseCorrection& correction) {
+  for (FrameRecord& r : records_) {
+    if (!r.bad) r.T_odom_camera = correction.corrected(r.T_odom_camera, r.timestamp_s);
+  }
+  const MovedPose& newest = correction.poses().back();
+  log().info("a loop was closed: the past moves by up to {:.1f} cm, the camera by {:.1f} cm",
+             100 * correction.largest_translation_m(),
+             100 * (newest.after.t - newest.before.t).norm());
 }
 
 MapView Session::wait_for_map() {
@@ -98,7 +128,8 @@ FrameRecord Session::make_record(const RgbdFrame& frame, const MapView& view,
   record.heldout = is_heldout(frame.index, config_.heldout_interval);
   record.gaussians = view.snapshot ? static_cast<std::int64_t>(view.snapshot->gaussians.size()) : 0;
   record.iterations = view.iterations;
-  record.T_odom_camera = result.T_world_camera;
+  record.T_odom_camera = record.T_online_camera = result.T_world_camera;
+  if (correction_) record.correction_m = correction_->largest_translation_m();
   record.status = result.status;
   record.lost_reason = result.lost_reason;
   record.tracking_keyframe = result.keyframe;
@@ -119,8 +150,9 @@ void Session::hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame, Fram
     record.mapping_keyframe = true;
     last_mapping_keyframe_ = frames_fed_;
     keyframe_pending_ = false;
-    job = {frame, record.T_odom_camera};
+    job = {frame, record.T_odom_camera, nullptr};
   }
+  job.correction = correction_;
   worker_->submit(std::move(job));
   ++frames_fed_;
 }
@@ -148,7 +180,28 @@ void Session::feed_bad(std::int64_t index, double timestamp_s, const std::string
   records_.push_back(std::move(record));
 }
 
-void Session::finish() { worker_->finish(); }
+void Session::finish() {
+  // What fails here must not cost the map.
+  std::exception_ptr failure;
+  try {
+    if (auto last = loops_ ? loops_->finish() : nullptr) {
+      correct_records(*last);
+      worker_->submit({nullptr, {}, std::move(last)});
+    }
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  worker_->finish();
+  if (failure) std::rethrow_exception(failure);
+}
+
+std::optional<loops::LoopCounts> Session::loop_counts() const {
+  return loops_ ? std::optional(loops_->closer().counts()) : std::nullopt;
+}
+
+const loops::Skeleton* Session::skeleton() const {
+  return loops_ ? &loops_->closer().skeleton() : nullptr;
+}
 
 map::SnapshotPtr Session::snapshot() { return worker_->newest_snapshot(); }
 
@@ -158,6 +211,14 @@ Trajectory Session::trajectory() const {
   for (const FrameRecord& r : records_) {
     if (r.bad) continue;
     poses.push_back({r.timestamp_s, to_world.corrected(r.T_odom_camera, r.timestamp_s)});
+  }
+  return Trajectory(std::move(poses));
+}
+
+Trajectory Session::online_trajectory() const {
+  std::vector<StampedPose> poses;
+  for (const FrameRecord& r : records_) {
+    if (!r.bad) poses.push_back({r.timestamp_s, r.T_online_camera});
   }
   return Trajectory(std::move(poses));
 }

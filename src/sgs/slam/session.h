@@ -14,6 +14,7 @@
 #include "sgs/map/gaussian.h"
 #include "sgs/slam/frame_record.h"
 #include "sgs/slam/keyframe_pose.h"
+#include "sgs/slam/loop_worker.h"
 #include "sgs/slam/map_worker.h"
 #include "sgs/slam/session_config.h"
 #include "sgs/tracker/tracker.h"
@@ -66,10 +67,16 @@ class Session {
   /// Poses of all tracked frames carried into the refined map (after finish()); frames that were
   /// lost carry the tracker's guess at their pose.
   Trajectory trajectory() const;
+  /// Poses of all tracked frames as they were said when the frames came.
+  Trajectory online_trajectory() const;
   /// Poses of the mapping keyframes as refined (after finish()).
   Trajectory keyframe_trajectory() const;
   const std::vector<KeyframePose>& keyframes() const { return worker_->keyframes(); }
   std::int64_t iterations() const { return worker_->iterations(); }
+  /// What became of loops (after finish()); empty where none are looked for.
+  std::optional<loops::LoopCounts> loop_counts() const;
+  /// Edges of the pose graph that close loops, and its nodes (after finish()); null as above.
+  const loops::Skeleton* skeleton() const;
   /// Seconds the mapper has been busy so far (any thread).
   double mapper_busy_s() const { return worker_->busy_s(); }
   /// Durations of tracking and mapping stages (after finish()).
@@ -79,6 +86,8 @@ class Session {
   Session(const SessionConfig& config, const PinholeCamera& camera, const SessionOptions& options,
           std::unique_ptr<tracker::Tracker> tracker);
   // The steps of a frame.
+  void correct_past();
+  void correct_records(const PoseCorrection& correction);
   MapView wait_for_map();
   tracker::TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot,
                              double& cpu_ms);
@@ -94,6 +103,8 @@ class Session {
   bool live_;
   std::unique_ptr<tracker::Tracker> tracker_;
   std::unique_ptr<MapWorker> worker_;
+  std::unique_ptr<LoopWorker> loops_;  // null: the tracker cannot be corrected, or shall not
+  std::shared_ptr<const PoseCorrection> correction_;  // of this frame, for the mapper
   std::deque<FrameRecord> records_;  // deque: feed() hands out references
   std::int64_t frames_fed_ = 0;
   std::int64_t last_mapping_keyframe_ = -1;  // in frames fed
