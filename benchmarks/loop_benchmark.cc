@@ -91,10 +91,12 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
     closing_ms += ms;
     longest_ms = std::max(longest_ms, ms);
     if (!correction) continue;
-    log().debug("frame {}: moves by {:.3f} m", frame.index, correction->largest_translation_m());
     for (StampedPose& p : corrected) {
       p.T_world_camera = correction->corrected(p.T_world_camera, p.timestamp_s);
     }
+    log().debug("frame {}: {} loops, moves by {:.3f} m; error so far {:.2f} cm", frame.index,
+                closer.skeleton().loops().size(), correction->largest_translation_m(),
+                ate_cm(corrected, truth));
     tracker->correct(*correction);
     closer.note_applied();
   }
@@ -109,6 +111,9 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
     const SE3 T = a->inverse() * *b;
     loop_nees.add(e, T);
     const SE3 off = e.T_from_to.inverse() * T;
+    log().debug("loop {} - {}: off by {:.2f} cm, {:.2f} deg, rank {}", e.from, e.to,
+                100 * off.t.norm(), off.angle() * 180 / std::numbers::pi,
+                graph::rank(e.information));
     wrong += off.t.norm() > 0.1 || off.angle() > 5 * std::numbers::pi / 180 ? 1 : 0;
   }
   for (int k = 0; k + 1 < s.size(); ++k) {

@@ -13,7 +13,7 @@ struct DriftConfig {
   double rotation_deg_per_m = 0.5;
   double lost_speed_m_per_s = 1;
   double lost_turn_rad_per_s = 1;
-  double floor_m = 0.002;
+  double floor_m = 0.004;
 
   void declare(ParameterList& p) {
     p.add("information_scale", information_scale,
@@ -36,7 +36,7 @@ struct DriftConfig {
 struct LoopConfig {
   bool enabled = true;
   int lag = 20;
-  double view_distance = 0.2;
+  double view_distance = 0.15;
   double min_gap_s = 5;
   double left_distance = 0.8;
   double revisit_distance = 0.45;
@@ -48,7 +48,7 @@ struct LoopConfig {
   int min_rank = 3;
   double min_information = 2e4;
   double agree_m = 0.02;
-  double agree_deg = 2;
+  double agree_deg = 1;
   double max_gate_chi2 = 22.5;
   int support = 2;
   int patience_nodes = 20;

@@ -56,8 +56,13 @@ std::optional<graph::Edge> LoopVerifier::verify(const Skeleton& skeleton, int ol
     if (start) found = align(m, n, *start);
   }
   if (!found) return std::nullopt;
-  constexpr double kFarthestNeighbour = 0.7;  // a view that hardly overlaps says nothing
+  // From afar, what a distorting camera sees does not fit: it is off by centimetres.
   const PinholeCamera camera = m.view.frame().camera;
+  if (registration::view_distance(camera, m.mean_depth_m, found->T_older_newer) >
+      config_.revisit_distance) {
+    return std::nullopt;
+  }
+  constexpr double kFarthestNeighbour = 0.7;  // a view that hardly overlaps says nothing
   int confirmed = 0;
   for (const int neighbour : {older - 1, older + 1}) {
     if (neighbour < 0 || neighbour >= newer - 1) continue;

@@ -1,0 +1,180 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Loops in whole sessions: a tracker that drifts, a place that is seen again.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <functional>
+
+#include "sgs/eval/trajectory_metrics.h"
+#include "sgs/dataset/feed_item.h"
+#include "sgs/loops/loop_closer.h"
+#include "sgs/slam/session.h"
+#include "sgs/synthetic/source.h"
+#include "sgs/tracker/test_drifting_tracker.h"
+
+namespace sgs {
+namespace {
+
+struct Recording {
+  std::vector<std::shared_ptr<const RgbdFrame>> frames;
+  Trajectory truth;
+  PinholeCamera camera;
+};
+
+/// A desk that is looked at from one end to the other and back, 20 s at 10 frames a second.
+const Recording& desk() {
+  static const Recording recording = [] {
+    synthetic::SynthOptions options;
+    options.scene = "room_desk";
+    options.rate_hz = 10;
+    options.frames = 190;
+    options.threads = 2;
+    options.camera = {320, 240, 267.7, 269.6, 159.8, 123.55};
+    auto source = synthetic::make_synthetic_source(options);
+    EXPECT_TRUE(source) << source.error().text();
+    Recording out;
+    out.truth = (*source)->ground_truth();
+    out.camera = options.camera;
+    while (auto item = dataset::read_item(**source)) out.frames.push_back(item->frame);
+    return out;
+  }();
+  return recording;
+}
+
+slam::SessionConfig config_with_loops() {
+  auto config = slam::make_session_config(slam::Preset::kDefault);
+  config.mapper.iterations_per_frame = 0.5;
+  config.loops.view_distance = 0.12;
+  return config;
+}
+
+/// Half a degree and a centimetre a metre, three times over: the way is short.
+std::unique_ptr<tracker::Tracker> drifting(const slam::SessionConfig& config,
+                                           const PinholeCamera& camera) {
+  auto tracker = tracker::make_tracker(config.tracker, camera, SE3{});
+  EXPECT_TRUE(tracker);
+  return std::make_unique<tracker::DriftingTracker>(
+      std::move(*tracker), tracker::DriftingTracker::Drift{0.03, 1.5}, 4);
+}
+
+double ate_m(const Trajectory& poses, const Trajectory& truth) {
+  return eval::evaluate_trajectory(eval::to_estimates(poses), truth).ate->rmse;
+}
+
+struct Outcome {
+  std::vector<map::Gaussian> gaussians;
+  Trajectory final_poses, online;
+  loops::LoopCounts loops;
+  int frames_with_corrections = 0;
+};
+
+Outcome run(slam::SessionConfig config, int threads, bool live = false) {
+  const Recording& recording = desk();
+  slam::SessionOptions options;
+  options.threads = threads;
+  options.live = live;
+  auto session = slam::Session::create(config, recording.camera, options,
+                                       drifting(config, recording.camera));
+  EXPECT_TRUE(session) << session.error().text();
+  Outcome out;
+  for (const auto& frame : recording.frames) {
+    out.frames_with_corrections += (*session)->feed(frame).correction_m > 0 ? 1 : 0;
+  }
+  (*session)->finish();
+  out.gaussians = (*session)->final_snapshot()->gaussians;
+  out.final_poses = (*session)->trajectory();
+  out.online = (*session)->online_trajectory();
+  out.loops = (*session)->loop_counts().value_or(loops::LoopCounts{});
+  return out;
+}
+
+TEST(Loops, TakeDriftAwayAndKeepWhatWasSaidLive) {
+  const Outcome closed = run(config_with_loops(), 2);
+  EXPECT_GE(closed.loops.accepted, 2);
+  EXPECT_GE(closed.frames_with_corrections, 1);
+  slam::SessionConfig open_config = config_with_loops();
+  open_config.loops.enabled = false;
+  const Outcome open = run(open_config, 2);
+  EXPECT_EQ(open.loops.accepted, 0);
+  EXPECT_EQ(open.frames_with_corrections, 0);
+  const Trajectory& truth = desk().truth;
+  EXPECT_LT(ate_m(closed.final_poses, truth), 0.6 * ate_m(open.final_poses, truth));
+  EXPECT_LT(ate_m(closed.final_poses, truth), ate_m(closed.online, truth));
+  ASSERT_EQ(closed.online.size(), desk().frames.size());
+}
+
+TEST(Loops, GiveTheSameBitsForAnyNumberOfThreads) {
+  const Outcome one = run(config_with_loops(), 1);
+  ASSERT_GE(one.frames_with_corrections, 1);
+  for (const int threads : {2, 5}) {
+    const Outcome other = run(config_with_loops(), threads);
+    ASSERT_EQ(one.gaussians.size(), other.gaussians.size()) << threads;
+    EXPECT_EQ(std::memcmp(one.gaussians.data(), other.gaussians.data(),
+                          one.gaussians.size() * sizeof(map::Gaussian)),
+              0);
+    for (std::size_t i = 0; i < one.final_poses.size(); ++i) {
+      ASSERT_EQ(one.final_poses.poses()[i].T_world_camera.t,
+                other.final_poses.poses()[i].T_world_camera.t)
+          << threads << " threads, pose " << i;
+    }
+  }
+}
+
+TEST(Loops, AreClosedLiveToo) {
+  const Outcome live = run(config_with_loops(), 2, true);
+  EXPECT_EQ(live.final_poses.size(), desk().frames.size());
+  EXPECT_FALSE(live.gaussians.empty());
+}
+
+TEST(Loops, APlaceThatNeverComesBackIsNoLoop) {
+  slam::SessionConfig config = config_with_loops();
+  config.loops.min_gap_s = 1000;
+  EXPECT_EQ(run(config, 2).loops.compared, 0);
+}
+
+/// Loops between the first and the second half of the desk's frames when they come with these poses.
+int loops_across(const std::function<SE3(const RgbdFrame&, std::size_t)>& pose_of) {
+  const slam::SessionConfig config = config_with_loops();
+  loops::LoopCloser closer(config.loops, config.tracker, 0);
+  std::size_t i = 0;
+  for (const auto& frame : desk().frames) {
+    tracker::TrackResult result;
+    result.T_world_camera = pose_of(*frame, i++);
+    result.information = 1e7 * Matrix6d::Identity();
+    if (closer.add(*frame, result)) closer.note_applied();
+  }
+  const loops::Skeleton& s = closer.skeleton();
+  const double half_s = desk().frames[desk().frames.size() / 2]->timestamp_s;
+  return static_cast<int>(std::count_if(
+      s.loops().begin(), s.loops().end(), [&](const graph::Edge& e) {
+        return s.node(e.from).timestamp_s <= half_s && s.node(e.to).timestamp_s > half_s;
+      }));
+}
+
+TEST(Loops, PlacesThatOnlyLookAlikeAreNotJoined) {
+  // The second half of the recording is told to lie two metres further: the same pictures, so
+  // another room that looks the same to the last detail.
+  const int wrong = loops_across([](const RgbdFrame& frame, std::size_t i) {
+    SE3 T = *frame.truth_T_world_camera;
+    if (i > desk().frames.size() / 2) T.t.x() += 2;
+    return T;
+  });
+  EXPECT_EQ(wrong, 0);
+  const int right = loops_across(
+      [](const RgbdFrame& frame, std::size_t) { return *frame.truth_T_world_camera; });
+  EXPECT_GE(right, 2);
+}
+
+TEST(Loops, TrackersThatSayNothingOfTheirCertaintyAreLeftAlone) {
+  const slam::SessionConfig config = config_with_loops();
+  loops::LoopCloser closer(config.loops, config.tracker, 0);
+  for (const auto& frame : desk().frames) EXPECT_FALSE(closer.add(*frame, {}));
+  EXPECT_EQ(closer.skeleton().size(), 0);
+  EXPECT_THROW(closer.note_applied(), ContractViolation);
+}
+
+}  // namespace
+}  // namespace sgs
