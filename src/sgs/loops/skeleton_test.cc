@@ -1,0 +1,115 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/loops/skeleton.h"
+
+#include <gtest/gtest.h>
+
+#include "sgs/loops/drift.h"
+
+namespace sgs::loops {
+namespace {
+
+const PinholeCamera kCamera{64, 48, 60, 60, 31.5, 23.5};
+
+SE3 at(double x) { return {Eigen::Matrix3d::Identity(), {x, 0, 0}}; }
+
+Node node(double time_s, const SE3& T) {
+  Node n;
+  n.timestamp_s = time_s;
+  n.T_world_camera = T;
+  n.mean_depth_m = 2;
+  return n;
+}
+
+TEST(EdgeInformation, SaysNothingOfWhatWasNotSeenAndNeverMoreThanItsFloor) {
+  DriftConfig config;
+  config.information_scale = 0.1;
+  config.floor_m = 0.004;
+  Matrix6d H = Matrix6d::Identity() * 1e12;
+  H(3, 3) = 1e3;  // a slide that hardly shows
+  const Matrix6d information = edge_information(H, 2, 2e4, config);
+  EXPECT_EQ(graph::rank(information), 5);
+  EXPECT_EQ(information(3, 3), 0);
+  EXPECT_NEAR(information(4, 4), 1 / (0.004 * 0.004), 1e-3 / (0.004 * 0.004));
+  // A turn moves what is 2 m away twice as far as its angle says.
+  EXPECT_NEAR(information(0, 0), 4 * information(4, 4), 1e-3 * information(0, 0));
+}
+
+TEST(MotionCovariance, GrowsWithTheWayAndWithTheTimeLost) {
+  const DriftConfig config;
+  const Matrix6d H = Matrix6d::Identity() * 1e9;
+  const auto of = [&](double path_m, double gap_s) {
+    return motion_covariance(H, 2, path_m, gap_s, config).trace();
+  };
+  EXPECT_LT(of(0.1, 0), of(0.5, 0));
+  EXPECT_GT(of(0.1, 1), 1);
+  // Twice the way, twice the variance.
+  EXPECT_NEAR(of(2, 0) - of(1, 0), of(1, 0) - of(0, 0), 1e-12);
+  EXPECT_TRUE(motion_covariance(Matrix6d::Zero(), 2, 0, 0, config).allFinite());
+}
+
+TEST(Skeleton, KnowsTheWayThroughALoopToBeSurer) {
+  Skeleton s;
+  const Matrix6d step = Matrix6d::Identity() * 1e-4;
+  for (int k = 0; k < 20; ++k) s.add(node(k, at(0.1 * k)), step);
+  const double open = s.relative_to(19)[0].covariance.trace();
+  EXPECT_NEAR(s.tracked(0, 19).covariance.trace() / open, 1, 1e-6);
+  s.add_loop({1, 18, at(1.7), Matrix6d::Identity() * 1e6, true});
+  const auto relative = s.relative_to(19);
+  EXPECT_LT(relative[0].covariance.trace(), 0.2 * open);
+  EXPECT_NEAR(relative[0].T.t.x(), 1.9, 1e-9);
+  EXPECT_NEAR(relative[10].covariance.trace(), s.tracked(10, 19).covariance.trace(), 1e-3);
+}
+
+TEST(Skeleton, NodesThatAreOutOfSightAreLeft) {
+  Skeleton s;
+  const Matrix6d step = Matrix6d::Identity() * 1e-4;
+  s.add(node(0, at(0)), step);
+  s.note_left(kCamera, 0.8);
+  EXPECT_FALSE(s.node(0).left);
+  s.add(node(1, at(5)), step);
+  s.note_left(kCamera, 0.8);
+  EXPECT_TRUE(s.node(0).left);
+  s.add(node(2, at(0)), step);
+  s.note_left(kCamera, 0.8);
+  EXPECT_TRUE(s.node(0).left) << "it stays a place that was left";
+  EXPECT_FALSE(s.node(2).left);
+}
+
+TEST(Skeleton, ALoopSpreadsItsErrorOverTheWay) {
+  Skeleton s;
+  for (int k = 0; k < 11; ++k) s.add(node(k, at(0.1 * k)), Matrix6d::Identity() * 1e-4);
+  s.add_loop({0, 10, at(1.1), Matrix6d::Identity() * 1e10, true});
+  const auto solution = s.solve();
+  EXPECT_EQ(solution.weights.back(), 1);
+  EXPECT_NEAR(solution.T_world_node[10].t.x(), 1.1, 1e-4);
+  EXPECT_NEAR(solution.T_world_node[5].t.x(), 0.55, 1e-4);
+}
+
+TEST(CompactView, KeepsWhatAlignmentsNeed) {
+  RgbdFrame frame;
+  frame.camera = kCamera;
+  frame.timestamp_s = 1.25;
+  frame.index = 7;
+  frame.color = ColorImage(64, 48);
+  frame.depth = DepthImage(64, 48);
+  for (int y = 0; y < 48; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      const auto g = static_cast<std::uint8_t>(4 * x);
+      frame.color(x, y) = {g, g, g};
+      frame.depth(x, y) = y == 0 ? 0.0f : 0.25f * static_cast<float>(y);
+    }
+  }
+  frame.depth(3, 47) = 1e9f;
+  const RgbdFrame back = CompactView(frame).frame();
+  EXPECT_EQ(back.index, 7);
+  EXPECT_EQ(back.timestamp_s, 1.25);
+  EXPECT_EQ(back.camera, kCamera);
+  EXPECT_EQ(back.depth(5, 0), 0);
+  EXPECT_NEAR(back.depth(5, 9), 2.25f, 1e-4f);
+  EXPECT_EQ(back.depth(3, 47), 0) << "what does not fit counts as not measured";
+  for (int x = 0; x < 64; ++x) EXPECT_NEAR(back.color(x, 5).g, frame.color(x, 5).g, 1);
+}
+
+}  // namespace
+}  // namespace sgs::loops
