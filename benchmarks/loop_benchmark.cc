@@ -133,9 +133,9 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
       "| {} | {} | {} | {:.2f} | {:.2f} | {} | {} / {} / {} / {} / {} | {} | {} | {:.2f} | {:.2f} "
       "| "
       "{:.1f} / {:.1f} | {:.2f} | {:.0f} |\n",
-      input_name.substr(input_name.rfind('/') + 1), online.size(), lost, ate_cm(online, truth), ate_cm(corrected, truth), s.size(),
-      c.compared, c.verified, c.gated, c.accepted, c.taken_back, wrong, c.corrections,
-      loop_nees.mean(), way_nees.mean(), p95(0, track_ms.size() / 2),
+      input_name.substr(input_name.rfind('/') + 1), online.size(), lost, ate_cm(online, truth),
+      ate_cm(corrected, truth), s.size(), c.compared, c.verified, c.gated, c.accepted, c.taken_back,
+      wrong, c.corrections, loop_nees.mean(), way_nees.mean(), p95(0, track_ms.size() / 2),
       p95(track_ms.size() / 2, track_ms.size()),
       closing_ms / static_cast<double>(std::max<std::size_t>(1, online.size())), longest_ms);
   std::fflush(stdout);

@@ -8,8 +8,8 @@
 #include <cstring>
 #include <functional>
 
-#include "sgs/eval/trajectory_metrics.h"
 #include "sgs/dataset/feed_item.h"
+#include "sgs/eval/trajectory_metrics.h"
 #include "sgs/loops/loop_closer.h"
 #include "sgs/slam/session.h"
 #include "sgs/synthetic/source.h"
@@ -56,8 +56,8 @@ std::unique_ptr<tracker::Tracker> drifting(const slam::SessionConfig& config,
                                            const PinholeCamera& camera) {
   auto tracker = tracker::make_tracker(config.tracker, camera, SE3{});
   EXPECT_TRUE(tracker);
-  return std::make_unique<tracker::DriftingTracker>(
-      std::move(*tracker), tracker::DriftingTracker::Drift{0.03, 1.5}, 4);
+  return std::make_unique<tracker::DriftingTracker>(std::move(*tracker),
+                                                    tracker::DriftingTracker::Drift{0.03, 1.5}, 4);
 }
 
 double ate_m(const Trajectory& poses, const Trajectory& truth) {
@@ -76,8 +76,8 @@ Outcome run(slam::SessionConfig config, int threads, bool live = false) {
   slam::SessionOptions options;
   options.threads = threads;
   options.live = live;
-  auto session = slam::Session::create(config, recording.camera, options,
-                                       drifting(config, recording.camera));
+  auto session =
+      slam::Session::create(config, recording.camera, options, drifting(config, recording.camera));
   EXPECT_TRUE(session) << session.error().text();
   Outcome out;
   for (const auto& frame : recording.frames) {
@@ -135,7 +135,8 @@ TEST(Loops, APlaceThatNeverComesBackIsNoLoop) {
   EXPECT_EQ(run(config, 2).loops.compared, 0);
 }
 
-/// Loops between the first and the second half of the desk's frames when they come with these poses.
+/// Loops between the first and the second half of the desk's frames when they come with these
+/// poses.
 int loops_across(const std::function<SE3(const RgbdFrame&, std::size_t)>& pose_of) {
   const slam::SessionConfig config = config_with_loops();
   loops::LoopCloser closer(config.loops, config.tracker, 0);
@@ -148,8 +149,8 @@ int loops_across(const std::function<SE3(const RgbdFrame&, std::size_t)>& pose_o
   }
   const loops::Skeleton& s = closer.skeleton();
   const double half_s = desk().frames[desk().frames.size() / 2]->timestamp_s;
-  return static_cast<int>(std::count_if(
-      s.loops().begin(), s.loops().end(), [&](const graph::Edge& e) {
+  return static_cast<int>(
+      std::count_if(s.loops().begin(), s.loops().end(), [&](const graph::Edge& e) {
         return s.node(e.from).timestamp_s <= half_s && s.node(e.to).timestamp_s > half_s;
       }));
 }
@@ -163,8 +164,8 @@ TEST(Loops, PlacesThatOnlyLookAlikeAreNotJoined) {
     return T;
   });
   EXPECT_EQ(wrong, 0);
-  const int right = loops_across(
-      [](const RgbdFrame& frame, std::size_t) { return *frame.truth_T_world_camera; });
+  const int right =
+      loops_across([](const RgbdFrame& frame, std::size_t) { return *frame.truth_T_world_camera; });
   EXPECT_GE(right, 2);
 }
 

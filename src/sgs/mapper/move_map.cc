@@ -49,7 +49,8 @@ struct Move {
   }
   void apply(map::Moments& m) const {
     const Eigen::Vector3f gradient =
-        R * Eigen::Vector3f(widen(m.mean[kMean]), widen(m.mean[kMean + 1]), widen(m.mean[kMean + 2]));
+        R *
+        Eigen::Vector3f(widen(m.mean[kMean]), widen(m.mean[kMean + 1]), widen(m.mean[kMean + 2]));
     for (std::size_t k = 0; k < 3; ++k) {
       m.mean[kMean + k] = narrow(gradient[static_cast<Eigen::Index>(k)]);
       if (!small_turn) m.mean_square[kMean + k] = 0;

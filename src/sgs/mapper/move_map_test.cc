@@ -57,7 +57,8 @@ TEST(MoveGaussians, WhatMovesWithTheCameraLooksTheSame) {
   rasterizer->render(store.raw, kCamera, move, after);
   double worst = 0;
   for (std::size_t i = 0; i < before.alpha.size(); ++i) {
-    worst = std::max(worst, std::abs(double{before.alpha.data()[i]} - double{after.alpha.data()[i]}));
+    worst =
+        std::max(worst, std::abs(double{before.alpha.data()[i]} - double{after.alpha.data()[i]}));
   }
   EXPECT_LT(worst, 4e-3);
   EXPECT_LT((store.anchors[7].normal - (move.R * Eigen::Vector3d(0, 0, -1)).cast<float>()).norm(),

@@ -27,7 +27,7 @@ inline constexpr const char* kPictures = "renders/pictures.csv";
 
 /// What a run makes: a new run into the same folder begins by removing these.
 inline constexpr std::array<const char*, 14> kResults = {
-    kConfig, kCamera,  kCalibration, kTrajectory, kOnline, kKeyframes, kTruth,   kFrames,
-    kMap,    kTimings, kMetrics,     kReport,     kLog,       kPictures};
+    kConfig, kCamera, kCalibration, kTrajectory, kOnline, kKeyframes, kTruth,
+    kFrames, kMap,    kTimings,     kMetrics,    kReport, kLog,       kPictures};
 
 }  // namespace sgs::run::files

@@ -59,7 +59,7 @@ class LoopWorker {
   std::condition_variable changed_;
   // Guarded by mutex_:
   std::deque<Job> queue_;
-  std::vector<int> loops_;  // in the graph after each job
+  std::vector<int> loops_;                       // in the graph after each job
   std::shared_ptr<const PoseCorrection> found_;  // not applied yet
   std::int64_t found_by_ = 0;                    // number of the job
   bool stop_ = false;

@@ -105,7 +105,7 @@ class Session {
   std::unique_ptr<MapWorker> worker_;
   std::unique_ptr<LoopWorker> loops_;  // null: the tracker cannot be corrected, or shall not
   std::shared_ptr<const PoseCorrection> correction_;  // of this frame, for the mapper
-  std::deque<FrameRecord> records_;  // deque: feed() hands out references
+  std::deque<FrameRecord> records_;                   // deque: feed() hands out references
   std::int64_t frames_fed_ = 0;
   std::int64_t last_mapping_keyframe_ = -1;  // in frames fed
   bool keyframe_pending_ = true;  // a tracking keyframe waits for a frame the mapper may use
