@@ -23,7 +23,7 @@ AlignedBox2f box_of(float x0, float y0, float x1, float y1) {
 }
 
 // Three rooms in a row and a corridor along them. The first two rooms and the corridor make a loop
-// of 20 m, all of it one of 45 m; the last metres lead through the first two rooms once more.
+// of 22 m, all of it one of 50 m; the last metres lead through the first two rooms once more.
 FloorPlan flat() {
   return {
       {{box_of(0, 0, 4, 4), true, false, false, 1},
@@ -209,6 +209,13 @@ Vector2d Walk::at(double metres) const {
     weights += weight;
   }
   return sum / weights;
+}
+
+Vector2d Walk::ahead(double metres) const {
+  const Vector2d here = at(metres);
+  Vector2d sum = Vector2d::Zero();
+  for (int k = 1; k <= 9; ++k) sum += at(metres + 0.2 * k) - here;
+  return sum;
 }
 
 void build_floor_plan(SceneBuilder& b, const FloorPlan& plan, std::uint64_t seed) {

@@ -45,6 +45,8 @@ class Walk {
   double length_m() const { return along_.back(); }
   /// Position after so many metres; the ends continue straight on.
   Eigen::Vector2d at(double metres) const;
+  /// Where somebody looks who walks there: towards the next two metres of the way.
+  Eigen::Vector2d ahead(double metres) const;
 
  private:
   Eigen::Vector2d on_route(double metres) const;

@@ -29,7 +29,7 @@ Aim aim_at(const std::string& scene, double t, double length, const std::array<d
   if (const auto plan = floor_plan(scene)) {
     const Walk walk(plan->route);
     const double metres = 0.3 + s * (walk.length_m() - 1.5);
-    const Eigen::Vector2d here = walk.at(metres), ahead = walk.at(metres + 0.9) - here;
+    const Eigen::Vector2d here = walk.at(metres), ahead = walk.ahead(metres);
     const double yaw = std::atan2(ahead.y(), ahead.x()) + wave(0.2, 7, 0);
     const Vector3d eye(here.x() + wave(0.05, 9, 1), here.y() + wave(0.05, 11, 2),
                        1.42 + wave(0.04, 5, 3));

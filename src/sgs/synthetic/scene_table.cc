@@ -48,8 +48,8 @@ const std::vector<SceneInfo>& scene_names() {
       {"fold", "two textured planes that meet", 450, true},
       {"dual", "a textured floor with a plain stretch that fills the view for 3 s", 600, true},
       {"room", "a room with furniture and clutter along its walls", 600, true},
-      {"flat", "three rooms and a corridor, 55 m by hand, back into the first two", 3300, true},
-      {"twin_rooms", "two rooms that look the same, and a corridor between", 1800, true},
+      {"flat", "three rooms and a corridor, 60 m by hand, back into the first two", 3600, true},
+      {"twin_rooms", "two rooms that look the same, and a corridor between", 2000, true},
       {"ring", "a corridor around a block, its doors alike, walked 1.4 times", 2400, true},
       {"nostructure_notexture", "a plain floor: nothing to see at all", 300, false},
   };
