@@ -99,6 +99,14 @@ int print_sequence(const InfoOptions& options) {
                            {"cy", c.camera.cy},
                            {"distortion", c.distortion.written()},
                            {"depth_scale", c.depth_scale},
+                           {"delivered",
+                            {{"width", info.delivered.width},
+                             {"height", info.delivered.height},
+                             {"fx", info.delivered.fx},
+                             {"fy", info.delivered.fy},
+                             {"cx", info.delivered.cx},
+                             {"cy", info.delivered.cy}}},
+                           {"sparse", info.sparse},
                            {"calibration_source", info.calibration_source},
                            {"truth_rows", info.truth_rows},
                            {"color_without_depth", info.color_without_depth},
@@ -123,8 +131,14 @@ int print_sequence(const InfoOptions& options) {
     print("distortion   {} ({}; removed while reading)\n", numbers,
           c.distortion.is_rational() ? "k1 k2 p1 p2 k3 k4 k5 k6" : "k1 k2 p1 p2 k3");
   }
+  if (info.delivered != c.camera) {
+    const PinholeCamera& d = info.delivered;
+    print("frames as    {}x{}  fx {:.6g} fy {:.6g} cx {:.6g} cy {:.6g}\n", d.width, d.height, d.fx,
+          d.fy, d.cx, d.cy);
+  }
   print("depth scale  {} units per metre\n", c.depth_scale);
   print("ground truth {}\n", info.truth_rows ? fmt::format("{} poses", info.truth_rows) : "none");
+  if (info.sparse) print("sparse       single views, too far apart to be tracked\n");
   for (const std::string& warning : info.warnings) print("warning      {}\n", warning);
   return kExitDone;
 }

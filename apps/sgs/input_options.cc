@@ -8,6 +8,10 @@ void add_recording_options(CLI::App& app, run::InputSpec& input) {
   app.add_option("--camera", input.camera, "fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]]");
   app.add_option("--depth-scale", input.depth_scale, "Raw depth units per metre")
       ->check(CLI::PositiveNumber);
+  app.add_option("--max-width", input.max_width,
+                 "Reduce wider images of a recording to this width; 0 = never")
+      ->check(CLI::Range(0, 16384))
+      ->capture_default_str();
   app.add_option("--topics", input.topics,
                  "Bag: color=/a,depth=/b[,color_info=/c][,depth_info=/d] where guessing fails");
   app.add_option("--extrinsics", input.extrinsics,

@@ -25,12 +25,23 @@ int tum_camera_number(const std::string& name) {
   return 0;
 }
 
-/// Calibrations of the colour cameras published with the TUM RGB-D benchmark.
+/// Calibrations of the colour cameras published with the TUM RGB-D benchmark, and with Bonn's
+/// dynamic sequences (Palazzolo et al., IROS 2019).
 std::optional<FoundCalibration> known_sequence(const std::string& name) {
   constexpr double kTumDepthScale = 5000;
+  if (name.find("rgbd_bonn") != std::string::npos) {
+    FoundCalibration bonn{{}, "known sequence rgbd_bonn", false};
+    bonn.calibration.camera = {640, 480, 542.822841, 542.576870, 315.593520, 237.756098};
+    bonn.calibration.distortion.k1 = 0.039903;
+    bonn.calibration.distortion.k2 = -0.099343;
+    bonn.calibration.distortion.p1 = -0.000730;
+    bonn.calibration.distortion.p2 = -0.000144;
+    bonn.calibration.depth_scale = kTumDepthScale;
+    return bonn;
+  }
   const int number = tum_camera_number(name);
   if (number == 0) return std::nullopt;
-  FoundCalibration found{{}, fmt::format("known sequence freiburg{}", number)};
+  FoundCalibration found{{}, fmt::format("known sequence freiburg{}", number), false};
   Calibration& c = found.calibration;
   c.depth_scale = kTumDepthScale;
   if (number == 1) {
@@ -51,24 +62,30 @@ Result<std::optional<FoundCalibration>> from_files(const std::vector<fs::path>& 
     const fs::path path = folder / "sgs.toml";
     if (!fs::exists(path)) continue;
     SGS_ASSIGN_OR_RETURN(const auto toml, io::load_sequence_toml(path));
-    if (toml.calibration) return Found{{*toml.calibration, path.string()}};
+    if (toml.calibration) return Found{{*toml.calibration, path.string(), false}};
   }
   for (const fs::path& folder : folders) {
     const fs::path path = folder / "camera.txt";
     if (!fs::exists(path)) continue;
     SGS_ASSIGN_OR_RETURN(const auto calibration, io::load_camera_txt(path));
-    return Found{{calibration, path.string()}};
+    return Found{{calibration, path.string(), false}};
   }
   for (const fs::path& folder : folders) {
     const fs::path path = folder / "cam_params.json";
     if (!fs::exists(path)) continue;
     SGS_ASSIGN_OR_RETURN(const auto calibration, io::load_cam_params_json(path));
-    return Found{{calibration, path.string()}};
+    return Found{{calibration, path.string(), false}};
   }
   return Found{};
 }
 
-tl::unexpected<Error> nothing_found(const std::vector<fs::path>& folders, const char* what) {
+tl::unexpected<Error> nothing_found(const std::vector<fs::path>& folders, const FrameList& list,
+                                    const char* what) {
+  if (!list.missing_calibration.empty()) {
+    return fail(ErrorCode::kNotFound,
+                fmt::format("{}: {} unknown ({} layout)", list.folder.string(), what, list.layout),
+                list.missing_calibration);
+  }
   std::string places;
   for (const fs::path& folder : folders) {
     places += fmt::format("{}{}", places.empty() ? "" : ", ", folder.string());
@@ -77,7 +94,7 @@ tl::unexpected<Error> nothing_found(const std::vector<fs::path>& folders, const 
       ErrorCode::kNotFound,
       fmt::format("{} unknown: no sgs.toml with [camera], camera.txt or cam_params.json in "
                   "{}, and the folder's name is not that of a known TUM sequence "
-                  "(freiburg1, freiburg2, freiburg3)",
+                  "(freiburg1, freiburg2, freiburg3) or Bonn sequence (rgbd_bonn)",
                   what, places),
       "give --camera fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]] and --depth-scale S, or write a "
       "camera.txt with one line 'fx fy cx cy width height depth_scale [k1 k2 p1 p2 k3 "
@@ -87,19 +104,23 @@ tl::unexpected<Error> nothing_found(const std::vector<fs::path>& folders, const 
 }  // namespace
 
 Result<FoundCalibration> find_calibration(const std::vector<fs::path>& folders,
-                                          const std::string& name, const OpenOptions& options) {
+                                          const FrameList& list, const OpenOptions& options) {
   std::optional<FoundCalibration> found;
   // What the options give in full needs nothing else, not even readable files.
   if (!(options.camera && options.depth_scale)) {
     SGS_ASSIGN_OR_RETURN(found, from_files(folders));
-    if (!found) found = known_sequence(name);
+    if (!found && list.calibration) {
+      found = {list.calibration->calibration, list.calibration->source, true};
+    }
+    if (!found) found = known_sequence(folder_name(list.folder));
   }
-  if (!found && !options.camera) return nothing_found(folders, "camera calibration");
+  if (!found && !options.camera) return nothing_found(folders, list, "camera calibration");
   FoundCalibration result = found.value_or(FoundCalibration{});
   if (options.camera) {
     const io::CameraOption& camera = *options.camera;
     result.calibration.camera = {0, 0, camera.fx, camera.fy, camera.cx, camera.cy};
     result.calibration.distortion = camera.distortion;
+    result.of_layout = false;
     result.source = found ? fmt::format("--camera, depth scale from {}", result.source)
                           : std::string("--camera");
   }
@@ -108,7 +129,7 @@ Result<FoundCalibration> find_calibration(const std::vector<fs::path>& folders,
     result.source += " and --depth-scale";
   }
   if (result.calibration.depth_scale == 0 && !options.depth_scale) {
-    return nothing_found(folders, "depth scale");
+    return nothing_found(folders, list, "depth scale");
   }
   return result;
 }

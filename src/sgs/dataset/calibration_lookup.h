@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sgs/core/error.h"
+#include "sgs/dataset/frame_list.h"
 #include "sgs/dataset/open.h"
 
 namespace sgs::dataset {
@@ -17,12 +18,14 @@ namespace sgs::dataset {
 struct FoundCalibration {
   Calibration calibration;
   std::string source;
+  bool of_layout = false;  ///< what the layout says of its cameras applies
 };
 
 /// Looks for the calibration of a sequence: the options, then `sgs.toml`, `camera.txt`,
-/// `cam_params.json` in `folders` (in this order), then, if `name` contains freiburg1..3 or fr1..3,
-/// the published values of that TUM camera. Nothing found is an error that lists what was tried.
+/// `cam_params.json` in `folders` (in this order), then what the list's layout says, then, if the
+/// folder's name contains freiburg1..3, fr1..3 or rgbd_bonn, the published values of that camera.
+/// Nothing found is an error that lists what was tried.
 Result<FoundCalibration> find_calibration(const std::vector<std::filesystem::path>& folders,
-                                          const std::string& name, const OpenOptions& options);
+                                          const FrameList& list, const OpenOptions& options);
 
 }  // namespace sgs::dataset

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/dataset/file_sequence.h"
 
+#include <cmath>
+
+#include "sgs/camera/resample.h"
 #include "sgs/io/image_io.h"
 
 namespace sgs::dataset {
@@ -15,46 +18,99 @@ tl::unexpected<Error> from_list(Error error, const std::string& origin) {
   return tl::unexpected<Error>(std::move(error));
 }
 
+/// SUN3D turns the bits of each value so that viewers show something: the low three come last.
+void unturn_bits(io::RawDepth& raw) {
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    const unsigned value = raw.data()[i];
+    raw.data()[i] = static_cast<std::uint16_t>(value >> 3 | value << 13);
+  }
+}
+
+void drop_beyond(DepthImage& depth, double max_depth_m) {
+  if (std::isinf(max_depth_m)) return;
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    if (static_cast<double>(depth.data()[i]) > max_depth_m) depth.data()[i] = 0;
+  }
+}
+
+Status drop_unsure(DepthImage& depth, const std::filesystem::path& path, int min_confidence) {
+  if (path.empty() || min_confidence <= 0) return {};
+  SGS_ASSIGN_OR_RETURN(const GrayImage confidence, io::load_gray(path));
+  if (confidence.width() != depth.width() || confidence.height() != depth.height()) {
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("{} is {}x{} but its depth is {}x{}", path.string(), confidence.width(),
+                            confidence.height(), depth.width(), depth.height()));
+  }
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    if (confidence.data()[i] < min_confidence) depth.data()[i] = 0;
+  }
+  return {};
+}
+
+Result<DepthImage> read_depth(const FrameEntry& entry, const StoredFormat& format) {
+  SGS_ASSIGN_OR_RETURN(io::RawDepth raw, io::load_raw_depth(entry.depth));
+  if (format.depth_coding == DepthCoding::kTurnedBits) unturn_bits(raw);
+  DepthImage depth = io::depth_in_metres(raw, format.calibration.depth_scale);
+  drop_beyond(depth, format.max_depth_m);
+  SGS_RETURN_IF_ERROR(drop_unsure(depth, entry.confidence, format.min_confidence));
+  return depth;
+}
+
+/// The same view in two sizes: equal shapes, up to a pixel of rounding.
+bool same_shape(const ColorImage& color, const DepthImage& depth) {
+  const double height = static_cast<double>(color.height()) * depth.width() / color.width();
+  return std::abs(height - depth.height()) <= 1;
+}
+
+/// A camera that does not know its size takes that of the image.
+template <class T>
+PinholeCamera sized(PinholeCamera camera, const Image<T>& image) {
+  if (camera.width != 0) return camera;
+  camera.width = image.width();
+  camera.height = image.height();
+  return camera;
+}
+
 }  // namespace
 
-Result<ImagePair> read_pair(const FrameEntry& entry, double depth_scale) {
+Result<StoredFrame> read_stored(const FrameEntry& entry, const StoredFormat& format) {
   auto color = io::load_color(entry.color);
   if (!color) return from_list(color.error(), entry.color_origin);
-  auto depth = io::load_depth(entry.depth, depth_scale);
+  auto depth = read_depth(entry, format);
   if (!depth) return from_list(depth.error(), entry.depth_origin);
-  if (color->width() != depth->width() || color->height() != depth->height()) {
+  const bool equal = color->width() == depth->width() && color->height() == depth->height();
+  const bool own_camera = format.depth_camera.fx > 0;
+  if (!equal && !own_camera && !(format.depth_size_differs && same_shape(*color, *depth))) {
     return fail(ErrorCode::kUnsupported,
                 fmt::format("{} is {}x{} but {} is {}x{}", entry.color.string(), color->width(),
                             color->height(), entry.depth.string(), depth->width(), depth->height()),
-                "depth must be registered to colour and of the same size");
+                format.depth_size_differs
+                    ? "depth must show the same view as colour"
+                    : "depth must be registered to colour and of the same size");
   }
-  return ImagePair{std::move(*color), std::move(*depth)};
+  StoredCameras cameras;
+  cameras.color = sized(entry.camera.value_or(format.calibration.camera), *color);
+  cameras.depth = own_camera ? sized(format.depth_camera, *depth)
+                  : equal    ? cameras.color
+                             : scaled_to(cameras.color, depth->width(), depth->height());
+  return StoredFrame{std::move(*color), std::move(*depth), cameras};
 }
 
 FileSequence::FileSequence(std::string name, std::vector<FrameEntry> frames, Trajectory truth,
-                           const Calibration& calibration)
+                           const StoredFormat& format, const PinholeCamera& delivered)
     : name_(std::move(name)),
       frames_(std::move(frames)),
       truth_(std::move(truth)),
-      calibration_(calibration) {
-  SGS_CHECK(calibration.camera.valid() && calibration.depth_scale > 0, "incomplete calibration");
-  if (!calibration.distortion.is_zero()) {
-    undistorter_.emplace(calibration.camera, calibration.distortion);
-  }
+      format_(format),
+      fit_(delivered, format.calibration.distortion) {
+  SGS_CHECK(format.calibration.camera.valid() && format.calibration.depth_scale > 0,
+            "incomplete calibration");
 }
 
 Status FileSequence::read(const FrameEntry& entry, RgbdFrame& frame) const {
-  SGS_ASSIGN_OR_RETURN(ImagePair images, read_pair(entry, calibration_.depth_scale));
-  const PinholeCamera& camera = calibration_.camera;
-  if (images.color.width() != camera.width || images.color.height() != camera.height) {
-    return fail(
-        ErrorCode::kUnsupported,
-        fmt::format("{} is {}x{} but the calibration is for {}x{}", entry.color.string(),
-                    images.color.width(), images.color.height(), camera.width, camera.height));
-  }
-  frame.color = undistorter_ ? undistorter_->color(images.color) : std::move(images.color);
-  frame.depth = undistorter_ ? undistorter_->depth(images.depth) : std::move(images.depth);
-  return {};
+  SGS_ASSIGN_OR_RETURN(StoredFrame stored, read_stored(entry, format_));
+  return fit_.fit(std::move(stored.color), std::move(stored.depth), stored.cameras,
+                  entry.color.string(), entry.depth.string(), frame);
 }
 
 FrameRead FileSequence::next(RgbdFrame& frame, Error& error) {
@@ -63,7 +119,7 @@ FrameRead FileSequence::next(RgbdFrame& frame, Error& error) {
   frame = RgbdFrame{};
   frame.index = static_cast<std::int64_t>(position_++);
   frame.timestamp_s = entry.timestamp_s;
-  frame.camera = calibration_.camera;
+  frame.camera = fit_.camera();
   frame.truth_T_world_camera = truth_.at(entry.timestamp_s, kMaxTruthGap_s);
   if (auto status = read(entry, frame); !status) {
     error = std::move(status.error());

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
+#include <string_view>
 #include <system_error>
 
 namespace sgs::dataset {
@@ -42,6 +44,60 @@ std::vector<fs::path> image_files(const fs::path& folder) {
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
   });
+}
+
+bool natural_less(const std::string& a, const std::string& b) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (!is_digit(a[i]) || !is_digit(b[j])) {
+      if (a[i] != b[j]) return a[i] < b[j];
+      ++i, ++j;
+      continue;
+    }
+    const auto number = [&](const std::string& text, std::size_t& at) {
+      at = std::min(text.find_first_not_of('0', at), text.size());
+      const std::size_t first = at;
+      while (at < text.size() && is_digit(text[at])) ++at;
+      return std::string_view(text).substr(first, at - first);
+    };
+    const auto x = number(a, i), y = number(b, j);
+    if (x.size() != y.size()) return x.size() < y.size();
+    if (x != y) return x < y;
+  }
+  if ((i == a.size()) != (j == b.size())) return i == a.size();
+  return a < b;  // names that differ in leading zeros only
+}
+
+PinholeCamera typical_camera(const std::vector<FrameEntry>& frames) {
+  SGS_CHECK(!frames.empty(), "no frames, no camera");
+  const auto median = [&](auto PinholeCamera::*member) {
+    auto values = std::vector<std::decay_t<decltype(std::declval<PinholeCamera>().*member)>>();
+    for (const FrameEntry& frame : frames) values.push_back(frame.camera.value().*member);
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  };
+  using C = PinholeCamera;
+  return {median(&C::width), median(&C::height), median(&C::fx),
+          median(&C::fy),    median(&C::cx),     median(&C::cy)};
+}
+
+std::optional<long> trailing_number(const fs::path& file) {
+  const std::string stem = file.stem().string();
+  const auto digits = stem.find_last_not_of("0123456789") + 1;  // npos + 1 == 0
+  long number = 0;
+  const char* end = stem.data() + stem.size();
+  if (std::from_chars(stem.data() + digits, end, number).ec != std::errc{}) return std::nullopt;
+  return number;
+}
+
+std::map<long, fs::path> by_number(const std::vector<fs::path>& files) {
+  std::map<long, fs::path> numbered;
+  for (const fs::path& file : files) {
+    if (const auto number = trailing_number(file)) numbered.emplace(*number, file);
+  }
+  return numbered;
 }
 
 std::string folder_name(const fs::path& folder) {

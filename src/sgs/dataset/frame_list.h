@@ -4,6 +4,8 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,6 +21,20 @@ struct FrameEntry {
   double timestamp_s = 0;
   std::filesystem::path color, depth;
   std::string color_origin, depth_origin;
+  std::optional<PinholeCamera> camera = {};  ///< of this colour image, where they differ
+  std::filesystem::path confidence = {};     ///< 8-bit image beside the depth; may be empty
+};
+
+/// What the values of a depth image mean.
+enum class DepthCoding {
+  kPlain,
+  kTurnedBits,  ///< SUN3D: rotated left by three bits
+};
+
+/// What a layout itself says about its cameras. Options and calibration files come first.
+struct LayoutCalibration {
+  Calibration calibration;  ///< image size 0 x 0: that of the images
+  std::string source;       ///< for people: the file, or whose published values these are
 };
 
 /// What a layout reader finds in a folder, before any image is opened.
@@ -30,6 +46,13 @@ struct FrameList {
   Trajectory truth;
   std::size_t color_without_depth = 0, depth_without_color = 0;
   std::vector<std::string> warnings;
+  std::optional<LayoutCalibration> calibration = {};
+  std::optional<PinholeCamera> depth_camera = {};  ///< where it is not simply that of colour
+  bool depth_size_differs = false;                 ///< registered depth may have its own size
+  DepthCoding depth_coding = DepthCoding::kPlain;
+  double max_depth_m = std::numeric_limits<double>::infinity();  ///< farther ones are guesses
+  int min_confidence = 0;                ///< of FrameEntry::confidence, for a depth to count
+  std::string missing_calibration = {};  ///< remedy where the layout should have one but has not
 };
 
 /// One reader per layout. Each returns an error when the folder has the layout but cannot be used.
@@ -37,9 +60,29 @@ Result<FrameList> list_tum(const std::filesystem::path& folder, double max_time_
 Result<FrameList> list_replica(const std::filesystem::path& scene);
 Result<FrameList> list_folder(const std::filesystem::path& folder, const io::SequenceToml& toml);
 
+Result<FrameList> list_icl(const std::filesystem::path& folder);
+Result<FrameList> list_scannet(const std::filesystem::path& folder);
+Result<FrameList> list_seven_scenes(const std::filesystem::path& folder);
+Result<FrameList> list_open3d(const std::filesystem::path& folder);
+Result<FrameList> list_sun3d(const std::filesystem::path& folder);
+Result<FrameList> list_transforms(const std::filesystem::path& folder);
+Result<FrameList> list_polycam(const std::filesystem::path& folder);
+Result<FrameList> list_arkit_scenes(const std::filesystem::path& folder);
+
 /// Whether a folder has the files that mark a layout.
 bool looks_like_tum(const std::filesystem::path& folder);
 bool looks_like_replica(const std::filesystem::path& scene);
+bool looks_like_icl(const std::filesystem::path& folder);
+bool looks_like_scannet(const std::filesystem::path& folder);
+bool looks_like_seven_scenes(const std::filesystem::path& folder);
+bool looks_like_open3d(const std::filesystem::path& folder);
+bool looks_like_sun3d(const std::filesystem::path& folder);
+bool looks_like_transforms(const std::filesystem::path& folder);
+bool looks_like_polycam(const std::filesystem::path& folder);
+bool looks_like_arkit_scenes(const std::filesystem::path& folder);
+
+/// Reads `associations.txt` ("time colour time depth", either first) into `out.frames`.
+Status read_associations(const std::filesystem::path& list, FrameList& out);
 
 /// Files of a folder whose name matches `pattern` (one '*' at most stands for anything), sorted by
 /// name. A missing folder has no files.
@@ -47,6 +90,18 @@ std::vector<std::filesystem::path> files_matching(const std::filesystem::path& f
                                                   const std::string& pattern);
 /// PNG and JPEG files of a folder, sorted by name.
 std::vector<std::filesystem::path> image_files(const std::filesystem::path& folder);
+
+/// Whether name `a` comes before `b` where numbers in them count as numbers: img2 before img10.
+bool natural_less(const std::string& a, const std::string& b);
+
+/// The camera that stands for all where each frame has its own: the median of each value, so that
+/// most frames need the least resampling. Every frame must have one.
+PinholeCamera typical_camera(const std::vector<FrameEntry>& frames);
+
+/// The number a file's name ends with, extension left out ("frame000012.png": 12).
+std::optional<long> trailing_number(const std::filesystem::path& file);
+/// Files by that number; those without one are left out.
+std::map<long, std::filesystem::path> by_number(const std::vector<std::filesystem::path>& files);
 
 /// The last part of a path, also for "." and "a/b/".
 std::string folder_name(const std::filesystem::path& folder);

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sgs/camera/pinhole.h"
@@ -18,7 +19,10 @@
 
 namespace sgs::dataset {
 
-/// How to open a sequence folder.
+/// Images are delivered no wider than this unless asked for: what time is known for.
+inline constexpr int kDefaultMaxWidth_px = 640;
+
+/// How to open a recording.
 struct OpenOptions {
   std::optional<io::CameraOption> camera;  ///< intrinsics that replace the folder's own
   std::optional<double> depth_scale;       ///< raw units per metre that replace the folder's own
@@ -31,12 +35,13 @@ struct OpenOptions {
       extrinsics;  ///< T_color_depth as "tx,ty,tz,qx,qy,qz,qw", or "aligned"; empty = recorded
   std::string
       truth_topic;  ///< of poses, or "world:camera" of tf; empty = one that says it is the truth
-  std::size_t prefetch = 8;  ///< frames decoded ahead on a thread of their own; 0 = none
+  std::size_t prefetch = 8;             ///< frames decoded ahead on a thread of their own; 0 = none
+  int max_width = kDefaultMaxWidth_px;  ///< wider images are reduced; 0 = none is too wide
 };
 
 /// What is known about a sequence once it is open, for `sgs info` and the run report.
 struct SequenceInfo {
-  std::string layout;  ///< "tum", "replica", "folder", or what kind of bag
+  std::string layout;  ///< "tum", "replica", "scannet", ..., or what kind of bag
   std::string name;
   std::filesystem::path folder;       ///< the folder that holds the images
   std::int64_t frames = 0;            ///< frames in the opened range
@@ -45,6 +50,8 @@ struct SequenceInfo {
   double last_time_s = 0;
   Calibration calibration;         ///< of the images as stored, distortion included
   std::string calibration_source;  ///< "sgs.toml", "--camera", "known sequence freiburg1", ...
+  PinholeCamera delivered;         ///< of the frames as delivered
+  bool sparse = false;             ///< single views, too far apart to be tracked
   std::string color_topic, depth_topic;  ///< of a bag
   std::size_t truth_rows = 0;            ///< usable ground-truth poses
   std::size_t color_without_depth = 0;   ///< colour images without a depth image near in time
@@ -59,19 +66,20 @@ struct Sequence {
   SequenceInfo info;
 };
 
-/// Opens a recorded sequence, guessing its layout:
-///   - a bag: ROS 1 .bag, .mcap, .db3, or a folder of rosbag2, see open_bag_sequence();
-///   - "folder": `sgs.toml` with sequence.color and sequence.depth;
-///   - "tum": `rgb.txt` and `depth.txt`, else `associations.txt`; `groundtruth.txt` optional;
-///   - "replica": `results/frame*.jpg` and `results/depth*.png`, or `images/` and `depth_images/`;
-///     `traj.txt` optional; `folder` may be the scene or the parent of a single scene.
-/// The calibration comes from the options, `sgs.toml`, `camera.txt`, `cam_params.json` or a known
-/// TUM sequence name, in this order, and is never guessed. The first readable frame is decoded to
-/// check the image sizes against it. Frames are delivered undistorted.
+/// Opens a recorded sequence, a folder or a file, and finds out its layout by itself
+/// (docs/datasets.md has all of them). The calibration comes from the options, `sgs.toml`,
+/// `camera.txt`, `cam_params.json`, the layout's own files or a known sequence name, in this order,
+/// and is never guessed. The first readable frame is decoded to check the image sizes against it,
+/// and whether its depths can be metres. Frames are delivered undistorted, with colour and depth of
+/// one size, at most `max_width` wide (dataset/frame_fit.h).
 ///
 /// RgbdFrame::index counts from 0 at the first frame of the opened range. A frame with a missing,
 /// damaged or unfitting image is a bad frame; a sequence without any usable frame does not open.
-Result<Sequence> open_sequence(const std::filesystem::path& folder,
-                               const OpenOptions& options = {});
+Result<Sequence> open_sequence(const std::filesystem::path& input, const OpenOptions& options = {});
+
+/// The frames [first, last) that the options ask for of `count`; an empty range is an error.
+Result<std::pair<std::int64_t, std::int64_t>> frame_range(const OpenOptions& options,
+                                                          const std::filesystem::path& input,
+                                                          std::int64_t count);
 
 }  // namespace sgs::dataset

@@ -165,7 +165,7 @@ TEST_F(TumFolder, CalibrationOrder) {
   write(2);
   put("camera.txt", "31 31 15.5 11.5 32 24 1000\n");
   put("cam_params.json",
-      R"({"camera": {"w": 32, "h": 24, "fx": 33, "fy": 33, "cx": 15, "cy": 11, "scale": 10}})");
+      R"({"camera": {"w": 32, "h": 24, "fx": 33, "fy": 33, "cx": 15, "cy": 11, "scale": 4000}})");
   EXPECT_EQ(read_all(), "oo");
   EXPECT_EQ(info.calibration.camera.fx, 30);
   fs::remove(folder() / "sgs.toml");

@@ -1,14 +1,12 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <map>
 #include <optional>
 
 #include "sgs/dataset/frame_list.h"
+#include "sgs/dataset/rigid.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/text.h"
 
@@ -18,26 +16,9 @@ namespace {
 
 constexpr double kFramesPerSecond = 30;  // of the renderings; the layout carries no times
 
-using NumberedFiles = std::map<long, fs::path>;
-
 struct ImageFolders {
-  NumberedFiles color, depth;
+  std::map<long, fs::path> color, depth;
 };
-
-/// Files by the number at the end of their stem: frame000012.jpg -> 12.
-NumberedFiles by_number(const std::vector<fs::path>& files) {
-  NumberedFiles numbered;
-  for (const fs::path& file : files) {
-    const std::string stem = file.stem().string();
-    const auto digits = stem.find_last_not_of("0123456789") + 1;  // npos + 1 == 0
-    long number = 0;
-    const auto end = stem.data() + stem.size();
-    if (std::from_chars(stem.data() + digits, end, number).ec == std::errc{}) {
-      numbered.emplace(number, file);
-    }
-  }
-  return numbered;
-}
 
 ImageFolders find_images(const fs::path& scene) {
   if (fs::is_directory(scene / "results")) {
@@ -62,14 +43,7 @@ Result<std::optional<SE3>> parse_pose(const fs::path& path, const io::TextLine& 
                 fmt::format("{}:{}: not a row-major 4x4 matrix", path.string(), line.number),
                 "each row must hold 16 numbers");
   }
-  SE3 T;
-  T.R << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
-  T.t << m[3], m[7], m[11];
-  constexpr double kRotationTolerance = 1e-2;
-  const bool rotation = T.all_finite() && (T.R * T.R.transpose()).isIdentity(kRotationTolerance) &&
-                        T.R.determinant() > 0;
-  if (!rotation) return std::optional<SE3>{};
-  return std::optional<SE3>{T.normalized()};
+  return rigid_from_rows(m);
 }
 
 Result<std::vector<std::optional<SE3>>> read_poses(const fs::path& path) {

@@ -96,8 +96,28 @@ Status pair_lists(const fs::path& folder, double max_difference_s, FrameList& ou
   return {};
 }
 
-/// `associations.txt`: "time colour time depth" as associate.py writes it; some tools write depth
-/// first, which the folder's name gives away.
+/// The calibration that ETH3D's SLAM benchmark puts into each folder: "fx fy cx cy" of images
+/// without distortion, depth in 1/5000 m.
+Result<std::optional<LayoutCalibration>> eth3d_calibration(const fs::path& path) {
+  constexpr double kDepthScale = 5000;
+  std::error_code error;
+  if (!fs::exists(path, error)) return std::optional<LayoutCalibration>{};
+  SGS_ASSIGN_OR_RETURN(const std::string content, io::read_file(path));
+  const auto numbers = io::parse_doubles(content);
+  if (!numbers || numbers->size() != 4) {
+    return fail(ErrorCode::kInvalidFormat,
+                fmt::format("{}: not the calibration of an ETH3D recording", path.string()),
+                "it must hold four numbers: fx fy cx cy; or write a camera.txt");
+  }
+  const auto& n = *numbers;
+  return std::optional(
+      LayoutCalibration{{{0, 0, n[0], n[1], n[2], n[3]}, {}, kDepthScale}, path.string()});
+}
+
+}  // namespace
+
+// associate.py writes colour first; some tools write depth first, which the folder's name gives
+// away.
 Status read_associations(const fs::path& list, FrameList& out) {
   SGS_ASSIGN_OR_RETURN(const std::string content, io::read_file(list));
   for (const io::TextLine& line : io::content_lines(content)) {
@@ -133,8 +153,6 @@ Status read_associations(const fs::path& list, FrameList& out) {
   return {};
 }
 
-}  // namespace
-
 bool looks_like_tum(const fs::path& folder) {
   return (fs::exists(folder / "rgb.txt") && fs::exists(folder / "depth.txt")) ||
          fs::exists(folder / "associations.txt");
@@ -148,6 +166,7 @@ Result<FrameList> list_tum(const fs::path& folder, double max_time_difference_s)
   const bool lists = fs::exists(folder / "rgb.txt") && fs::exists(folder / "depth.txt");
   SGS_RETURN_IF_ERROR(lists ? pair_lists(folder, max_time_difference_s, out)
                             : read_associations(folder / "associations.txt", out));
+  SGS_ASSIGN_OR_RETURN(out.calibration, eth3d_calibration(folder / "calibration.txt"));
   if (fs::exists(folder / "groundtruth.txt")) {
     SGS_ASSIGN_OR_RETURN(auto truth, io::load_trajectory(folder / "groundtruth.txt"));
     out.truth = std::move(truth.trajectory);

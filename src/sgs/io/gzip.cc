@@ -67,4 +67,14 @@ std::optional<std::string> gzip_decompressed(std::string_view bytes, std::size_t
   return output;
 }
 
+std::optional<std::string> zlib_decompressed(std::string_view bytes, std::size_t size) {
+  std::string output(size, '\0');
+  uLongf written = static_cast<uLongf>(size);
+  const int code =
+      uncompress(reinterpret_cast<Bytef*>(output.data()), &written,
+                 reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()));
+  if (code != Z_OK || written != size) return std::nullopt;
+  return output;
+}
+
 }  // namespace sgs::io

@@ -15,4 +15,8 @@ std::string gzip_compressed(std::string_view bytes);
 /// What a gzip member holds; empty when it is damaged, truncated or larger than `max_bytes`.
 std::optional<std::string> gzip_decompressed(std::string_view bytes, std::size_t max_bytes);
 
+/// What a zlib stream (RFC 1950) holds, which must be exactly `size` bytes; empty where it is
+/// damaged or holds anything else. Nothing beyond `size` is ever allocated.
+std::optional<std::string> zlib_decompressed(std::string_view bytes, std::size_t size);
+
 }  // namespace sgs::io

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/io/image_io.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <opencv2/core/utils/logger.hpp>
@@ -116,7 +117,7 @@ Result<ColorImage> decode_color(std::string bytes, const std::string& name) {
   return image;
 }
 
-Result<Image<std::uint16_t>> decode_raw_depth(std::string bytes, const std::string& name) {
+Result<RawDepth> decode_raw_depth(std::string bytes, const std::string& name) {
   SGS_ASSIGN_OR_RETURN(const Encoded encoded, checked_stream(std::move(bytes), name));
   if (encoded.check.kind == StreamCheck::Kind::kJpeg || encoded.check.bits_per_channel != 16) {
     return fail(ErrorCode::kUnsupported,
@@ -130,19 +131,18 @@ Result<Image<std::uint16_t>> decode_raw_depth(std::string bytes, const std::stri
   return raw;
 }
 
-Result<DepthImage> decode_depth(std::string bytes, const std::string& name, double depth_scale) {
+DepthImage depth_in_metres(const RawDepth& raw, double depth_scale) {
   SGS_CHECK(depth_scale > 0 && std::isfinite(depth_scale), "depth scale must be positive");
-  const auto raw = decode_raw_depth(std::move(bytes), name);
-  if (!raw) return tl::unexpected(raw.error());
-  DepthImage image(raw->width(), raw->height());
-  for (int y = 0; y < raw->height(); ++y) {
-    const std::uint16_t* in = raw->row(y);
-    float* out = image.row(y);
-    for (int x = 0; x < raw->width(); ++x) {
-      out[x] = in[x] == kRawSaturated ? 0.0f : static_cast<float>(in[x] / depth_scale);
-    }
-  }
+  DepthImage image(raw.width(), raw.height());
+  std::transform(raw.data(), raw.data() + raw.size(), image.data(), [&](std::uint16_t value) {
+    return value == kRawSaturated ? 0.0f : static_cast<float>(value / depth_scale);
+  });
   return image;
+}
+
+Result<DepthImage> decode_depth(std::string bytes, const std::string& name, double depth_scale) {
+  SGS_ASSIGN_OR_RETURN(const RawDepth raw, decode_raw_depth(std::move(bytes), name));
+  return depth_in_metres(raw, depth_scale);
 }
 
 Result<ColorImage> load_color(const fs::path& path) {
@@ -153,6 +153,25 @@ Result<ColorImage> load_color(const fs::path& path) {
 Result<DepthImage> load_depth(const fs::path& path, double depth_scale) {
   SGS_ASSIGN_OR_RETURN(std::string bytes, read_file(path, kLargestImageFile_bytes));
   return decode_depth(std::move(bytes), path.string(), depth_scale);
+}
+
+Result<RawDepth> load_raw_depth(const fs::path& path) {
+  SGS_ASSIGN_OR_RETURN(std::string bytes, read_file(path, kLargestImageFile_bytes));
+  return decode_raw_depth(std::move(bytes), path.string());
+}
+
+Result<GrayImage> load_gray(const fs::path& path) {
+  SGS_ASSIGN_OR_RETURN(const ColorImage color, load_color(path));
+  GrayImage image(color.width(), color.height());
+  for (std::size_t i = 0; i < color.size(); ++i) {
+    const Rgb8& pixel = color.data()[i];
+    if (pixel.r != pixel.g || pixel.r != pixel.b) {
+      return fail(ErrorCode::kUnsupported,
+                  fmt::format("{}: in colour where a grey image is needed", path.string()));
+    }
+    image.data()[i] = pixel.r;
+  }
+  return image;
 }
 
 Status save_color(const fs::path& path, const ColorImage& image, int jpeg_quality) {

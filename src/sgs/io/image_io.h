@@ -25,8 +25,18 @@ Result<DepthImage> load_depth(const std::filesystem::path& path, double depth_sc
 /// The same from the bytes of a file that `name` names in errors.
 Result<ColorImage> decode_color(std::string bytes, const std::string& name);
 Result<DepthImage> decode_depth(std::string bytes, const std::string& name, double depth_scale);
+/// Depth as stored: 16 bits a pixel, in units that a calibration names.
+using RawDepth = Image<std::uint16_t>;
 /// The raw values of a 16-bit single-channel PNG.
-Result<Image<std::uint16_t>> decode_raw_depth(std::string bytes, const std::string& name);
+Result<RawDepth> decode_raw_depth(std::string bytes, const std::string& name);
+Result<RawDepth> load_raw_depth(const std::filesystem::path& path);
+/// Raw depth divided by `depth_scale` (raw units per metre, > 0). Raw 0 and 65535 become 0, "no
+/// measurement".
+DepthImage depth_in_metres(const RawDepth& raw, double depth_scale);
+
+/// Reads an 8-bit image without colour, such as the confidence of each depth. Errors as for
+/// load_color.
+Result<GrayImage> load_gray(const std::filesystem::path& path);
 
 /// Writes PNG or JPEG by the extension (.png, .jpg, .jpeg); `jpeg_quality` 1..100.
 Status save_color(const std::filesystem::path& path, const ColorImage& image,

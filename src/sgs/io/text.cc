@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <system_error>
@@ -52,6 +53,19 @@ std::optional<double> parse_double(std::string_view text) {
   const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
   if (result.ec != std::errc{} || result.ptr != text.data() + text.size()) return std::nullopt;
   return value;
+}
+
+std::optional<std::vector<double>> parse_doubles(std::string_view content,
+                                                 std::string_view separators) {
+  std::vector<double> numbers;
+  for (const TextLine& line : content_lines(content)) {
+    for (const std::string_view field : split_fields(line.text, separators)) {
+      const auto value = parse_double(field);
+      if (!value || !std::isfinite(*value)) return std::nullopt;
+      numbers.push_back(*value);
+    }
+  }
+  return numbers;
 }
 
 }  // namespace sgs::io

@@ -23,4 +23,9 @@ std::vector<std::string_view> split_fields(std::string_view text, std::string_vi
 /// A number in any usual spelling ("1", "-2.5e3", "+1", "nan"); empty if anything else is there.
 std::optional<double> parse_double(std::string_view text);
 
+/// All numbers of a text, '#' comments cut off; empty if anything else is there or one is not
+/// finite.
+std::optional<std::vector<double>> parse_doubles(std::string_view content,
+                                                 std::string_view separators = "");
+
 }  // namespace sgs::io

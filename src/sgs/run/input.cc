@@ -63,6 +63,7 @@ Result<Input> open_synthetic(const InputSpec& spec, const FrameRange& range, int
   input.info.layout = "synthetic";
   input.info.name = source->name();
   input.info.calibration = {source->camera(), {}, 5000};
+  input.info.delivered = source->camera();
   input.info.calibration_source = "generator";
   input.info.frames_in_folder = source->size().value_or(0);
   input.info.truth_rows = source->ground_truth().size();
@@ -94,6 +95,7 @@ Result<Input> open_recorded(const InputSpec& spec, const FrameRange& range) {
   options.topics = spec.topics;
   options.extrinsics = spec.extrinsics;
   options.truth_topic = spec.truth_topic;
+  options.max_width = spec.max_width;
   options.first = range.first;
   options.last = range.last;
   SGS_ASSIGN_OR_RETURN(auto sequence, dataset::open_sequence(spec.input, options));
@@ -121,6 +123,8 @@ void InputSpec::declare(ParameterList& list) {
   list.add("depth_scale", depth_scale,
            "Raw depth units per metre instead of the folder's; 0 = as the folder says.", "1/m",
            {0, 1e9});
+  list.add("max_width", max_width,
+           "Wider images of a recording are reduced to this width; 0 = never.", "px", {0, 16384});
   list.add("calibration", calibration, "File of `sgs calibrate` that corrects the depths.", {});
   list.add("topics", topics,
            "Bags: color=/a,depth=/b[,color_info=/c][,depth_info=/d]; what is left out is guessed.",

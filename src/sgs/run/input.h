@@ -20,10 +20,11 @@ namespace sgs::run {
 /// Where frames come from, as the command line says it and as a run folder remembers it. All text,
 /// so that it can live in config.toml beside the parameters.
 struct InputSpec {
-  std::string input;        ///< a folder, a bag, or synth:NAME[:LEVEL]
-  std::string frames;       ///< "a:b", half open, either side may be missing; empty = all
-  std::string camera;       ///< fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]] or empty
-  double depth_scale = 0;   ///< raw units per metre; 0 = as the folder says
+  std::string input;       ///< a folder, file or bag with a recording, or synth:NAME[:LEVEL]
+  std::string frames;      ///< "a:b", half open, either side may be missing; empty = all
+  std::string camera;      ///< fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]] or empty
+  double depth_scale = 0;  ///< raw units per metre; 0 = as the folder says
+  int max_width = dataset::kDefaultMaxWidth_px;  ///< wider images are reduced; 0 = never
   std::string calibration;  ///< file of `sgs calibrate` that corrects the depths, or empty
   std::string topics;  ///< bags: color=/a,depth=/b[,color_info=/c][,depth_info=/d]; empty = guessed
   std::string extrinsics;   ///< bags: tx,ty,tz,qx,qy,qz,qw of T_color_depth, or "aligned"

@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/dataset/frame_fit.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "sgs/camera/resample.h"
+
+namespace sgs::dataset {
+namespace {
+
+Status check_size(std::string_view name, int width, int height, const PinholeCamera& camera) {
+  if (width == camera.width && height == camera.height) return {};
+  return fail(ErrorCode::kUnsupported,
+              fmt::format("{} is {}x{} but the calibration is for {}x{}", name, width, height,
+                          camera.width, camera.height));
+}
+
+}  // namespace
+
+PinholeCamera delivered_camera(const StoredCameras& stored, int max_width) {
+  const PinholeCamera color = limited_to_width(stored.color, max_width);
+  if (2 * stored.depth.width < color.width || stored.depth.width > color.width) return color;
+  return stored.depth;
+}
+
+FrameFit::FrameFit(const PinholeCamera& delivered, const Distortion& distortion)
+    : camera_(delivered) {
+  if (!distortion.is_zero()) undistorter_.emplace(delivered, distortion);
+}
+
+Status FrameFit::fit(ColorImage color, DepthImage depth, const StoredCameras& stored,
+                     std::string_view color_name, std::string_view depth_name,
+                     RgbdFrame& frame) const {
+  SGS_RETURN_IF_ERROR(check_size(color_name, color.width(), color.height(), stored.color));
+  SGS_RETURN_IF_ERROR(check_size(depth_name, depth.width(), depth.height(), stored.depth));
+  // Distortion acts on directions, so it does not mind on which grid it is removed.
+  if (stored.color != camera_) color = resample_color(color, stored.color, camera_);
+  if (stored.depth != camera_) depth = resample_depth(depth, stored.depth, camera_);
+  frame.camera = camera_;
+  frame.color = undistorter_ ? undistorter_->color(color) : std::move(color);
+  frame.depth = undistorter_ ? undistorter_->depth(depth) : std::move(depth);
+  return {};
+}
+
+Status check_depth_unit(const DepthImage& depth, double depth_scale, std::string_view source) {
+  constexpr float kNearest_m = 0.05f, kFarthest_m = 20;
+  std::vector<float> measured;
+  std::copy_if(depth.data(), depth.data() + depth.size(), std::back_inserter(measured),
+               [](float z) { return z > 0; });
+  if (measured.empty()) return {};
+  const auto middle = measured.begin() + static_cast<std::ptrdiff_t>(measured.size() / 2);
+  std::nth_element(measured.begin(), middle, measured.end());
+  if (*middle >= kNearest_m && *middle <= kFarthest_m) return {};
+  return fail(
+      ErrorCode::kInvalidFormat,
+      fmt::format("the median depth is {:.3g} m with {} raw units per metre (from {}); cameras "
+                  "measure {} to {} m, so the unit is another one",
+                  *middle, depth_scale, source, kNearest_m, kFarthest_m),
+      "give the unit: --depth-scale 1000 for millimetres, 5000 for TUM recordings");
+}
+
+}  // namespace sgs::dataset

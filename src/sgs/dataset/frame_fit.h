@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "sgs/camera/pinhole.h"
+#include "sgs/camera/rgbd_frame.h"
+#include "sgs/camera/undistort.h"
+#include "sgs/core/error.h"
+
+namespace sgs::dataset {
+
+/// The cameras that one frame's images were stored with: registered to each other (the same place,
+/// the same axis, the same lens), but perhaps of different size.
+struct StoredCameras {
+  PinholeCamera color, depth;
+};
+
+/// The camera of the frames as delivered: the coarser of both grids, so that the finer one is
+/// reduced and nothing is invented, and at most `max_width` columns (0 = no limit). A depth grid
+/// with less than half the columns that colour may have does not hold colour back: then colour
+/// decides, and each of its pixels takes the nearest depth.
+PinholeCamera delivered_camera(const StoredCameras& stored, int max_width);
+
+/// Brings stored images to the camera that a sequence delivers: one rule for intrinsics that change
+/// from frame to frame, for colour and depth of different size, and for images that are too wide.
+/// Colour is resampled, depth takes the nearest measurement; then the lens distortion is removed.
+/// Images that fit already are passed on bit for bit. Immutable, thread-safe.
+class FrameFit {
+ public:
+  FrameFit(const PinholeCamera& delivered, const Distortion& distortion);
+
+  const PinholeCamera& camera() const { return camera_; }
+  /// Sets colour, depth and camera of `frame`. Images that are not of their camera's size are
+  /// refused; `color_name` and `depth_name` are what the message calls them.
+  Status fit(ColorImage color, DepthImage depth, const StoredCameras& stored,
+             std::string_view color_name, std::string_view depth_name, RgbdFrame& frame) const;
+
+ private:
+  PinholeCamera camera_;
+  std::optional<Undistorter> undistorter_;
+};
+
+/// Refuses depths that cannot be metres: a median of the measured ones beyond 0.05 .. 20 m.
+/// `depth_scale` and `source` say in the message which unit was assumed and who said so. An image
+/// without any depth passes.
+Status check_depth_unit(const DepthImage& depth, double depth_scale, std::string_view source);
+
+}  // namespace sgs::dataset

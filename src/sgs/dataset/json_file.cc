@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/dataset/json_file.h"
+
+#include "sgs/io/atomic_file.h"
+
+namespace sgs::dataset {
+
+Result<nlohmann::json> load_json(const std::filesystem::path& path) {
+  constexpr std::int64_t kLargest_bytes = std::int64_t{64} << 20;
+  constexpr int kDeepest = 32;
+  SGS_ASSIGN_OR_RETURN(const std::string content, io::read_file(path, kLargest_bytes));
+  struct TooDeep {};
+  const auto look = [](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
+    if (depth > kDeepest) throw TooDeep();
+    return true;
+  };
+  try {
+    return nlohmann::json::parse(content, look);
+  } catch (const nlohmann::json::exception& e) {
+    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: {}", path.string(), e.what()),
+                "write it again; it must be JSON");
+  } catch (const TooDeep&) {
+    return fail(ErrorCode::kInvalidFormat,
+                fmt::format("{}: nested more than {} levels deep", path.string(), kDeepest),
+                "it does not describe a recording");
+  }
+}
+
+}  // namespace sgs::dataset

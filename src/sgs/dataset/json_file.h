@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "sgs/core/error.h"
+
+namespace sgs::dataset {
+
+/// A JSON file of another program: at most 64 MB and 32 levels deep, so that no file can ask for
+/// more memory or stack than it is worth. Syntax errors name the place.
+Result<nlohmann::json> load_json(const std::filesystem::path& path);
+
+/// Calls `read`, which looks at a document of that file, and makes an error of a missing key or a
+/// value of the wrong type; `needed` says what should be there.
+template <class Read>
+auto read_json(const std::filesystem::path& path, const char* needed, Read&& read)
+    -> decltype(read()) {
+  try {
+    return read();
+  } catch (const nlohmann::json::exception& e) {
+    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: {}", path.string(), e.what()),
+                fmt::format("needed: {}", needed));
+  }
+}
+
+}  // namespace sgs::dataset

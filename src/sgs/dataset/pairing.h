@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "sgs/dataset/frame_list.h"
+
+namespace sgs::dataset {
+
+/// Files with the times they were taken at.
+struct TimedFiles {
+  std::vector<double> times_s;  ///< rising
+  std::vector<std::filesystem::path> files;
+};
+
+/// Files named FRAME-MICROSECONDS (SUN3D, Redwood); empty where any name has another form.
+std::optional<TimedFiles> files_with_microseconds(const std::vector<std::filesystem::path>& files);
+
+/// Makes frames of colour and depth files with equal numbers, frame n at n / `fps` seconds.
+void pair_by_number(const std::map<long, std::filesystem::path>& color,
+                    const std::map<long, std::filesystem::path>& depth, double fps, FrameList& out);
+
+/// Makes frames of colour and depth files that are near in time (association.h); colour gives the
+/// time.
+void pair_by_time(const TimedFiles& color, const TimedFiles& depth, double max_difference_s,
+                  FrameList& out);
+
+/// An error that names the folder and what is needed where a list has no frames.
+Status require_frames(const FrameList& list, const char* needed);
+
+/// Takes the poses that `pose_of` finds for the list's frames as its ground truth. Frames without
+/// one (an empty value) are counted in a warning.
+Status add_frame_poses(FrameList& list,
+                       const std::function<Result<std::optional<SE3>>(std::size_t frame)>& pose_of);
+
+}  // namespace sgs::dataset
