@@ -42,6 +42,16 @@ if(NOT TARGET sgs_unpackers)
                                                 ${SGS_ZSTD_LIBRARY})
 endif()
 
+# Inflates PNGs; without a CMake package in Debian 12, too.
+find_path(SGS_DEFLATE_INCLUDE libdeflate.h REQUIRED)
+find_library(SGS_DEFLATE_LIBRARY deflate REQUIRED)
+mark_as_advanced(SGS_DEFLATE_INCLUDE SGS_DEFLATE_LIBRARY)
+if(NOT TARGET sgs_deflate)
+  add_library(sgs_deflate INTERFACE IMPORTED)
+  target_include_directories(sgs_deflate INTERFACE "${SGS_DEFLATE_INCLUDE}")
+  target_link_libraries(sgs_deflate INTERFACE ${SGS_DEFLATE_LIBRARY})
+endif()
+
 # OpenVDB is optional: where it is found, SGS_WITH_OPENVDB is on and the target sgs_openvdb exists.
 # (Debian ships OpenVDB's own find modules, but they fail without packages that we do not need.)
 find_path(SGS_OPENVDB_INCLUDE openvdb/openvdb.h)

@@ -54,5 +54,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   // The decoders must stand on their own, too.
   (void)io::decode_jpeg(bytes);
   (void)io::decode_png_color(bytes);
+  (void)io::decode_png_grey16(bytes);
   return 0;
 }

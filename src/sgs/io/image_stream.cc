@@ -3,8 +3,8 @@
 #include "sgs/io/image_stream.h"
 
 #include <fmt/format.h>
+#include <libdeflate.h>
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -24,25 +24,6 @@ std::uint32_t big_endian(std::string_view bytes, std::size_t i, int count) {
   return value;
 }
 
-constexpr std::array<std::uint32_t, 256> kCrcTable = [] {
-  std::array<std::uint32_t, 256> table{};
-  for (std::uint32_t i = 0; i < 256; ++i) {
-    std::uint32_t value = i;
-    for (int bit = 0; bit < 8; ++bit) value = (value >> 1) ^ ((value & 1) ? 0xEDB88320u : 0u);
-    table[i] = value;
-  }
-  return table;
-}();
-
-/// CRC-32 of a PNG chunk's type and data (PNG specification, annex D).
-std::uint32_t crc32(std::string_view bytes) {
-  std::uint32_t crc = 0xFFFFFFFFu;
-  for (const char c : bytes) {
-    crc = kCrcTable[(crc ^ static_cast<unsigned char>(c)) & 0xFF] ^ (crc >> 8);
-  }
-  return ~crc;
-}
-
 StreamCheck check_png(std::string_view bytes) {
   StreamCheck result{StreamCheck::Kind::kPng, 8, ""};
   constexpr std::size_t kChunkFrame = 12;  // length, type, CRC
@@ -53,7 +34,8 @@ StreamCheck check_png(std::string_view bytes) {
     const std::string_view type = bytes.substr(at + 4, 4);
     if (length > bytes.size() - at - kChunkFrame) break;
     // libpng finds this too, but tells the terminal about it.
-    if (crc32(bytes.substr(at + 4, 4 + length)) != big_endian(bytes, at + 8 + length, 4)) {
+    if (libdeflate_crc32(0, bytes.data() + at + 4, 4 + length) !=
+        big_endian(bytes, at + 8 + length, 4)) {
       result.problem = fmt::format("damaged PNG: wrong checksum at byte {}", at);
       return result;
     }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sgs/io/image_decoder.h"
+#include "sgs/io/plain_png.h"
 
 namespace sgs::io {
 namespace {
@@ -110,12 +111,14 @@ Result<Image<Pixel>> read_pixels(PngDecoding& decoding) {
 
 Result<ColorImage> decode_png_color(std::string_view bytes) {
   static_assert(sizeof(Rgb8) == 3);
+  if (auto image = decode_plain_png_color(bytes)) return std::move(*image);
   PngDecoding decoding;
   if (!open_png(decoding, bytes) || !expand_to_color(decoding)) return damaged_png(decoding);
   return read_pixels<Rgb8>(decoding);
 }
 
 Result<Image<std::uint16_t>> decode_png_grey16(std::string_view bytes) {
+  if (auto image = decode_plain_png_grey16(bytes)) return std::move(*image);
   PngDecoding decoding;
   if (!open_png(decoding, bytes)) return damaged_png(decoding);
   const int channels = png_get_channels(decoding.png, decoding.info);
