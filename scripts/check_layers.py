@@ -10,6 +10,8 @@
 - src includes nothing outside src; apps/ neither includes nor links what benchmarks/ defines, nor
   the other way round.
 - OpenCV stays out of public headers, but for those of `features`.
+- What libsgs shows (src/sgs/api, without internal/) includes nothing but itself and the standard
+  library; python/ includes nothing of ours but that.
 
 check_layers.py [FOLDER]: of the repository, where it is not the script's own.
 """
@@ -133,8 +135,22 @@ class Checker:
         ends = lambda folder: any(p.as_posix().endswith("/" + name) for p in sources(folder))
         return not ends(area) and ends(other)
 
+    def check_shown(self):
+        """What libsgs shows, and who uses only that."""
+        api = self.root / "src" / "sgs" / "api"
+        shown = {f"sgs/api/{path.name}" for path in api.glob("*.h")}
+        for path in sorted(api.glob("*.h")):
+            for number, _, name in includes(path):
+                if name not in shown and ("/" in name or "." in name):
+                    self.complain(path, number, f"'{name}' in a header that libsgs shows")
+        for path in sources(self.root / "python"):
+            for number, _, name in includes(path):
+                if name.startswith("sgs/") and name not in shown:
+                    self.complain(path, number, f"'{name}' is not shown by libsgs")
+
     def check(self):
         self.check_modules()
+        self.check_shown()
         apps, benchmarks = self.root / "apps", self.root / "benchmarks"
         self.check_programs(apps, benchmarks)
         self.check_programs(benchmarks, apps)

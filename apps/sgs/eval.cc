@@ -12,6 +12,7 @@
 #include "sgs/report/comparison.h"
 #include "sgs/report/make_report.h"
 #include "sgs/report/report.h"
+#include "sgs/report/save_scores.h"
 #include "sgs/run/run_files.h"
 
 namespace sgs::app {
@@ -45,7 +46,7 @@ Result<eval::Metrics> evaluate_folder(const std::string& name, const EvalCommand
     say("sgs: the scores of {} are shown only: it is not finished\n", name);
     return scores.metrics;
   }
-  save_scores(run, scores, folder);
+  report::save_scores(run, scores, folder);
   if (!folder.failures().empty()) return tl::unexpected(folder.failures().front());
   return scores.metrics;
 }

@@ -13,6 +13,7 @@
 #include "sgs/core/log.h"
 #include "sgs/core/print.h"
 #include "sgs/dataset/preloaded_source.h"
+#include "sgs/report/save_scores.h"
 #include "sgs/run/calibrate.h"
 #include "sgs/run/execute.h"
 #include "sgs/run/run_config.h"
@@ -84,7 +85,7 @@ Result<int> run_sequence(const RunCommand& command, const slam::SessionConfig& c
                        draw_pictures
                            ? score_with_progress(outcome.run, command.score, command.quiet)
                            : run::score_trajectory(outcome.run, command.score.association));
-  save_scores(outcome.run, scores, folder);
+  report::save_scores(outcome.run, scores, folder);
   print_result(command, scores.metrics, folder.path());
   if (viewer) viewer->close(scores.metrics, folder.path());
   const int failed = report_failures(folder);

@@ -4,10 +4,6 @@
 
 #include "interrupt.h"
 #include "progress.h"
-#include "sgs/core/log.h"
-#include "sgs/report/make_report.h"
-#include "sgs/report/report.h"
-#include "sgs/run/run_files.h"
 
 namespace sgs::app {
 
@@ -29,17 +25,6 @@ Result<run::Scores> score_with_progress(const run::Run& run, const run::ScoreOpt
       stop_token());
   progress.finish();
   return scores;
-}
-
-void save_scores(const run::Run& run, const run::Scores& scores, run::RunFolder& folder) {
-  namespace fs = std::filesystem;
-  if (const auto note = run::degeneracy_note(scores.metrics); !note.empty()) log().warn("{}", note);
-  folder.save(run::files::kMetrics,
-              [&](const fs::path& path) { return eval::save_metrics(path, scores.metrics); });
-  if (scores.rendering) run::save_pictures(scores.rendering->pictures, folder);
-  folder.save(run::files::kReport, [&](const fs::path& path) {
-    return report::save_report(path, report::make_report(run, scores));
-  });
 }
 
 }  // namespace sgs::app

@@ -13,7 +13,5 @@ void add_score_options(CLI::App& sub, run::ScoreOptions& options);
 /// run::score_run() with a progress bar, until Ctrl-C.
 Result<run::Scores> score_with_progress(const run::Run& run, const run::ScoreOptions& options,
                                         bool quiet);
-/// Writes scores, pictures and report into the run's folder.
-void save_scores(const run::Run& run, const run::Scores& scores, run::RunFolder& folder);
 
 }  // namespace sgs::app
