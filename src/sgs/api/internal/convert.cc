@@ -7,7 +7,7 @@
 namespace sgs::api::internal {
 namespace {
 
-// limit: images of a camera that is given by a program
+// limit: side of the images of a camera that a program gives (pixels)
 constexpr int kLargestSide_px = 16384;
 
 tl::unexpected<sgs::Error> bad_argument(std::string message, std::string remedy) {
