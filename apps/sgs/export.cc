@@ -103,9 +103,7 @@ const std::array<Format, 9> kFormats = {{
        });
      }},
     {"mesh", "coloured mesh PLY by depth fusion",
-     [](const ExportCommand& c, const fs::path& out) {
-       return with_map(c, [&](const auto& map) { return export_mesh(c.run, map, c.mesh, out); });
-     }},
+     [](const ExportCommand& c, const fs::path& out) { return export_mesh(c.run, c.mesh, out); }},
     {"colmap", "folder with COLMAP text model and keyframe pictures",
      [](const ExportCommand& c, const fs::path& out) {
        return with_map(c, [&](const auto& map) { return run::export_colmap(c.run, map, out); });

@@ -3,11 +3,9 @@
 #pragma once
 
 #include <filesystem>
-#include <span>
 #include <string>
 
 #include "sgs/core/error.h"
-#include "sgs/map/gaussian.h"
 
 namespace sgs::app {
 
@@ -17,8 +15,9 @@ struct MeshOptions {
   bool measured = false;  ///< fuse the camera's depth instead of the map's
   int threads = 2;
 };
-/// Coloured mesh of the depth seen from the keyframes, as PLY.
-Status export_mesh(const std::string& run, std::span<const map::Gaussian> gaussians,
-                   const MeshOptions& options, const std::filesystem::path& path);
+/// Coloured mesh of the depth seen from the keyframes of a run, as PLY. The program sgs-mesh makes
+/// it, which may not be installed: the error says so.
+Status export_mesh(const std::string& run, const MeshOptions& options,
+                   const std::filesystem::path& path);
 
 }  // namespace sgs::app

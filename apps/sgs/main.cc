@@ -6,6 +6,7 @@
 
 #include "commands.h"
 #include "interrupt.h"
+#include "manual.h"
 #include "sgs/core/print.h"
 #include "sgs/run/run_state.h"
 #include "sgs/run/version.h"
@@ -66,6 +67,7 @@ int parse_and_run(int argc, char** argv) {
   add_view(app, action);
   add_bench(app, action);
   add_sweep(app, action);
+  add_manual(app, action);
   install_interrupt_handler();
   try {
     app.parse(argc, argv);

@@ -9,6 +9,7 @@
 #include "sgs/api/internal/access.h"
 #include "sgs/api/internal/convert.h"
 #include "sgs/api/internal/frame_copy.h"
+#include "sgs/api/internal/frame_pool.h"
 #include "sgs/api/internal/guard.h"
 #include "sgs/api/internal/to_frame_result.h"
 #include "sgs/camera/undistort.h"
@@ -62,6 +63,8 @@ struct Session::Impl {
   std::optional<Undistorter> undistorter;
   Config config;
   std::unique_ptr<slam::Session> slam;
+  internal::FramePool pool;
+  internal::DepthCopier depth_copier;
   std::int64_t next_index = 0;
   double last_time_s = -std::numeric_limits<double>::infinity();
   bool unit_checked = false;
@@ -99,12 +102,12 @@ void Session::Impl::check_unit(const DepthImage& depth, double scale) {
 
 std::shared_ptr<const RgbdFrame> Session::Impl::copied(const ColorView& color,
                                                        const DepthView& depth, double timestamp_s) {
-  auto frame = std::make_shared<RgbdFrame>();
+  auto frame = pool.take();
   frame->index = next_index;
   frame->timestamp_s = timestamp_s;
   frame->camera = lens.camera;
-  frame->color = internal::copy_color(color);
-  frame->depth = internal::copy_depth(depth);
+  internal::copy_color(color, frame->color);
+  depth_copier.copy(depth, frame->depth);
   check_unit(frame->depth, depth.scale);
   if (undistorter) {
     frame->color = undistorter->color(frame->color);

@@ -7,7 +7,7 @@
 namespace sgs::api::internal {
 namespace {
 
-// limit: side of the images of a camera that a program gives (pixels)
+// limit: side of the images of a camera that a program gives, px
 constexpr int kLargestSide_px = 16384;
 
 tl::unexpected<sgs::Error> bad_argument(std::string message, std::string remedy) {

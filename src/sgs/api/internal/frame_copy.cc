@@ -81,30 +81,32 @@ void copy_color_row(const std::uint8_t* from, ColorFormat format, int width, Rgb
   }
 }
 
-DepthImage copy_raw_depth(const DepthView& view) {
-  io::RawDepth raw(view.width, view.height);
-  const std::ptrdiff_t stride = stride_of(view.stride, view.width, sizeof(std::uint16_t));
-  for (int y = 0; y < view.height; ++y) {
-    std::memcpy(raw.row(y), row_of(view.data, stride, y),
-                static_cast<std::size_t>(view.width) * sizeof(std::uint16_t));
-  }
-  return io::depth_in_metres(raw, view.scale);
+template <class T>
+void fit_size(Image<T>& image, int width, int height) {
+  if (image.width() != width || image.height() != height) image = Image<T>(width, height);
 }
 
-DepthImage copy_float_depth(const DepthView& view) {
-  DepthImage depth(view.width, view.height);
-  const std::ptrdiff_t stride = stride_of(view.stride, view.width, sizeof(float));
+/// All raw values in metres, by the rule of image files.
+DepthImage raw_values_in_metres(double scale) {
+  io::RawDepth raw(std::numeric_limits<std::uint16_t>::max() + 1, 1);
+  for (int value = 0; value < raw.width(); ++value)
+    raw(value, 0) = static_cast<std::uint16_t>(value);
+  return io::depth_in_metres(raw, scale);
+}
+
+template <class T>
+T value_at(const std::uint8_t* row, int x) {
+  T value;
+  std::memcpy(&value, row + static_cast<std::size_t>(x) * sizeof(T), sizeof(T));
+  return value;
+}
+
+void copy_float_row(const std::uint8_t* from, float scale, int width, float* to) {
   constexpr float kInfinite = std::numeric_limits<float>::infinity();
-  const auto scale = static_cast<float>(view.scale);
-  for (int y = 0; y < view.height; ++y) {
-    float* to = depth.row(y);
-    std::memcpy(to, row_of(view.data, stride, y),
-                static_cast<std::size_t>(view.width) * sizeof(float));
-    if (scale != 1) std::transform(to, to + view.width, to, [&](float z) { return z / scale; });
-    std::transform(to, to + view.width, to,
-                   [](float z) { return z > 0 && z < kInfinite ? z : 0.0f; });
+  for (int x = 0; x < width; ++x) {
+    const float z = value_at<float>(from, x) / scale;
+    to[x] = z > 0 && z < kInfinite ? z : 0.0f;
   }
-  return depth;
 }
 
 }  // namespace
@@ -121,17 +123,31 @@ Status check_views(const ColorView& color, const DepthView& depth, const Pinhole
                   "give units per metre: 1000 for millimetres, 5000 for TUM, 1 for metres");
 }
 
-ColorImage copy_color(const ColorView& view) {
-  ColorImage color(view.width, view.height);
+void copy_color(const ColorView& view, ColorImage& color) {
+  fit_size(color, view.width, view.height);
   const std::ptrdiff_t stride = stride_of(view.stride, view.width, channels(view.format));
   for (int y = 0; y < view.height; ++y) {
     copy_color_row(row_of(view.data, stride, y), view.format, view.width, color.row(y));
   }
-  return color;
 }
 
-DepthImage copy_depth(const DepthView& view) {
-  return view.format == DepthFormat::kUint16 ? copy_raw_depth(view) : copy_float_depth(view);
+void DepthCopier::copy(const DepthView& view, DepthImage& depth) {
+  fit_size(depth, view.width, view.height);
+  const bool raw = view.format == DepthFormat::kUint16;
+  if (raw && scale_ != view.scale) {
+    metres_ = raw_values_in_metres(view.scale);
+    scale_ = view.scale;
+  }
+  const std::ptrdiff_t stride = stride_of(view.stride, view.width, bytes_per_depth(view.format));
+  for (int y = 0; y < view.height; ++y) {
+    const std::uint8_t* from = row_of(view.data, stride, y);
+    float* to = depth.row(y);
+    if (raw) {
+      for (int x = 0; x < view.width; ++x) to[x] = metres_.data()[value_at<std::uint16_t>(from, x)];
+    } else {
+      copy_float_row(from, static_cast<float>(view.scale), view.width, to);
+    }
+  }
 }
 
 }  // namespace sgs::api::internal

@@ -12,9 +12,18 @@ namespace sgs::api::internal {
 /// Refuses images that are not there, not of the camera's size, or whose rows overlap.
 Status check_views(const ColorView& color, const DepthView& depth, const PinholeCamera& camera);
 
-/// Copies of a caller's images, checked by check_views().
-ColorImage copy_color(const ColorView& view);
-/// In metres; what is no measurement is 0.
-DepthImage copy_depth(const DepthView& view);
+/// Copies a caller's image, checked by check_views(), into one whose memory is used again where it
+/// has the size.
+void copy_color(const ColorView& view, ColorImage& color);
+
+/// The same of depth, in metres; what is no measurement is 0. Keeps what raw units are in metres.
+class DepthCopier {
+ public:
+  void copy(const DepthView& view, DepthImage& depth);
+
+ private:
+  DepthImage metres_;  // of each raw value, with `scale_`
+  double scale_ = 0;
+};
 
 }  // namespace sgs::api::internal

@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// sgs-mesh: what `sgs export RUN mesh` starts. A program of its own, because OpenVDB is heavier
+// than everything else together. What went wrong goes to standard output, message and remedy on a
+// line each; `sgs` says it.
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <string>
+
+#include "sgs/core/print.h"
+#include "sgs/io/ply.h"
+#include "sgs/mesh/depth_fusion.h"
+#include "sgs/run/exit_code.h"
+#include "sgs/run/run.h"
+#include "sgs/run/scene_export.h"
+
+namespace {
+
+using namespace sgs;
+
+/// Coloured mesh of the depth seen from the keyframes, as PLY.
+struct MeshCommand {
+  std::string run, output;
+  double voxel_m = 0.015;
+  bool measured = false;  ///< fuse the camera's depth instead of the map's
+  int threads = 2;
+};
+
+Result<std::vector<map::Gaussian>> load_map(const std::string& run) {
+  std::error_code error;
+  return std::filesystem::is_directory(run, error) ? run::load_run_map(run) : io::load_splats(run);
+}
+
+Status make_mesh(const MeshCommand& command) {
+  SGS_ASSIGN_OR_RETURN(const auto gaussians, load_map(command.run));
+  mesh::DepthFusionConfig config;
+  config.voxel_m = command.voxel_m;
+  mesh::DepthFusion fusion(config);
+  SGS_RETURN_IF_ERROR(run::for_each_keyframe(
+      command.run, gaussians, command.measured ? run::ViewSource::kMeasured : run::ViewSource::kMap,
+      command.threads, [&](const PinholeCamera& camera, const run::KeyframeView& view) -> Status {
+        fusion.add(camera, view.T_world_camera, view.depth, view.color);
+        return {};
+      }));
+  const mesh::TriangleMesh mesh = fusion.mesh();
+  if (mesh.triangles.empty()) {
+    return fail(ErrorCode::kInvalidArgument, "no surface was seen from two keyframes",
+                "a longer run, or --voxel with a larger value");
+  }
+  return io::save_mesh(command.output, mesh.vertices, mesh.triangles);
+}
+
+int tell(const Error& error) {
+  print("{}\n{}\n", error.message, error.remedy);
+  std::fflush(stdout);
+  return error.code == ErrorCode::kInvalidArgument ? run::kExitUsage : run::kExitFailed;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  CLI::App app{"Makes the mesh of `sgs export RUN mesh`"};
+  MeshCommand command;
+  app.add_option("RUN", command.run)->required();
+  app.add_option("OUT", command.output)->required();
+  app.add_option("--voxel", command.voxel_m);
+  app.add_option("--threads", command.threads);
+  app.add_flag("--measured-depth", command.measured);
+  CLI11_PARSE(app, argc, argv);
+  const Status status = make_mesh(command);
+  return status ? run::kExitDone : tell(status.error());
+} catch (...) {
+  return tell(current_error());
+}

@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Do the packages work on a bare Debian 12, and go without a trace? Needs root, debootstrap and the
+# network. Not part of test.sh.
+#   scripts/test_packages_chroot.sh [FOLDER]               builds the packages in the chroot first
+#   scripts/test_packages_chroot.sh --packages P [FOLDER]  takes the packages in P
+# FOLDER (default /tmp/sgs-packages-chroot) is used again where it is there.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+packages=
+if [[ "${1:-}" == --packages ]]; then packages=$(realpath "$2"); shift 2; fi
+root=${1:-/tmp/sgs-packages-chroot}
+[[ $EUID -eq 0 ]] || { echo "Run this as root (chroot)" >&2; exit 1; }
+command -v debootstrap >/dev/null || { echo "debootstrap is missing (Debian package debootstrap)" >&2; exit 1; }
+
+[[ -x $root/usr/bin/apt-get ]] || debootstrap --variant=minbase bookworm "$root"
+inside() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 bash -c "$1"; }
+cp /etc/resolv.conf "$root/etc/resolv.conf"
+mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
+trap 'umount "$root/proc"' EXIT
+
+rm -rf "$root/src" "$root/packages"
+mkdir -p "$root/src" "$root/packages"
+git ls-files -z | xargs -0 cp --parents -t "$root/src"
+if [[ -n $packages ]]; then
+  cp "$packages"/*.deb "$root/packages"
+else
+  inside 'cd /src && scripts/install_packages.sh && scripts/build_packages.sh /packages'
+fi
+inside '/src/scripts/try_packages.sh /packages'
