@@ -79,7 +79,7 @@ constexpr const char* kExitStatus =
     ".TP\n3\nfinished, but tracking was lost at the end or for more than half of the frames\n"
     ".TP\n130\nstopped by Ctrl\\-C; what was done so far is complete\n";
 
-std::string join(const std::vector<std::string>& words) { return CLI::detail::join(words, " "); }
+std::string spaced(const std::vector<std::string>& words) { return CLI::detail::join(words, " "); }
 
 /// The words that may stand where a command is asked for.
 std::vector<std::string> option_names(const CLI::App& app) {
@@ -100,7 +100,7 @@ std::string value_branches(const CLI::App& command, const std::vector<std::strin
     const std::string names = CLI::detail::join(
         option->get_lnames(), [&](const std::string& n) { return command.get_name() + ":--" + n; },
         "|");
-    const std::string words = join(assigns ? keys : words_of(*option));
+    const std::string words = spaced(assigns ? keys : words_of(*option));
     text += fmt::format("    {}) values=1; words=\"{}\"{} ;;\n", names, words,
                         assigns ? "; compopt -o nospace" : "");
   }
@@ -113,7 +113,7 @@ std::string command_branch(const CLI::App& command) {
     for (std::string& word : words_of(*option)) words.push_back(std::move(word));
   }
   return fmt::format("    {}) options=\"{}\"; words=\"{}\" ;;\n", command.get_name(),
-                     join(option_names(command)), join(words));
+                     spaced(option_names(command)), spaced(words));
 }
 
 }  // namespace
@@ -152,16 +152,16 @@ std::string bash_completion(const CLI::App& program, const std::vector<std::stri
     branches += command_branch(*command);
     values += value_branches(*command, assignments);
   }
-  const std::string options = join(option_names(program));
+  const std::string options = spaced(option_names(program));
   std::string script =
       "# Made by `sgs completion` from the options of sgs " + run::version() + ".\n_sgs() {\n";
   script +=
       "  local cur=${COMP_WORDS[COMP_CWORD]} prev=${COMP_WORDS[COMP_CWORD-1]}\n"
       "  local command= word values= options=\"" +
-      options + "\" words=\"" + join(names) +
+      options + "\" words=\"" + spaced(names) +
       "\"\n  for word in \"${COMP_WORDS[@]:1:COMP_CWORD-1}\"; do\n"
       "    [[ \" " +
-      join(names) +
+      spaced(names) +
       " \" == *\" $word \"* ]] && { command=$word; break; }\n"
       "  done\n  case \"$command\" in\n" +
       branches +
