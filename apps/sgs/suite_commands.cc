@@ -5,7 +5,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
+#include <regex>
 
 #include "commands.h"
 #include "interrupt.h"
@@ -13,6 +15,7 @@
 #include "sgs/io/atomic_file.h"
 #include "sgs/suite/provenance.h"
 #include "sgs/suite/runner.h"
+#include "sgs/suite/slurm.h"
 #include "sgs/suite/sweep.h"
 #include "sgs/synthetic/scene_table.h"
 #include "version.h"
@@ -27,11 +30,14 @@ struct SuiteCommand {
   suite::Options options;
   int at_a_time = 1;
   bool again = false;
+  double lease_s = 120;
+  std::string shard;  ///< I/N
+  bool list = false, collect = false, sbatch = false;
 };
 
 struct BenchCommand : SuiteCommand {
   std::vector<std::string> variants = {"spectral"};
-  bool markdown = false;
+  bool markdown = false, times = false;
 };
 
 struct SweepCommand : SuiteCommand {
@@ -43,16 +49,90 @@ struct SweepCommand : SuiteCommand {
 struct Outcome {
   std::vector<Job> jobs;
   int exit_code = kExitDone;
+  bool wants_table = true;
 };
+
+/// I/N of --shard.
+Result<std::vector<Job>> shard_of(const std::vector<Job>& jobs, const std::string& text) {
+  const auto bad = [&] {
+    return fail(ErrorCode::kInvalidArgument, fmt::format("--shard '{}' is not I/N", text),
+                "write I/N with I from 0 to N-1, for example 0/4");
+  };
+  static const std::regex form("([0-9]{1,6})/([0-9]{1,6})");
+  std::smatch match;
+  if (!std::regex_match(text, match, form)) return bad();
+  const std::size_t index = std::stoul(match[1]), count = std::stoul(match[2]);
+  if (index >= count) return bad();
+  return suite::shard(jobs, index, count);
+}
+
+/// This command line without the options that share out the runs, the program by its whole path.
+std::vector<std::string> sharable_words() {
+  std::vector<std::string> words = suite::own_words();
+  std::erase_if(words, [](const std::string& word) {
+    return word == "--list" || word == "--sbatch" || word == "--collect";
+  });
+  words[0] = std::filesystem::read_symlink("/proc/self/exe").string();
+  return words;
+}
+
+/// A line for each run: a command that makes it and no other.
+void print_list(const std::vector<Job>& jobs) {
+  const std::string command = suite::shell_command(sharable_words());
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    print("{} --shard {}/{}  # {}\n", command, i, jobs.size(), jobs[i].name());
+  }
+}
+
+void print_slurm_script(const SuiteCommand& command, const std::string& output, std::size_t runs) {
+  constexpr int kThreadsOfARun = 2;  // the default of `sgs run`
+  print("{}", suite::slurm_script({sharable_words(), std::filesystem::current_path(), output, runs,
+                                   kThreadsOfARun * command.at_a_time}));
+}
+
+Status check_sharing(const SuiteCommand& command) {
+  const int ways =
+      int{command.list} + int{command.collect} + int{command.sbatch} + int{!command.shard.empty()};
+  if (ways <= 1) return {};
+  return fail(ErrorCode::kInvalidArgument,
+              "--list, --shard, --collect and --sbatch exclude each other", "give one of them");
+}
 
 Result<Outcome> run_all(const suite::Suite& suite, const SuiteCommand& command,
                         const suite::Options& options) {
   Outcome outcome;
+  SGS_RETURN_IF_ERROR(check_sharing(command));
   SGS_ASSIGN_OR_RETURN(outcome.jobs, suite::make_jobs(suite, options));
+  if (command.list || command.sbatch) {
+    outcome.wants_table = false;
+    if (outcome.jobs.empty()) {
+      return fail(ErrorCode::kInvalidArgument, "no run matches", "see --filter, --levels");
+    }
+    if (command.list) print_list(outcome.jobs);
+    if (command.sbatch) print_slurm_script(command, options.output, outcome.jobs.size());
+    return outcome;
+  }
+  if (command.collect) {
+    const auto missing = std::count_if(outcome.jobs.begin(), outcome.jobs.end(),
+                                       [](const Job& job) { return !job.is_done(); });
+    if (missing == 0) return outcome;
+    say("{} of {} runs are not done\n", missing, outcome.jobs.size());
+    outcome.exit_code = kExitFailed;
+    return outcome;
+  }
+  std::vector<Job> mine = outcome.jobs;
+  if (!command.shard.empty()) {
+    SGS_ASSIGN_OR_RETURN(mine, shard_of(outcome.jobs, command.shard));
+    outcome.wants_table = false;
+  }
   SGS_RETURN_IF_ERROR(io::make_folder(options.output));
-  const suite::Runner runner{std::filesystem::read_symlink("/proc/self/exe").string(), interrupted,
-                             command.at_a_time, command.again};
-  if (!runner.run(outcome.jobs)) outcome.exit_code = kExitFailed;
+  suite::Runner runner;
+  runner.program = std::filesystem::read_symlink("/proc/self/exe").string();
+  runner.interrupted = interrupted;
+  runner.at_a_time = command.at_a_time;
+  runner.again = command.again;
+  runner.lease_s = command.lease_s;
+  if (!runner.run(mine)) outcome.exit_code = kExitFailed;
   if (interrupted()) outcome.exit_code = kExitInterrupted;
   return outcome;
 }
@@ -65,6 +145,7 @@ Result<int> run_bench(const BenchCommand& command) {
     SGS_ASSIGN_OR_RETURN(options.variants.emplace_back(), suite.variant(name));
   }
   SGS_ASSIGN_OR_RETURN(const Outcome outcome, run_all(suite, command, options));
+  if (!outcome.wants_table) return outcome.exit_code;
   const suite::Grid grid = suite::collect(
       outcome.jobs, [](const Job& job) { return job.level + " " + job.variant; },
       [](const Job& job) { return job.sequence; });
@@ -72,11 +153,17 @@ Result<int> run_bench(const BenchCommand& command) {
       grid,
       "ATE RMSE in cm, mean (worst) over seeds; share of frames within 1 m where below 100 %");
   suite::add_publications(suite.publications, table);
-  if (command.markdown) {
-    print("{}\n\n{}", suite::provenance(version_and_commit()), as_markdown(table));
-  } else {
-    print("{}", as_text(table));
+  std::vector<suite::Table> tables = {std::move(table)};
+  if (command.times) {
+    tables.push_back(suite::times_table(
+        grid, "frames per second / 95th percentile of tracking in ms, mean over seeds"));
   }
+  if (command.markdown) print("{}\n", suite::provenance(version_and_commit()));
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    if (command.markdown || i > 0) print("\n");
+    print("{}", command.markdown ? as_markdown(tables[i]) : as_text(tables[i]));
+  }
+  print("{}", suite::processors_line(grid));
   return outcome.exit_code;
 }
 
@@ -89,6 +176,7 @@ Result<int> run_sweep(const SweepCommand& command) {
   if (options.output.empty()) options.output = "runs/sweep-" + suite.name;
   options.variants = suite::swept_variants(base, range);
   SGS_ASSIGN_OR_RETURN(const Outcome outcome, run_all(suite, command, options));
+  if (!outcome.wants_table) return outcome.exit_code;
   const suite::Grid grid = suite::collect(
       outcome.jobs, [](const Job& job) { return job.variant; },
       [](const Job& job) { return job.sequence + " " + job.level; });
@@ -124,6 +212,15 @@ void add_suite_options(CLI::App& sub, SuiteCommand& command) {
       ->check(CLI::NonNegativeNumber);
   sub.add_option("--jobs", command.at_a_time, "Runs at a time")->check(CLI::Range(1, 64));
   sub.add_flag("--rendering", options.rendering, "Also compute the rendering scores");
+  sub.add_option("--lease", command.lease_s,
+                 "A worker that gave no sign of life for so many seconds is taken for dead")
+      ->check(CLI::Range(1.0, 86400.0))
+      ->capture_default_str();
+  sub.add_option("--shard", command.shard,
+                 "I/N: only every N-th run from the I-th on, and no table (docs/cluster.md)");
+  sub.add_flag("--list", command.list, "Run nothing; print a command for each run");
+  sub.add_flag("--collect", command.collect, "Run nothing; print the table of what is done");
+  sub.add_flag("--sbatch", command.sbatch, "Run nothing; print a script that submits all to Slurm");
   sub.add_flag("--again", command.again, "Repeat runs that are already done");
 }
 
@@ -147,6 +244,7 @@ void add_bench(CLI::App& app, Action& action) {
       ->delimiter(',');
   sub->add_flag("--markdown", command->markdown,
                 "Print Markdown, with command, version, machine and date");
+  sub->add_flag("--times", command->times, "Also a table of times, by processor");
   add_suite_options(*sub, *command);
   sub->callback([command, &action] { action = action_of(run_bench, command); });
 }

@@ -386,12 +386,14 @@ class Contract(Case):
             start_new_session=True,
         )
         folder = self.folder / "suite" / "fold-clean-spectral-1"
-        while not (folder / "log.txt").exists() and process.poll() is None:
+        begun = folder.parent / "running" / "fold-clean-spectral-1.0" / "log.txt"
+        while not begun.exists() and process.poll() is None:
             time.sleep(0.02)
         os.killpg(process.pid, signal.SIGINT)
         shown, _ = process.communicate(timeout=240)
         self.assertEqual(process.returncode, 130)
         self.assertRegex(shown, r"(?m)^clean spectral +-$")
+        self.assertIn("interrupted", (folder / "state.toml").read_text())
         self.assertRegex(self.sgs(*command[1:]).stdout, r"(?m)^clean spectral +\d+\.\d\d")
         self.assertEqual(json.loads((folder / "metrics.json").read_text())["frames"], 40)
 

@@ -38,7 +38,7 @@ struct Metrics {
   Count frames_dropped, peak_rss_bytes;
   Text preset, tracker;
   Count threads, seed;
-  Text version, state;
+  Text version, host, cpu, state;
 
   friend bool operator==(const Metrics&, const Metrics&) = default;
 };
@@ -193,6 +193,10 @@ void visit_metrics(M&& m, Visitor&& visit) {
         m.threads);
   visit(I{"seed", u, "Seed", "", 1, 0, kNeither, kDetail, "Seed of every random choice."}, m.seed);
   visit(I{"version", u, "Version", "", 1, 0, kNeither, kDetail, "Version of sgs."}, m.version);
+  visit(I{"host", u, "Host", "", 1, 0, kNeither, kDetail, "Name of the machine."}, m.host);
+  visit(I{"cpu", u, "Processor", "", 1, 0, kNeither, kDetail,
+          "Its processor; times of different ones are never averaged."},
+        m.cpu);
   visit(I{"state", u, "State", "", 1, 0, kNeither, kDetail,
           "How far the run had come when it was scored: `finished`, `interrupted`, `running` or "
           "`killed`; but for the first, the scores are those of a part."},

@@ -11,6 +11,7 @@
 #include "sgs/io/trajectory_io.h"
 #include "sgs/run/convert.h"
 #include "sgs/run/journal.h"
+#include "sgs/run/machine.h"
 #include "sgs/run/map_checkpoints.h"
 #include "sgs/run/run_config.h"
 #include "sgs/run/run_files.h"
@@ -50,6 +51,8 @@ eval::Metrics run_metrics(const RunOptions& options, const slam::SessionConfig& 
   m.preset = to_string(config.preset);
   m.tracker = to_string(config.tracker.type);
   m.version = version();
+  m.host = host_name();
+  m.cpu = this_cpu();
   return m;
 }
 

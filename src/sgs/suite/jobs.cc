@@ -35,7 +35,7 @@ void use_scene(Job& job, const Options& options, const Sequence& sequence) {
   job.rendered =
       fs::path(options.cache) / fmt::format("{}-{}-{}", job.sequence, job.level, job.seed);
   job.arguments.push_back(job.rendered.string());
-  job.render_arguments = {"synth", scene, job.rendering().string(), "--seed", seed, "--quiet"};
+  job.render_arguments = {"synth", scene, "--seed", seed, "--quiet"};
   add(job.render_arguments, motion);
 }
 
@@ -48,7 +48,7 @@ Job make_job(const Options& options, const Sequence& sequence, const std::string
   } else {
     use_scene(job, options, sequence);
   }
-  add(job.arguments, {"-o", job.folder.string(), "--seed", std::to_string(seed), "--quiet"});
+  add(job.arguments, {"--seed", std::to_string(seed), "--quiet"});
   add(job.arguments, variant.arguments);
   if (!options.rendering) add(job.arguments, {"--no-eval"});
   if (options.frames > 0) add(job.arguments, {"--frames", fmt::format("0:{}", options.frames)});
@@ -69,7 +69,25 @@ std::string Job::name() const { return fmt::format("{}-{}-{}-{}", sequence, leve
 
 fs::path Job::unfinished_mark() const { return folder / "unfinished"; }
 
-fs::path Job::rendering() const { return rendered.string() + ".part"; }
+fs::path Job::making(int generation) const {
+  return folder.parent_path() / "running" / fmt::format("{}.{}", name(), generation);
+}
+
+fs::path Job::rendering(int generation) const {
+  return fmt::format("{}.part{}", rendered.string(), generation);
+}
+
+std::vector<std::string> Job::words(const fs::path& making) const {
+  Words all = arguments;
+  add(all, {"-o", making.string()});
+  return all;
+}
+
+std::vector<std::string> Job::render_words(const fs::path& rendering) const {
+  Words all = render_arguments;
+  all.insert(all.begin() + 2, rendering.string());  // synth SCENE FOLDER
+  return all;
+}
 
 bool Job::is_done() const {
   return is_there(folder / "metrics.json") && !is_there(unfinished_mark());
@@ -98,6 +116,13 @@ Result<std::vector<Job>> make_jobs(const Suite& suite, const Options& options) {
           if (std::regex_search(job.name(), filter)) jobs.push_back(std::move(job));
         }
   return jobs;
+}
+
+std::vector<Job> shard(const std::vector<Job>& jobs, std::size_t index, std::size_t count) {
+  SGS_CHECK(index < count, "a shard is one of its number");
+  std::vector<Job> out;
+  for (std::size_t i = index; i < jobs.size(); i += count) out.push_back(jobs[i]);
+  return out;
 }
 
 Result<eval::Metrics> job_metrics(const Job& job) {

@@ -11,22 +11,18 @@
 #include <vector>
 
 #include "sgs/io/atomic_file.h"
+#include "sgs/run/machine.h"
 
 namespace sgs::suite {
-namespace {
 
-/// The command line of this process, with "sgs" for the program.
 std::vector<std::string> own_words() {
   const auto text = io::read_file("/proc/self/cmdline").value_or("");
   std::vector<std::string> words;
   for (std::size_t at = 0; at < text.size(); at += words.back().size() + 1) {
     words.emplace_back(text.c_str() + at);
   }
-  if (!words.empty()) words[0] = "sgs";
   return words;
 }
-
-}  // namespace
 
 std::string shell_command(std::span<const std::string> words) {
   static const std::regex plain("[A-Za-z0-9_./:=,+@%-]+");
@@ -42,17 +38,11 @@ std::string shell_command(std::span<const std::string> words) {
   return command;
 }
 
-std::string cpu_model(std::string_view cpuinfo) {
-  static const std::regex line("(^|\n)model name\\s*:\\s*([^\n]+)");
-  std::cmatch match;
-  const bool found = std::regex_search(cpuinfo.begin(), cpuinfo.end(), match, line);
-  return found ? match[2].str() : "unknown CPU";
-}
-
 std::string provenance(std::string_view version) {
-  const std::string cpuinfo = io::read_file("/proc/cpuinfo").value_or("");
-  return fmt::format("`{}`, sgs {}, {}, {} cores, {:%Y-%m-%d}", shell_command(own_words()), version,
-                     cpu_model(cpuinfo), std::thread::hardware_concurrency(),
+  std::vector<std::string> words = own_words();
+  if (!words.empty()) words[0] = "sgs";
+  return fmt::format("`{}`, sgs {}, {}, {} cores, {:%Y-%m-%d}", shell_command(words), version,
+                     run::this_cpu(), std::thread::hardware_concurrency(),
                      fmt::gmtime(std::time(nullptr)));
 }
 

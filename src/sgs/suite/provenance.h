@@ -5,14 +5,15 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace sgs::suite {
 
 /// The words as one would type them into a shell, quoted where that needs it.
 std::string shell_command(std::span<const std::string> words);
 
-/// The processor's name in the text of /proc/cpuinfo; "unknown CPU" where that does not say.
-std::string cpu_model(std::string_view cpuinfo);
+/// The command line of this process, the program as it was called.
+std::vector<std::string> own_words();
 
 /// How numbers came about, in one line of Markdown: the command line of this process, the
 /// program's version, the machine and today's date (UTC).

@@ -3,6 +3,7 @@
 #include "sgs/suite/table.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace sgs::suite {
 namespace {
@@ -40,6 +41,40 @@ std::string published_cell(const Publication::Row& row, const std::string& seque
   return found->second ? fmt::format("{:.2f}", *found->second) : "lost";
 }
 
+std::string processor_of(const eval::Metrics& m) { return m.cpu.value_or("unknown CPU"); }
+
+/// Mean of what was measured; empty where nothing was.
+std::optional<double> mean_of(std::span<const eval::Metrics> runs,
+                              eval::Metrics::Real eval::Metrics::*value) {
+  double sum = 0;
+  int count = 0;
+  for (const eval::Metrics& m : runs) {
+    if (!(m.*value)) continue;
+    sum += *(m.*value);
+    ++count;
+  }
+  return count == 0 ? std::nullopt : std::optional(sum / count);
+}
+
+std::string times_cell(std::span<const eval::Metrics> runs) {
+  const auto fps = mean_of(runs, &eval::Metrics::fps_wall);
+  const auto p95_ms = mean_of(runs, &eval::Metrics::track_ms_p95);
+  if (!fps && !p95_ms) return "-";
+  const auto text = [](const char* format, const std::optional<double>& value) {
+    return value ? fmt::format(fmt::runtime(format), *value) : "-";
+  };
+  return text("{:.0f}", fps) + " / " + text("{:.1f}", p95_ms);
+}
+
+/// How many runs of a grid each processor made.
+std::map<std::string, int> processors_of(const Grid& grid) {
+  std::map<std::string, int> counts;
+  for (const auto& [place, runs] : grid.runs) {
+    for (const eval::Metrics& m : runs) ++counts[processor_of(m)];
+  }
+  return counts;
+}
+
 std::string source_lines(const Table& table, std::string_view bullet) {
   std::string text;
   for (std::size_t i = 0; i < table.sources.size(); ++i) {
@@ -73,6 +108,36 @@ Table ate_table(const Grid& grid, std::string title) {
       row.cells.push_back(ate_cell(grid.at(name, column)));
   }
   return table;
+}
+
+Table times_table(const Grid& grid, std::string title) {
+  Table table{std::move(title), grid.columns, {}, {}, {}};
+  for (const std::string& name : grid.rows) {
+    for (const auto& [processor, count] : processors_of(grid)) {
+      Table::Row row{fmt::format("{}, {}", name, processor), {}};
+      bool any = false;
+      for (const std::string& column : grid.columns) {
+        std::vector<eval::Metrics> runs;
+        for (const eval::Metrics& m : grid.at(name, column)) {
+          if (processor_of(m) == processor) runs.push_back(m);
+        }
+        any = any || !runs.empty();
+        row.cells.push_back(times_cell(runs));
+      }
+      if (any) table.rows.push_back(std::move(row));
+    }
+  }
+  return table;
+}
+
+std::string processors_line(const Grid& grid) {
+  const auto counts = processors_of(grid);
+  if (counts.size() < 2) return "";
+  std::vector<std::string> parts;
+  for (const auto& [processor, count] : counts) {
+    parts.push_back(fmt::format("{} on {}", count, processor));
+  }
+  return fmt::format("runs: {}; their times are not to be compared\n", fmt::join(parts, ", "));
 }
 
 void add_publications(const std::vector<Publication>& publications, Table& table) {

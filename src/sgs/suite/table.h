@@ -43,6 +43,12 @@ Table ate_table(const Grid& grid, std::string title);
 /// Adds what others published of the table's columns.
 void add_publications(const std::vector<Publication>& publications, Table& table);
 
+/// Frames per second with decoding and the 95th percentile of tracking in ms, mean over the runs of
+/// one processor: a row for each, as times of different ones are not to be mixed.
+Table times_table(const Grid& grid, std::string title);
+/// How many runs were made on which processor, as a line; "" where it was one.
+std::string processors_line(const Grid& grid);
+
 /// "mean (worst)" of the trajectory error in cm over seeds, with the lowest share of frames with a
 /// pose within 1 m of the truth when it is not all of them; "-" without runs.
 std::string ate_cell(std::span<const eval::Metrics> runs);

@@ -5,7 +5,9 @@
 #include <gmock/gmock.h>
 
 #include "sgs/io/temporary_folder.h"
+#include "sgs/run/machine.h"
 #include "sgs/suite/provenance.h"
+#include "sgs/suite/slurm.h"
 #include "sgs/suite/sweep.h"
 
 namespace sgs::suite {
@@ -96,6 +98,31 @@ TEST_F(Tables, OfASweepHaveARowForEachValue) {
   EXPECT_THAT(sweep_plot(Grid{}, "tracker.tau"), Not(HasSubstr("<svg")));
 }
 
+TEST_F(Tables, OfTimesNeverMixProcessors) {
+  options_.variants = {{"orb", {}}};
+  options_.seeds = {1, 2, 3};
+  options_.filter = "near";
+  const std::vector<Job> jobs = *make_jobs(suite_, options_);
+  const double fps[] = {100, 50, 10};
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    eval::Metrics m = scores(0.01);
+    m.fps_wall = fps[i];
+    m.track_ms_p95 = 5;
+    m.cpu = i < 2 ? "Fast" : "Slow";
+    ASSERT_TRUE(eval::save_metrics(jobs[i].folder / "metrics.json", m));
+  }
+  const Grid grid = collect(
+      jobs, [](const Job& job) { return job.variant; },
+      [](const Job& job) { return job.sequence; });
+  EXPECT_EQ(as_text(times_table(grid, "times")),
+            "times\n"
+            "               near\n"
+            "orb, Fast  75 / 5.0\n"
+            "orb, Slow  10 / 5.0\n");
+  EXPECT_THAT(processors_line(grid), HasSubstr("2 on Fast, 1 on Slow"));
+  EXPECT_EQ(processors_line(Grid{}), "");
+}
+
 TEST(Range, IsGeometricAndRefusesNonsense) {
   const auto range = parse_range("a.b=25:100", 2, {});
   ASSERT_TRUE(range);
@@ -109,12 +136,25 @@ TEST(Range, IsGeometricAndRefusesNonsense) {
   }
 }
 
+TEST(Slurm, GetsAnArrayOfShardsAndAJobThatCollects) {
+  const std::string script =
+      slurm_script({{"/bin/sgs", "bench", "it's"}, "/work here", "out", 12, 4});
+  EXPECT_THAT(script, StartsWith("#!/bin/sh\n"));
+  EXPECT_THAT(script, HasSubstr("cd '/work here'\n"));
+  EXPECT_THAT(script, HasSubstr("--array=0-11 --cpus-per-task=4 --requeue"));
+  EXPECT_THAT(script,
+              HasSubstr(R"(exec /bin/sgs bench 'it'\''s' --shard "$SLURM_ARRAY_TASK_ID/12")"));
+  EXPECT_THAT(script, HasSubstr("--dependency=\"afterany:${array%%;*}\""));
+  EXPECT_THAT(script, HasSubstr("--collect\n"));
+  EXPECT_THAT(slurm_script({{"sgs"}, "/", "out", 5000, 2}), HasSubstr("--array=0-999 "));
+}
+
 TEST(Provenance, SaysWhatWasRunOnWhat) {
   const std::vector<std::string> words = {"sgs", "bench", "--filter", "^(a|b)-", "it's", "a=1"};
   EXPECT_EQ(shell_command(words), R"(sgs bench --filter '^(a|b)-' 'it'\''s' a=1)");
-  EXPECT_EQ(cpu_model("processor : 0\nmodel name\t: Some CPU @ 2 GHz\nmodel name\t: Other\n"),
+  EXPECT_EQ(run::cpu_model("processor : 0\nmodel name\t: Some CPU @ 2 GHz\nmodel name\t: Other\n"),
             "Some CPU @ 2 GHz");
-  EXPECT_EQ(cpu_model("Hardware: x"), "unknown CPU");
+  EXPECT_EQ(run::cpu_model("Hardware: x"), "unknown CPU");
   const std::string line = provenance("1.2.3 (abc)");
   EXPECT_THAT(line, StartsWith("`sgs"));
   EXPECT_THAT(line, HasSubstr(", sgs 1.2.3 (abc), "));
