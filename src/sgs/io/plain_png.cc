@@ -50,12 +50,19 @@ bool read_header(std::string_view data, std::uint8_t bits, std::uint8_t color_ty
          png.height <= kLargestSide_px;
 }
 
+/// Whether a chunk can be passed over: four letters, the first one small.
+bool is_ancillary(std::string_view type) {
+  const auto is_between = [](char c, char first, char last) { return c >= first && c <= last; };
+  return is_between(type[0], 'a', 'z') && std::all_of(type.begin(), type.end(), [&](char c) {
+           return is_between(c, 'a', 'z') || is_between(c, 'A', 'Z');
+         });
+}
+
 /// Walks the chunks: IHDR, what can be passed over, IDAT without a gap, what can be passed over,
 /// IEND.
 std::optional<PlainPng> read_chunks(std::string_view bytes, std::uint8_t bits,
                                     std::uint8_t color_type) {
-  constexpr std::size_t kFrame = 12;     // length, type, CRC
-  constexpr unsigned kAncillary = 0x20;  // in a type's first letter
+  constexpr std::size_t kFrame = 12;  // length, type, CRC
   if (!bytes.starts_with(kSignatureOfPng)) return std::nullopt;
   PlainPng png;
   std::string_view previous;
@@ -73,7 +80,7 @@ std::optional<PlainPng> read_chunks(std::string_view bytes, std::uint8_t bits,
     } else if (type == "IEND") {
       if (png.deflated.empty() || length != 0) return std::nullopt;
       return png;
-    } else if ((static_cast<std::uint8_t>(type[0]) & kAncillary) == 0) {
+    } else if (!is_ancillary(type)) {
       return std::nullopt;
     }
     previous = type;

@@ -165,6 +165,8 @@ TEST(PlainPng, DamageIsNoPicture) {
   EXPECT_FALSE(decode_plain_png_color(long_rows.file()));
   const std::string critical = good.file(chunk("ABCD", ""));
   EXPECT_FALSE(decode_plain_png_color(critical));
+  const std::string no_letters = good.file(chunk("ab*D", ""));
+  EXPECT_FALSE(decode_plain_png_color(no_letters));
   const std::string between_idats = good.file(chunk("tEXt", ""), 20);
   EXPECT_FALSE(decode_plain_png_color(between_idats));
   std::string wrong_sum = deflated(good.rows);
