@@ -13,6 +13,7 @@
 #include "sgs/io/spz.h"
 #include "sgs/io/trajectory_io.h"
 #include "sgs/report/map_page.h"
+#include "sgs/run/bag_export.h"
 #include "sgs/run/run.h"
 #include "sgs/run/run_files.h"
 #include "sgs/run/scene_export.h"
@@ -77,7 +78,7 @@ Status with_map(const ExportCommand& command, const Save& save) {
   return save(gaussians);
 }
 
-const std::array<Format, 9> kFormats = {{
+const std::array<Format, 11> kFormats = {{
     {"ply", "splats in the 3DGS vertex layout",
      [](const ExportCommand& c, const fs::path& out) {
        return with_map(c, [&](const auto& map) { return io::save_splats(out, map); });
@@ -114,6 +115,18 @@ const std::array<Format, 9> kFormats = {{
      [](const ExportCommand& c, const fs::path& out) -> Status {
        SGS_ASSIGN_OR_RETURN(const auto poses, run::load_run_trajectory(c.run));
        return io::save_kitti(out, poses);
+     }},
+    {"bag", "poses, path, points and tf as a ROS 1 bag",
+     [](const ExportCommand& c, const fs::path& out) {
+       return with_map(c, [&](const auto& map) {
+         return run::export_bag(c.run, map, *bag::make_rosbag1_writer(), out);
+       });
+     }},
+    {"mcap", "the same as MCAP with messages of ROS 2",
+     [](const ExportCommand& c, const fs::path& out) {
+       return with_map(c, [&](const auto& map) {
+         return run::export_bag(c.run, map, *bag::make_mcap_writer(), out);
+       });
      }},
 }};
 

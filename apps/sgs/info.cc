@@ -138,7 +138,8 @@ int print_sequence(const InfoOptions& options) {
   }
   print("depth scale  {} units per metre\n", c.depth_scale);
   print("ground truth {}\n", info.truth_rows ? fmt::format("{} poses", info.truth_rows) : "none");
-  if (info.sparse) print("sparse       single views, too far apart to be tracked\n");
+  if (info.sparse)
+    print("sparse       single views, too far apart to be tracked: --tracker given\n");
   for (const std::string& warning : info.warnings) print("warning      {}\n", warning);
   return kExitDone;
 }

@@ -22,11 +22,14 @@ void add_recording_options(CLI::App& app, run::InputSpec& input) {
 
 void add_tracking_options(CLI::App& app, run::InputSpec& input, run::ConfigSources& config) {
   app.add_option("--config", config.file, "TOML file, e.g. a run's config.toml");
-  app.add_option("--tracker", config.tracker, "spectral, paper, gicp, orb or cvm");
+  app.add_option("--tracker", config.tracker, "spectral, paper, gicp, orb, cvm or given");
   app.add_option("--set", config.assignments, "key=value, see `sgs info --config`")
       ->take_all()
       ->allow_extra_args(false);
   app.add_option("--frames", input.frames, "a:b, frames a to b-1 of the sequence");
+  app.add_option("--poses", input.poses,
+                 "With --tracker given: TUM file, or COLMAP's images.txt; default: the "
+                 "recording's own");
   add_recording_options(app, input);
   app.add_option("--trajectory", input.trajectory,
                  "Synthetic input: fly along this TUM trajectory");

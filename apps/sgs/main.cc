@@ -62,6 +62,7 @@ int parse_and_run(int argc, char** argv) {
   add_render(app, action);
   add_synth(app, action);
   add_convert(app, action);
+  add_send(app, action);
   add_export(app, action);
   add_info(app, action);
   add_view(app, action);

@@ -20,6 +20,7 @@
 #include "sgs/run/run_files.h"
 #include "sgs/run/score.h"
 #include "sgs/run/timings.h"
+#include "sgs/stream/address.h"
 #include "viewer_link.h"
 
 namespace sgs::app {
@@ -80,7 +81,9 @@ Result<int> run_sequence(const RunCommand& command, const slam::SessionConfig& c
                        run::execute(input, command.input, config, command.options, folder,
                                     spectator(progress, viewer.get()), stop_token()));
   progress.finish();
-  const bool draw_pictures = !command.no_eval && !outcome.stopped;
+  // What a stream has sent is gone.
+  const bool draw_pictures =
+      !command.no_eval && !outcome.stopped && !stream::is_stream(command.input.input);
   SGS_ASSIGN_OR_RETURN(const auto scores,
                        draw_pictures
                            ? score_with_progress(outcome.run, command.score, command.quiet)
@@ -124,8 +127,14 @@ int run_command(RunCommand command) {
                    "give a sequence folder or synth:NAME (see `sgs info --scenes`)"});
   }
   const bool calibrate = command.input.calibration == kCalibrateFirst;
+  if (calibrate && stream::is_stream(command.input.input)) {
+    return report({ErrorCode::kInvalidArgument, "a stream comes only once",
+                   "calibrate a recording of this camera, and name the file: --calibration FILE"});
+  }
   if (calibrate) command.input.calibration.clear();
-  auto input = run::open_input(command.input, command.options.threads);
+  // There is no folder yet, and somebody has to say what is waited for.
+  if (stream::is_stream(command.input.input)) setup_logging({}, command.quiet);
+  auto input = run::open_input(command.input, command.options.threads, stop_token());
   if (!input) return report(input.error());
   auto folder = command.output.empty() ? run::RunFolder::create_below("runs", input->info.name)
                                        : run::RunFolder::create(command.output);
@@ -154,7 +163,8 @@ int run_command(RunCommand command) {
 void add_run(CLI::App& app, Action& action) {
   auto command = std::make_shared<RunCommand>();
   auto* sub = app.add_subcommand("run", "SLAM on a sequence: trajectory, Gaussian map, scores");
-  sub->add_option("INPUT", command->input.input, "Sequence folder, bag, or synth:NAME[:LEVEL]");
+  sub->add_option("INPUT", command->input.input,
+                  "Sequence folder, bag, synth:NAME[:LEVEL], or live:tcp://127.0.0.1:PORT");
   sub->add_option("-o,--output", command->output, "Run folder (default runs/TIME-NAME)");
   sub->add_option("--preset", command->config.preset, "default (ours) or paper");
   add_tracking_options(*sub, command->input, command->config);
@@ -170,6 +180,10 @@ void add_run(CLI::App& app, Action& action) {
                   "Write a time line of both threads to this file (Chrome trace format)");
   sub->add_flag("--preload", command->preload,
                 "Decode all frames before the clock starts (takes 2 MB per frame of 640x480)");
+  sub->add_option("--wait", command->input.wait_s,
+                  "Stream: end when nobody has sent a frame for so many seconds; 0 = never")
+      ->check(CLI::Range(0.0, 1e9))
+      ->capture_default_str();
   sub->add_flag("--realtime", command->options.realtime,
                 "Frames at the sensor's rate, late ones dropped");
   sub->add_option("--checkpoint", command->options.checkpoint_s,

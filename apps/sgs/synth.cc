@@ -48,7 +48,7 @@ int run_synth(const SynthCommand& command) {
   while (!interrupted()) {
     const auto status = input->source->next(frame, error);
     if (status == dataset::FrameRead::kEnd) break;
-    if (status == dataset::FrameRead::kBadFrame) continue;
+    if (status != dataset::FrameRead::kOk) continue;
     if (const auto written = writer->add(frame); !written) return report(written.error());
     progress.step("");
   }

@@ -569,5 +569,112 @@ class BadInput(BagTest):
         self.assertIn("gone.bag", self.refused(1, self.folder / "gone.bag"))
 
 
+class Export(BagTest):
+    """What `sgs export RUN bag|mcap` writes, read back by foreign readers."""
+
+    def setUp(self):
+        self.run_folder = self.folder / "exported"
+        if not self.run_folder.exists():
+            done = self.sgs("run", self.color_folder, "-o", self.run_folder, "--quiet", "--no-eval")
+            self.assertEqual(done.returncode, 0, done.stderr)
+        self.poses = tum(self.run_folder / "trajectory.txt")
+        self.points = self.folder / "points.ply"
+        self.sgs("export", self.run_folder, "points", self.points)
+
+    def export(self, kind):
+        path = self.folder / f"out.{kind}"
+        done = self.sgs("export", self.run_folder, kind, path)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return path
+
+    def expected_points(self):
+        data = self.points.read_bytes()
+        body = data.index(b"end_header\n") + len(b"end_header\n")
+        kind = [("xyz", "<f4", 3), ("rgb", "u1", 3)]
+        return np.frombuffer(data[body:], np.dtype(kind))
+
+    def assert_pose(self, position, orientation, row, stamp_ns):
+        self.assertAlmostEqual(stamp_ns * 1e-9, row[0], places=6)
+        np.testing.assert_allclose(position, row[1:4], atol=1e-9)
+        self.assertAlmostEqual(abs(np.dot(orientation, row[4:8])), 1, places=8)
+
+    def assert_cloud(self, data, width, step, fields):
+        self.assertEqual(fields, [("x", 0), ("y", 4), ("z", 8), ("rgb", 12)])
+        expected = self.expected_points()
+        self.assertEqual((width, step, len(data)), (len(expected), 16, 16 * len(expected)))
+        cloud = np.frombuffer(data, np.dtype([("xyz", "<f4", 3), ("bgr0", "u1", 4)]))
+        np.testing.assert_array_equal(cloud["xyz"], expected["xyz"])
+        np.testing.assert_array_equal(cloud["bgr0"][:, 2::-1], expected["rgb"])
+
+    def test_rosbag_reads_it(self):
+        try:
+            import geometry_msgs.msg
+            import nav_msgs.msg
+            import rosbag
+            import sensor_msgs.msg
+            import tf2_msgs.msg
+        except ImportError:
+            self.skipTest("python3-rosbag is not installed")
+        types = {
+            "/tf": tf2_msgs.msg.TFMessage,
+            "/pose": geometry_msgs.msg.PoseStamped,
+            "/path": nav_msgs.msg.Path,
+            "/map": sensor_msgs.msg.PointCloud2,
+        }
+        with rosbag.Bag(str(self.export("bag"))) as bag:
+            about = bag.get_type_and_topic_info()
+            self.assertEqual(set(about.topics), set(types))
+            for topic, kind in types.items():
+                known = about.topics[topic]
+                self.assertEqual(known.msg_type, kind._type)
+                self.assertEqual(about.msg_types[kind._type], kind._md5sum)
+            self.assertEqual(about.topics["/pose"].message_count, FRAMES)
+            seen = {topic: [] for topic in types}
+            for topic, message, time in bag.read_messages():
+                seen[topic].append((message, time.to_nsec()))
+        for (pose, time_ns), (tf, _), row in zip(seen["/pose"], seen["/tf"], self.poses):
+            stamp = pose.header.stamp.to_nsec()
+            self.assertEqual(stamp, time_ns)
+            p, q = pose.pose.position, pose.pose.orientation
+            self.assert_pose((p.x, p.y, p.z), (q.x, q.y, q.z, q.w), row, stamp)
+            world, camera = tf.transforms
+            self.assertEqual((world.header.frame_id, world.child_frame_id), ("world", "map"))
+            self.assertEqual((camera.header.frame_id, camera.child_frame_id), ("map", "camera"))
+            self.assertEqual(camera.transform.translation.x, p.x)
+        ((path, _),) = seen["/path"]
+        self.assertEqual(len(path.poses), FRAMES)
+        self.assertEqual(path.poses[3].pose.position.x, seen["/pose"][3][0].pose.position.x)
+        ((cloud, _),) = seen["/map"]
+        fields = [(f.name, f.offset) for f in cloud.fields]
+        self.assert_cloud(bytes(cloud.data), cloud.width, cloud.point_step, fields)
+
+    def test_mcap_core_reads_it(self):
+        import base64
+
+        read = self.node.read_mcap(self.export("mcap"))
+        self.assertEqual(read["profile"], "ros2")
+        self.assertEqual(read["counts"], {"/tf": FRAMES, "/pose": FRAMES, "/path": 1, "/map": 1})
+        seen = {}
+        for message in read["messages"]:
+            seen.setdefault(message["topic"], []).append(message)
+        self.assertEqual(seen["/pose"][0]["type"], "geometry_msgs/msg/PoseStamped")
+        for message, row in zip(seen["/pose"], self.poses):
+            pose = message["value"]["pose"]
+            p = [pose["position"][k] for k in "xyz"]
+            q = [pose["orientation"][k] for k in "xyzw"]
+            self.assert_pose(p, q, row, int(message["time_ns"]))
+        self.assertEqual(len(seen["/path"][0]["value"]["poses"]), FRAMES)
+        self.assertEqual(seen["/tf"][0]["value"]["transforms"][1]["child_frame_id"], "camera")
+        cloud = seen["/map"][0]["value"]
+        fields = [(f["name"], f["offset"]) for f in cloud["fields"]]
+        data = base64.b64decode(cloud["data"])
+        self.assert_cloud(data, cloud["width"], cloud["point_step"], fields)
+
+    def test_what_cannot_be_exported(self):
+        done = self.sgs("export", self.points, "bag", self.folder / "x.bag")
+        self.assertNotEqual(done.returncode, 0)
+        self.assertFalse((self.folder / "x.bag").exists())
+
+
 if __name__ == "__main__":
     unittest.main()

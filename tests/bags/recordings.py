@@ -121,7 +121,7 @@ def write_rosbag(path, messages, compression="none", chunk_bytes=300_000, **opti
 
 
 class Node:
-    """Runs write_mcap.mjs; installs what it needs on first use."""
+    """Runs write_mcap.mjs and read_mcap.mjs; installs what it needs on first use."""
 
     def __init__(self, folder, scratch):
         self.folder, self.scratch = folder, scratch
@@ -144,8 +144,9 @@ class Node:
             )
             if done.returncode != 0:
                 raise unittest.SkipTest(f"npm could not install @mcap/core: {done.stderr[-300:]}")
-        # Beside node_modules, where its imports are looked for.
-        shutil.copy(HERE / "write_mcap.mjs", self.folder)
+        # Beside node_modules, where their imports are looked for.
+        for name in ("write_mcap.mjs", "read_mcap.mjs"):
+            shutil.copy(HERE / name, self.folder)
 
     def file(self, data):
         self.count = getattr(self, "count", 0) + 1
@@ -206,6 +207,17 @@ class Node:
     def write_mcap(self, path, messages, **options):
         self.run(messages, mcap=path, **options)
         return path
+
+    def read_mcap(self, path):
+        self.ready()
+        done = subprocess.run(
+            ["node", self.folder / "read_mcap.mjs", path],
+            capture_output=True,
+            text=True,
+            timeout=300,
+        )
+        assert done.returncode == 0, done.stderr
+        return json.loads(done.stdout)
 
     def pack_cdr(self, messages):
         path = self.scratch / "packed"

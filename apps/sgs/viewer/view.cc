@@ -28,7 +28,7 @@ class ReplayImages {
   explicit ReplayImages(const run::InputSpec& spec) : spec_(spec) { rewind(); }
 
   void rewind() {
-    auto input = run::open_input(spec_, 1);
+    auto input = run::reopen_input(spec_, 1);
     source_ = input ? std::move(input->source) : nullptr;
     waiting_.reset();
   }

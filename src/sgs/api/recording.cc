@@ -69,6 +69,10 @@ std::optional<Frame> Recording::next() {
     const internal::OneCaller caller(impl_->reading, "recording");
     while (auto item = dataset::read_item(*impl_->input.source)) {
       if (item->frame) return internal::FrameAccess::make(std::move(item->frame));
+      if (item->event) {
+        log().warn("input: {}", item->bad_reason);
+        continue;
+      }
       log().warn("frame {} skipped: {}", item->index, item->bad_reason);
       const std::lock_guard lock(impl_->noting);
       impl_->bad.push_back({item->index, item->timestamp_s, item->bad_reason});

@@ -148,7 +148,18 @@ Result<RecordRange> ChunkedBag::open_chunk(const Record& chunk) const {
   return RecordRange(std::move(bytes));
 }
 
-Status ChunkedBag::scan(std::uint64_t begin) {
+tl::unexpected<Error> ChunkedBag::broken(const RecordRange& range, std::uint64_t at,
+                                         const std::string& what) {
+  return fail(ErrorCode::kInvalidFormat, fmt::format("{}: {}", range.place(at), what),
+              "the file is damaged; copy or record it again");
+}
+
+Status ChunkedBag::scan(std::uint64_t begin, const char* why) {
+  segments_.clear();
+  channels_.clear();
+  channel_of_id_.clear();
+  first_time_ns_ = last_time_ns_ = std::nullopt;
+  warnings_.push_back(fmt::format("{}: {}", file_.path().string(), why));
   const RecordRange all(&file_, 0, file_.size());
   std::uint64_t at = begin;
   while (at < file_.size()) {

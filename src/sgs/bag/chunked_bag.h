@@ -74,9 +74,13 @@ class ChunkedBag : public Bag {
   /// Takes note of the channel that a record declares.
   virtual Status declare(const RecordRange& range, std::uint64_t at) = 0;
 
-  /// Lists the segments of a file without an index, from `begin` to where it can be understood, and
-  /// looks for channels in the first of them. Adds warnings.
-  Status scan(std::uint64_t begin);
+  /// Reads a file without its index: forgets what that said, lists the segments from `begin` to
+  /// where the file can be understood, and looks for channels in the first of them. Adds warnings,
+  /// `why` first.
+  Status scan(std::uint64_t begin, const char* why);
+  /// The error of a record that makes no sense.
+  static tl::unexpected<Error> broken(const RecordRange& range, std::uint64_t at,
+                                      const std::string& what);
 
   mutable ByteFile file_;
   std::vector<Segment> segments_;

@@ -35,16 +35,10 @@ class Mcap : public ChunkedBag {
 
   Status open() {
     if (read_summary()) return {};
-    segments_.clear();
-    channels_.clear();
-    channel_of_id_.clear();
     schemas_.clear();
-    first_time_ns_ = last_time_ns_ = std::nullopt;
-    warnings_.push_back(fmt::format(
-        "{}: no index (the recorder did not finish, or left it out); read from the beginning. "
-        "`mcap recover` writes one",
-        file_.path().string()));
-    return scan(kMcapMagic.size());
+    return scan(kMcapMagic.size(),
+                "no index (the recorder did not finish, or left it out); read from the beginning. "
+                "`mcap recover` writes one");
   }
 
  protected:
@@ -91,11 +85,6 @@ class Mcap : public ChunkedBag {
   }
 
  private:
-  static tl::unexpected<Error> broken(const RecordRange& range, std::uint64_t at,
-                                      const std::string& what) {
-    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: {}", range.place(at), what),
-                "the file is damaged; copy or record it again");
-  }
   static bool is_magic(const RecordRange& range, std::uint64_t at) {
     const auto bytes = range.view(at, kMcapMagic.size());
     return bytes && *bytes == kMcapMagic;

@@ -101,15 +101,9 @@ class Rosbag1 : public ChunkedBag {
     const auto index_at = header.number<std::uint64_t>("index_pos").value_or(0);
     const auto chunks = header.number<std::uint32_t>("chunk_count").value_or(0);
     if (index_at != 0 && read_index(index_at, chunks)) return {};
-    segments_.clear();
-    channels_.clear();
-    channel_of_id_.clear();
-    first_time_ns_ = last_time_ns_ = std::nullopt;
-    warnings_.push_back(
-        fmt::format("{}: no index (the recorder did not finish); read from the "
-                    "beginning. `rosbag reindex` writes one",
-                    file_.path().string()));
-    return scan(first->next());
+    return scan(first->next(),
+                "no index (the recorder did not finish); read from the beginning. `rosbag reindex` "
+                "writes one");
   }
 
  protected:
@@ -155,12 +149,6 @@ class Rosbag1 : public ChunkedBag {
   }
 
  private:
-  static tl::unexpected<Error> broken(const RecordRange& range, std::uint64_t at,
-                                      const std::string& what) {
-    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: {}", range.place(at), what),
-                "the file is damaged; copy or record it again");
-  }
-
   /// Whether the index at the end could be read.
   bool read_index(std::uint64_t index_at, std::uint64_t chunks) {
     const RecordRange all(&file_, 0, file_.size());

@@ -19,6 +19,8 @@ struct RgbdFrame {
   ColorImage color;
   DepthImage depth;                         ///< metres, 0 = no measurement
   std::optional<SE3> truth_T_world_camera;  ///< ground truth where known; never read by SLAM
+  /// Where somebody else says that the camera was; only a tracker of given poses reads it.
+  std::optional<SE3> given_T_world_camera = {};
 };
 
 }  // namespace sgs

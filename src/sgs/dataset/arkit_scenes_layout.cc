@@ -17,18 +17,9 @@ constexpr int kArkitMediumConfidence = 1;  // of 0, 1, 2
 
 /// Files named VIDEO_SECONDS, in order of time.
 TimedFiles arkit_files(const fs::path& folder, const std::string& pattern) {
-  std::map<double, fs::path> timed;
-  for (const fs::path& file : files_matching(folder, pattern)) {
-    const std::string stem = file.stem().string();
-    const auto time_s = io::parse_double(stem.substr(stem.rfind('_') + 1));
-    if (time_s && std::isfinite(*time_s)) timed.emplace(*time_s, file);
-  }
-  TimedFiles out;
-  for (const auto& [time_s, file] : timed) {
-    out.times_s.push_back(time_s);
-    out.files.push_back(file);
-  }
-  return out;
+  return files_by_time(files_matching(folder, pattern), [](const std::string& stem) {
+    return io::parse_double(std::string_view(stem).substr(stem.rfind('_') + 1));
+  });
 }
 
 /// The folder with the images: the scene, or the one VIDEO_frames in it.
@@ -129,10 +120,7 @@ Result<FrameList> list_arkit_scenes(const fs::path& folder) {
   SGS_RETURN_IF_ERROR(add_arkit_cameras(frames / "lowres_wide_intrinsics", out));
   out.calibration = {{typical_camera(out.frames), {}, kArkitDepthScale},
                      (frames / "lowres_wide_intrinsics").string()};
-  for (FrameEntry& frame : out.frames) {
-    fs::path confidence = frames / "confidence" / frame.depth.filename();
-    if (fs::exists(confidence)) frame.confidence = std::move(confidence);
-  }
+  add_confidence(frames / "confidence", out);
   fs::path trajectory = frames / "lowres_wide.traj";
   if (!fs::exists(trajectory)) trajectory = folder / "lowres_wide.traj";
   if (fs::exists(trajectory)) SGS_RETURN_IF_ERROR(add_arkit_poses(trajectory, out));

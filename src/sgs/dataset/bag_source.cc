@@ -276,6 +276,13 @@ std::int64_t expected_pairs(const bag::Bag& bag, const BagTopics& topics) {
   return color && depth ? static_cast<std::int64_t>(std::min(*color, *depth)) : 0;
 }
 
+/// What an index tells: single views, as is_sparse() means it.
+bool few_a_second(const SequenceInfo& info) {
+  constexpr double kGap_s = 0.2;
+  return info.frames_in_folder > 1 &&
+         info.last_time_s - info.first_time_s > kGap_s * static_cast<double>(info.frames_in_folder);
+}
+
 Result<Sequence> open_bag_as_sequence(std::unique_ptr<bag::Bag> bag, const fs::path& path,
                                       const OpenOptions& options) {
   BagPlan plan;
@@ -302,6 +309,7 @@ Result<Sequence> open_bag_as_sequence(std::unique_ptr<bag::Bag> bag, const fs::p
   if (bag->first_time_ns() && bag->last_time_ns()) {
     info.last_time_s += 1e-9 * static_cast<double>(*bag->last_time_ns() - *bag->first_time_ns());
   }
+  info.sparse = few_a_second(info);
   const bool floats = plan.topics.depth.encoding.find("32FC1") != std::string::npos;
   constexpr double kUnitsForFloats = 5000;
   info.calibration = {

@@ -21,6 +21,7 @@ class CalibratedSource final : public FrameSource {
     if (status == FrameRead::kOk) frame.depth = calibration_.apply(frame.depth);
     return status;
   }
+  bool live() const override { return source_->live(); }
   void stop() override { source_->stop(); }
 
  private:

@@ -14,6 +14,7 @@ std::optional<FeedItem> read_item(FrameSource& source) {
     item.frame = std::move(frame);
   } else {
     item.bad_reason = error.text();
+    item.event = status == FrameRead::kEvent;
   }
   return item;
 }

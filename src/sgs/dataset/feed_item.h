@@ -12,12 +12,13 @@
 
 namespace sgs::dataset {
 
-/// One thing that came out of a source: a frame, or the reason why there is none.
+/// One thing that came out of a source: a frame, the reason why there is none, or an event.
 struct FeedItem {
-  std::shared_ptr<const RgbdFrame> frame;  ///< null for a bad frame
+  std::shared_ptr<const RgbdFrame> frame;  ///< null for a bad frame and an event
   std::int64_t index = 0;
   double timestamp_s = 0;
-  std::string bad_reason;
+  std::string bad_reason;  ///< of an event: what happened
+  bool event = false;      ///< no frame, good or bad; index and time mean nothing
 };
 
 /// Reads one item from a source without pacing; empty at its end.

@@ -17,6 +17,7 @@ namespace sgs::dataset {
 enum class FrameRead {
   kOk,        ///< `frame` is filled
   kBadFrame,  ///< this frame could not be used (`error` says why); the next one may be fine
+  kEvent,     ///< no frame: something happened to the source (`error` says what); it goes on
   kEnd,       ///< no more frames
 };
 
@@ -37,6 +38,9 @@ class FrameSource {
   /// Reads the next frame into `frame`. On kBadFrame `error` names the file and the reason, and
   /// `frame.index` and `frame.timestamp_s` are valid.
   virtual FrameRead next(RgbdFrame& frame, Error& error) = 0;
+  /// Whether frames come when a camera has them: then nobody else sets the pace. Only such sources
+  /// have events: a frame that does not come, a connection that breaks or is there again.
+  virtual bool live() const { return false; }
   /// Asks a next() that waits, and all later ones, to return kEnd soon. Thread-safe; a source that
   /// never waits for long need not listen.
   virtual void stop() {}

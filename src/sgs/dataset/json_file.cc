@@ -8,8 +8,12 @@ namespace sgs::dataset {
 
 Result<nlohmann::json> load_json(const std::filesystem::path& path) {
   constexpr std::int64_t kLargest_bytes = std::int64_t{64} << 20;
-  constexpr int kDeepest = 32;
   SGS_ASSIGN_OR_RETURN(const std::string content, io::read_file(path, kLargest_bytes));
+  return parse_json(content, path.string());
+}
+
+Result<nlohmann::json> parse_json(std::string_view content, const std::string& name) {
+  constexpr int kDeepest = 32;
   struct TooDeep {};
   const auto look = [](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
     if (depth > kDeepest) throw TooDeep();
@@ -18,11 +22,11 @@ Result<nlohmann::json> load_json(const std::filesystem::path& path) {
   try {
     return nlohmann::json::parse(content, look);
   } catch (const nlohmann::json::exception& e) {
-    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: {}", path.string(), e.what()),
+    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: {}", name, e.what()),
                 "write it again; it must be JSON");
   } catch (const TooDeep&) {
     return fail(ErrorCode::kInvalidFormat,
-                fmt::format("{}: nested more than {} levels deep", path.string(), kDeepest),
+                fmt::format("{}: nested more than {} levels deep", name, kDeepest),
                 "it does not describe a recording");
   }
 }

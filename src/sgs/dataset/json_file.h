@@ -13,6 +13,9 @@ namespace sgs::dataset {
 /// more memory or stack than it is worth. Syntax errors name the place.
 Result<nlohmann::json> load_json(const std::filesystem::path& path);
 
+/// The same from text of a bounded size; `name` stands for the file's name in messages.
+Result<nlohmann::json> parse_json(std::string_view content, const std::string& name);
+
 /// Calls `read`, which looks at a document of that file, and makes an error of a missing key or a
 /// value of the wrong type; `needed` says what should be there.
 template <class Read>

@@ -198,6 +198,12 @@ SequenceInfo describe(const FrameList& list, const FoundCalibration& found) {
   return info;
 }
 
+std::vector<NamedFrame> names_of_frames(const FrameList& list) {
+  std::vector<NamedFrame> names;
+  for (const FrameEntry& frame : list.frames) names.push_back({frame.timestamp_s, frame.color});
+  return names;
+}
+
 std::vector<double> times_of_frames(const FrameList& list) {
   std::vector<double> times_s;
   for (const FrameEntry& frame : list.frames) times_s.push_back(frame.timestamp_s);
@@ -230,6 +236,7 @@ Result<Sequence> open_folder(const fs::path& folder, const OpenOptions& options)
   sequence.info.calibration = format.calibration;
   sequence.info.delivered = delivered_camera(typical, options.max_width);
   sequence.info.sparse = is_sparse(times_of_frames(list), list.truth);
+  sequence.images = names_of_frames(list);
   sequence.frames = std::make_unique<FileSequence>(
       list.name, std::move(list.frames), std::move(list.truth), format, sequence.info.delivered);
   return sequence;
@@ -261,6 +268,31 @@ Result<Sequence> open_file(const fs::path& file, const OpenOptions& options) {
               "give the folder of an RGB-D sequence, or a ScanNet .sens file");
 }
 
+/// What is no bag.
+Result<Sequence> open_images(const fs::path& input, const OpenOptions& options) {
+  std::error_code error;
+  SGS_ASSIGN_OR_RETURN(Sequence sequence, fs::is_directory(input, error)
+                                              ? open_folder(input, options)
+                                              : open_file(input, options));
+  for (const std::string& warning : sequence.info.warnings) log().warn("{}", warning);
+  if (options.prefetch > 0) {
+    sequence.frames =
+        std::make_unique<PrefetchingSource>(std::move(sequence.frames), options.prefetch);
+  }
+  return sequence;
+}
+
+Status add_given_poses(Sequence& sequence, const OpenOptions& options, const fs::path& input) {
+  SequenceInfo& info = sequence.info;
+  SGS_ASSIGN_OR_RETURN(auto poses, load_given_poses(options.poses, sequence.frames->ground_truth(),
+                                                    {input.string(), info.first_time_s,
+                                                     info.last_time_s, sequence.images}));
+  for (const std::string& warning : poses.warnings) log().warn("{}", warning);
+  info.warnings.insert(info.warnings.end(), poses.warnings.begin(), poses.warnings.end());
+  sequence.frames = with_given_poses(std::move(sequence.frames), std::move(poses));
+  return {};
+}
+
 }  // namespace
 
 Result<std::pair<std::int64_t, std::int64_t>> frame_range(const OpenOptions& options,
@@ -284,15 +316,9 @@ Result<Sequence> open_sequence(const fs::path& input, const OpenOptions& options
     return fail(ErrorCode::kNotFound, fmt::format("{}: no such folder", input.string()),
                 "give the folder of an RGB-D sequence");
   }
-  if (bag::looks_like_bag(input)) return open_bag(input, options);
-  SGS_ASSIGN_OR_RETURN(Sequence sequence, fs::is_directory(input, error)
-                                              ? open_folder(input, options)
-                                              : open_file(input, options));
-  for (const std::string& warning : sequence.info.warnings) log().warn("{}", warning);
-  if (options.prefetch > 0) {
-    sequence.frames =
-        std::make_unique<PrefetchingSource>(std::move(sequence.frames), options.prefetch);
-  }
+  SGS_ASSIGN_OR_RETURN(Sequence sequence, bag::looks_like_bag(input) ? open_bag(input, options)
+                                                                     : open_images(input, options));
+  if (!options.poses.empty()) SGS_RETURN_IF_ERROR(add_given_poses(sequence, options, input));
   return sequence;
 }
 

@@ -15,6 +15,7 @@
 #include "sgs/camera/pinhole.h"
 #include "sgs/core/error.h"
 #include "sgs/dataset/frame_source.h"
+#include "sgs/dataset/given_poses.h"
 #include "sgs/io/calibration_io.h"
 
 namespace sgs::dataset {
@@ -35,6 +36,8 @@ struct OpenOptions {
       extrinsics;  ///< T_color_depth as "tx,ty,tz,qx,qy,qz,qw", or "aligned"; empty = recorded
   std::string
       truth_topic;  ///< of poses, or "world:camera" of tf; empty = one that says it is the truth
+  /// Poses to deliver with the frames (given_poses.h): kRecordedPoses, a file, or none (empty).
+  std::string poses;
   std::size_t prefetch = 8;             ///< frames decoded ahead on a thread of their own; 0 = none
   int max_width = kDefaultMaxWidth_px;  ///< wider images are reduced; 0 = none is too wide
 };
@@ -64,6 +67,7 @@ struct SequenceInfo {
 struct Sequence {
   std::unique_ptr<FrameSource> frames;
   SequenceInfo info;
+  std::vector<NamedFrame> images;  ///< of the opened range, where images have names
 };
 
 /// Opens a recorded sequence, a folder or a file, and finds out its layout by itself

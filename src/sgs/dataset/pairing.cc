@@ -4,35 +4,52 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 #include "sgs/dataset/association.h"
 
 namespace sgs::dataset {
 namespace fs = std::filesystem;
 
-std::optional<TimedFiles> files_with_microseconds(const std::vector<fs::path>& files) {
-  std::vector<std::pair<double, fs::path>> timed;
+TimedFiles files_by_time(
+    const std::vector<fs::path>& files,
+    const std::function<std::optional<double>(const std::string& stem)>& time_of) {
+  std::map<double, fs::path> timed;
   for (const fs::path& file : files) {
-    const std::string stem = file.stem().string();
-    const auto dash = stem.rfind('-');
-    if (dash == std::string::npos) return std::nullopt;
-    long long microseconds = 0;
-    const char *first = stem.data() + dash + 1, *last = stem.data() + stem.size();
-    const auto parsed = std::from_chars(first, last, microseconds);
-    if (parsed.ec != std::errc{} || parsed.ptr != last) return std::nullopt;
-    timed.emplace_back(static_cast<double>(microseconds) / 1e6, file);
+    const auto time_s = time_of(file.stem().string());
+    if (time_s && std::isfinite(*time_s)) timed.emplace(*time_s, file);
   }
-  std::stable_sort(timed.begin(), timed.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  timed.erase(std::unique(timed.begin(), timed.end(),
-                          [](const auto& a, const auto& b) { return a.first == b.first; }),
-              timed.end());
   TimedFiles out;
   for (auto& [time_s, file] : timed) {
     out.times_s.push_back(time_s);
     out.files.push_back(std::move(file));
   }
   return out;
+}
+
+void add_confidence(const fs::path& folder, FrameList& list) {
+  for (FrameEntry& frame : list.frames) {
+    fs::path confidence = folder / frame.depth.filename();
+    if (fs::exists(confidence)) frame.confidence = std::move(confidence);
+  }
+}
+
+std::optional<TimedFiles> files_with_microseconds(const std::vector<fs::path>& files) {
+  bool all = true;
+  auto timed = files_by_time(files, [&](const std::string& stem) -> std::optional<double> {
+    const auto dash = stem.rfind('-');
+    long long microseconds = 0;
+    if (dash != std::string::npos) {
+      const char *first = stem.data() + dash + 1, *last = stem.data() + stem.size();
+      const auto parsed = std::from_chars(first, last, microseconds);
+      if (parsed.ec == std::errc{} && parsed.ptr == last) {
+        return static_cast<double>(microseconds) / 1e6;
+      }
+    }
+    all = false;
+    return std::nullopt;
+  });
+  return all ? std::optional(std::move(timed)) : std::nullopt;
 }
 
 void pair_by_number(const std::map<long, fs::path>& color, const std::map<long, fs::path>& depth,

@@ -18,6 +18,16 @@ struct TimedFiles {
   std::vector<std::filesystem::path> files;
 };
 
+/// Files in order of time, as `time_of` tells it from a name without its extension; of equal times
+/// the first file counts. Those without a time are left out.
+TimedFiles files_by_time(
+    const std::vector<std::filesystem::path>& files,
+    const std::function<std::optional<double>(const std::string& stem)>& time_of);
+
+/// Sets the confidence of frames that have an image of it in `folder`, under the name of their
+/// depth.
+void add_confidence(const std::filesystem::path& folder, FrameList& list);
+
 /// Files named FRAME-MICROSECONDS (SUN3D, Redwood); empty where any name has another form.
 std::optional<TimedFiles> files_with_microseconds(const std::vector<std::filesystem::path>& files);
 

@@ -105,9 +105,8 @@ Result<FrameList> list_polycam(const fs::path& folder) {
     SGS_ASSIGN_OR_RETURN(const auto camera, read_polycam_camera(json));
     frame.camera = camera.camera;
     poses.push_back(camera.T_world_camera);
-    fs::path confidence = keyframes / "confidence" / frame.depth.filename();
-    if (fs::exists(confidence)) frame.confidence = std::move(confidence);
   }
+  add_confidence(keyframes / "confidence", out);
   out.calibration = {{typical_camera(out.frames), {}, kPolycamDepthScale},
                      folders.cameras.string()};
   SGS_RETURN_IF_ERROR(

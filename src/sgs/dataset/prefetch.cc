@@ -27,8 +27,14 @@ struct PrefetchingSource::State {
         worker([this] { produce(); }) {}
 
   ~State() {
-    queue.close();
+    stop();
     worker.join();
+  }
+
+  // A next() that waits for a camera must not keep the thread.
+  void stop() {
+    queue.close();
+    source->stop();
   }
 
   void produce() {
@@ -74,10 +80,13 @@ FrameRead PrefetchingSource::next(RgbdFrame& frame, Error& error) {
   if (!item) return FrameRead::kEnd;
   if (item->exception) std::rethrow_exception(item->exception);
   if (item->read != FrameRead::kEnd) frame = std::move(item->frame);
-  if (item->read == FrameRead::kBadFrame) error = std::move(item->error);
+  if (item->read == FrameRead::kBadFrame || item->read == FrameRead::kEvent) {
+    error = std::move(item->error);
+  }
   return item->read;
 }
 
-void PrefetchingSource::stop() { state_->queue.close(); }
+bool PrefetchingSource::live() const { return state_->source->live(); }
+void PrefetchingSource::stop() { state_->stop(); }
 
 }  // namespace sgs::dataset

@@ -27,6 +27,7 @@ class PrefetchingSource : public FrameSource {
   std::optional<std::int64_t> size() const override;
   const Trajectory& ground_truth() const override;
   FrameRead next(RgbdFrame& frame, Error& error) override;
+  bool live() const override;
 
   /// Ends the decoding; frames already decoded can still be read, then comes kEnd. May be called
   /// from any thread.

@@ -25,6 +25,7 @@ class ReducedSource final : public FrameSource {
     frame.camera = camera_;
     return status;
   }
+  bool live() const override { return source_->live(); }
   void stop() override { source_->stop(); }
 
  private:

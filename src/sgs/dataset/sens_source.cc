@@ -178,6 +178,11 @@ Result<Sequence> open_sens(const fs::path& path, const OpenOptions& options) {
                                              info.delivered, times_s, range.first, range.second);
   info.truth_rows = source->ground_truth().size();
   info.sparse = is_sparse(times_s, source->ground_truth());
+  // The names that ScanNet's own exporter gives the pictures.
+  for (std::int64_t i = range.first; i < range.second; ++i) {
+    sequence.images.push_back(
+        {times_s[static_cast<std::size_t>(i)], fmt::format("color/{}.jpg", i)});
+  }
   sequence.frames = std::move(source);
   return sequence;
 }

@@ -41,6 +41,10 @@ Result<Conversion> convert(Input& input, const std::filesystem::path& folder, bo
   while (!stop.stop_requested()) {
     const auto item = dataset::read_item(source);
     if (!item) break;
+    if (item->event) {
+      log().warn("input: {}", item->bad_reason);
+      continue;
+    }
     if (item->frame) {
       SGS_RETURN_IF_ERROR(writer.add(*item->frame));
       result.pixels_far += pixels_beyond(item->frame->depth, result.farthest_m);

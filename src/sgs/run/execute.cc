@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "sgs/core/log.h"
 #include "sgs/core/stopwatch.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/ply.h"
@@ -88,17 +89,30 @@ class Keeper {
 };
 
 PlayOptions play_options(const RunOptions& options, const Spectator& spectator,
-                         slam::Session& session, Keeper& keeper,
+                         slam::Session& session, Keeper& keeper, const RunFolder& folder,
                          dataset::TumSequenceWriter* recorder) {
   PlayOptions play;
   play.realtime = options.realtime;
   play.recorder = recorder;
   play.before_frame = spectator.before_frame;
+  play.on_event = [&](const std::string& what) { folder.note_input(what); };
   play.after_frame = [&](const dataset::FeedItem& item, const slam::FrameRecord& record) {
     keeper.add(record);
     if (spectator.after_frame) spectator.after_frame(session, item, record);
   };
   return play;
+}
+
+/// Trackers follow a motion; what they are told to do with single views should not surprise.
+void warn_of_single_views(const Input& input, const slam::SessionConfig& config) {
+  if (!input.info.sparse || config.tracker.type == tracker::TrackerType::kGiven) return;
+  log().warn(
+      "the frames of {} are single views, too far apart for a tracker: expect it to be lost. "
+      "{} --tracker given{}",
+      input.info.name,
+      input.info.truth_rows > 0 ? "Their recorded poses are used with"
+                                : "Where their poses are known, use",
+      input.info.truth_rows > 0 ? "" : " --poses FILE");
 }
 
 /// How the run ended.
@@ -129,6 +143,7 @@ Result<Outcome> run_in(Input& input, const InputSpec& spec, const slam::SessionC
                        const RunOptions& options, RunFolder& folder, const Spectator& spectator,
                        const std::stop_token& stop) {
   SGS_CHECK(folder.lock() != nullptr, "a run needs a folder of its own");
+  warn_of_single_views(input, config);
   std::vector<NamedWriter> opening = opening_files(beginning_of(input, spec, config));
   for (const NamedWriter& file : opening) folder.save(file.name, file.write);
   opening.push_back({files::kState, [text = state_text(folder.beginning())](const auto& path) {
@@ -147,7 +162,8 @@ Result<Outcome> run_in(Input& input, const InputSpec& spec, const slam::SessionC
   std::optional<Keeper> keeper(std::in_place, folder, opening, *session, options.checkpoint_s);
   const auto clock = play(
       *input.source, *session,
-      play_options(options, spectator, *session, *keeper, recorder ? &*recorder : nullptr), stop);
+      play_options(options, spectator, *session, *keeper, folder, recorder ? &*recorder : nullptr),
+      stop);
   keeper.reset();
   Outcome outcome;
   if (!clock) outcome.input = tl::unexpected(clock.error());
@@ -165,7 +181,9 @@ Result<Outcome> run_in(Input& input, const InputSpec& spec, const slam::SessionC
   save_run(run, folder);
   folder.end(run.state.stage, run.frames.size(), run.state.reason);
   if (!options.trace.empty()) {
-    if (const auto traced = io::write_file(options.trace, chrome_trace(times)); !traced) {
+    if (const auto traced = io::write_file(
+            options.trace, chrome_trace(times, clock ? clock->events : std::vector<InputEvent>{}));
+        !traced) {
       folder.note_failure(traced.error());
     }
   }

@@ -5,10 +5,14 @@
 #include <charconv>
 #include <filesystem>
 
+#include "sgs/core/log.h"
 #include "sgs/dataset/calibrated_source.h"
+#include "sgs/dataset/given_poses.h"
 #include "sgs/dataset/prefetch.h"
+#include "sgs/dataset/reduced_source.h"
 #include "sgs/io/depth_calibration_io.h"
 #include "sgs/io/trajectory_io.h"
+#include "sgs/stream/stream_source.h"
 #include "sgs/synthetic/source.h"
 
 namespace sgs::run {
@@ -81,6 +85,14 @@ Result<Input> open_synthetic(const InputSpec& spec, const FrameRange& range, int
     input.info.first_time_s = source->ground_truth().poses().front().timestamp_s;
     input.info.last_time_s = source->ground_truth().poses().back().timestamp_s;
   }
+  if (!spec.poses.empty()) {
+    const auto& info = input.info;
+    SGS_ASSIGN_OR_RETURN(auto poses, dataset::load_given_poses(
+                                         spec.poses, source->ground_truth(),
+                                         {info.name, info.first_time_s, info.last_time_s, {}}));
+    input.info.warnings = poses.warnings;
+    source = dataset::with_given_poses(std::move(source), std::move(poses));
+  }
   constexpr std::size_t kFramesAhead = 4;
   input.source = std::make_unique<dataset::PrefetchingSource>(std::move(source), kFramesAhead);
   return input;
@@ -96,14 +108,64 @@ Result<Input> open_recorded(const InputSpec& spec, const FrameRange& range) {
   options.extrinsics = spec.extrinsics;
   options.truth_topic = spec.truth_topic;
   options.max_width = spec.max_width;
+  options.poses = spec.poses;
   options.first = range.first;
   options.last = range.last;
   SGS_ASSIGN_OR_RETURN(auto sequence, dataset::open_sequence(spec.input, options));
   return Input{std::move(sequence.frames), std::move(sequence.info), {}};
 }
 
-Result<Input> open_uncalibrated(const InputSpec& spec, int threads) {
+Status check_stream_options(const InputSpec& spec) {
+  const auto set = [](const char* name, bool is_set) { return is_set ? name : nullptr; };
+  for (const char* option :
+       {set("--frames", !spec.frames.empty()), set("--camera", !spec.camera.empty()),
+        set("--depth-scale", spec.depth_scale > 0), set("--topics", !spec.topics.empty()),
+        set("--extrinsics", !spec.extrinsics.empty()),
+        set("--truth-topic", !spec.truth_topic.empty())}) {
+    if (option == nullptr) continue;
+    return fail(ErrorCode::kInvalidArgument, fmt::format("{} does not apply to a stream", option),
+                "give it to the sender: `sgs send` takes it");
+  }
+  return {};
+}
+
+/// Poses of a stream come with its frames, or from a file.
+Status add_poses_to_stream(const InputSpec& spec, Input& input) {
+  if (spec.poses.empty()) return {};
+  dataset::GivenPoses poses;
+  if (spec.poses != dataset::kRecordedPoses) {
+    constexpr double kAny = std::numeric_limits<double>::infinity();
+    SGS_ASSIGN_OR_RETURN(
+        poses, dataset::load_given_poses(spec.poses, {}, {input.info.name, -kAny, kAny, {}}));
+  }
+  input.info.warnings = poses.warnings;
+  input.source = dataset::with_given_poses(std::move(input.source), std::move(poses));
+  return {};
+}
+
+Result<Input> open_live(const InputSpec& spec, const std::stop_token& stop) {
+  SGS_RETURN_IF_ERROR(check_stream_options(spec));
+  SGS_ASSIGN_OR_RETURN(const auto address, stream::parse_address(spec.input));
+  stream::Patience patience;
+  patience.first_s = patience.wait_s = spec.wait_s;
+  const auto announce = [](const std::string& what) { log().warn("{}", what); };
+  SGS_ASSIGN_OR_RETURN(auto source, stream::open_stream(address, patience, announce, stop));
+  Input input;
+  const stream::Hello& hello = source->hello();
+  input.info.layout = "stream";
+  input.info.name = source->name();
+  input.info.calibration = {hello.color_camera.camera, hello.color_camera.distortion,
+                            hello.depth_scale};
+  input.info.calibration_source = "the stream's greeting";
+  input.source = dataset::reduced(std::move(source), spec.max_width);
+  input.info.delivered = input.source->camera();
+  SGS_RETURN_IF_ERROR(add_poses_to_stream(spec, input));
+  return input;
+}
+
+Result<Input> open_uncalibrated(const InputSpec& spec, int threads, const std::stop_token& stop) {
   SGS_ASSIGN_OR_RETURN(const auto range, parse_frame_range(spec.frames));
+  if (stream::is_stream(spec.input)) return open_live(spec, stop);
   if (synthetic::is_synth_spec(spec.input)) return open_synthetic(spec, range, threads);
   if (!spec.trajectory.empty()) {
     return fail(ErrorCode::kInvalidArgument, "--trajectory applies to synthetic sequences only",
@@ -116,7 +178,7 @@ Result<Input> open_uncalibrated(const InputSpec& spec, int threads) {
 
 void InputSpec::declare(ParameterList& list) {
   const auto group = list.group("input");
-  list.add("source", input, "Folder of the sequence, bag, or synth:NAME[:LEVEL].", {});
+  list.add("source", input, "Folder of the sequence, bag, synth:NAME[:LEVEL], or live:...", {});
   list.add("frames", frames, "Frames a:b (half open) of the sequence; empty = all.", {});
   list.add("camera", camera,
            "fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]] instead of the folder's calibration.", {});
@@ -135,7 +197,14 @@ void InputSpec::declare(ParameterList& list) {
            {});
   list.add("truth_topic", truth_topic,
            "Bags: ground truth from a topic of poses, or WORLD:CAMERA of tf.", {});
+  list.add("poses", poses,
+           "Poses for the tracker `given`: a TUM file, images.txt of a COLMAP model or its folder, "
+           "or recorded: those of the recording.",
+           {});
   list.add("trajectory", trajectory, "TUM trajectory that a synthetic camera flies along.", {});
+  list.add("wait_s", wait_s,
+           "Streams: end the run when nobody has sent a frame for so long; 0 = never.", "s",
+           {0, 1e9});
   list.add("synth_seed", synth_seed, "Seed of a synthetic scene, its motion and its noise.");
 }
 
@@ -156,14 +225,23 @@ Result<FrameRange> parse_frame_range(const std::string& text) {
   return range;
 }
 
-Result<Input> open_input(const InputSpec& spec, int threads) {
-  if (spec.calibration.empty()) return open_uncalibrated(spec, threads);
+Result<Input> open_input(const InputSpec& spec, int threads, const std::stop_token& stop) {
+  if (spec.calibration.empty()) return open_uncalibrated(spec, threads, stop);
   SGS_ASSIGN_OR_RETURN(auto calibration, io::load_depth_calibration(spec.calibration));
-  SGS_ASSIGN_OR_RETURN(auto input, open_uncalibrated(spec, threads));
+  SGS_ASSIGN_OR_RETURN(auto input, open_uncalibrated(spec, threads, stop));
   SGS_ASSIGN_OR_RETURN(input.source,
                        dataset::calibrated(std::move(input.source), calibration, spec.calibration));
   input.calibration = std::move(calibration);
   return input;
+}
+
+Result<Input> reopen_input(InputSpec spec, int threads) {
+  spec.poses.clear();
+  if (stream::is_stream(spec.input)) {
+    return fail(ErrorCode::kNotFound, fmt::format("the input was a stream ({})", spec.input),
+                "what is to be looked at again must be kept: `sgs run live:... --record FOLDER`");
+  }
+  return open_input(spec, threads);
 }
 
 }  // namespace sgs::run

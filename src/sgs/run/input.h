@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -20,17 +21,19 @@ namespace sgs::run {
 /// Where frames come from, as the command line says it and as a run folder remembers it. All text,
 /// so that it can live in config.toml beside the parameters.
 struct InputSpec {
-  std::string input;       ///< a folder, file or bag with a recording, or synth:NAME[:LEVEL]
-  std::string frames;      ///< "a:b", half open, either side may be missing; empty = all
-  std::string camera;      ///< fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]] or empty
-  double depth_scale = 0;  ///< raw units per metre; 0 = as the folder says
+  std::string input;   ///< a folder, file or bag with a recording, synth:NAME[:LEVEL], or live:...
+  std::string frames;  ///< "a:b", half open, either side may be missing; empty = all
+  std::string camera;  ///< fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]] or empty
+  double depth_scale = 0;                        ///< raw units per metre; 0 = as the folder says
   int max_width = dataset::kDefaultMaxWidth_px;  ///< wider images are reduced; 0 = never
   std::string calibration;  ///< file of `sgs calibrate` that corrects the depths, or empty
   std::string topics;  ///< bags: color=/a,depth=/b[,color_info=/c][,depth_info=/d]; empty = guessed
   std::string extrinsics;   ///< bags: tx,ty,tz,qx,qy,qz,qw of T_color_depth, or "aligned"
   std::string truth_topic;  ///< bags: a topic of poses, or world:camera of tf
+  std::string poses;        ///< given ones: "recorded", a TUM file, COLMAP's images.txt; or empty
   std::string trajectory;   ///< synth only: TUM file with the camera's motion
   std::uint64_t synth_seed = 1;
+  double wait_s = 30;  ///< live only: how long a sender may be missing or silent; 0 = for ever
 
   void declare(ParameterList& list);
 };
@@ -42,8 +45,13 @@ struct Input {
   std::optional<DepthCalibration> calibration;  ///< that the source applies
 };
 
-/// Opens a recorded folder or a synthetic sequence; `threads` render synthetic frames.
-Result<Input> open_input(const InputSpec& spec, int threads);
+/// Opens a recorded folder, a synthetic sequence or a stream; `threads` render synthetic frames. A
+/// stream is waited for, until a stop is requested.
+Result<Input> open_input(const InputSpec& spec, int threads, const std::stop_token& stop = {});
+
+/// Opens the recording of a run once more, for its pictures: poses that were given are not needed.
+/// A stream is gone.
+Result<Input> reopen_input(InputSpec spec, int threads);
 
 /// Parses "a:b" into [first, last); "" is everything.
 struct FrameRange {

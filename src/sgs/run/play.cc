@@ -3,9 +3,11 @@
 #include "sgs/run/play.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "sgs/core/log.h"
 #include "sgs/core/stopwatch.h"
+#include "sgs/dataset/source_failure.h"
 #include "sgs/slam/live_feed.h"
 
 namespace sgs::run {
@@ -25,6 +27,7 @@ class Feed {
   void wake() {
     if (live_) live_->stop();
   }
+  std::size_t dropped() const { return live_ ? live_->dropped() : 0; }
   /// Ends the playback; returns how many frames were dropped.
   std::int64_t stop() {
     if (!live_) return 0;
@@ -53,11 +56,42 @@ Status feed_item(const dataset::FeedItem& item, slam::Session& session,
   return options.recorder != nullptr ? options.recorder->add(*item.frame) : Status{};
 }
 
+/// Tells the log, the time line and whoever watches what happens to the input.
+class EventLog {
+ public:
+  EventLog(RunClock& clock, const PlayOptions& options) : clock_(clock), options_(options) {}
+
+  void note(const std::string& what) {
+    log().warn("input: {}", what);
+    clock_.events.push_back({wall_time_s(), what});
+    if (options_.on_event) options_.on_event(what);
+    open_ = true;
+  }
+  /// A frame has come; `dropped` so far because they came too fast.
+  void frame_came(std::size_t dropped, bool live) {
+    if (live && dropped > dropped_) {
+      note(fmt::format("{} frames came too fast and were dropped, {} so far", dropped - dropped_,
+                       dropped));
+    } else if (std::exchange(open_, false) && options_.on_event) {
+      options_.on_event("");
+    }
+    dropped_ = dropped;
+  }
+
+ private:
+  RunClock& clock_;
+  const PlayOptions& options_;
+  std::size_t dropped_ = 0;
+  bool open_ = false;  // something was said that is over with the next frame
+};
+
 /// Calls `work` and makes an error of what it throws.
 template <class Work>
 Status guarded(Work&& work) {
   try {
     work();
+  } catch (const dataset::SourceFailure& failure) {
+    return tl::unexpected(failure.error());
   } catch (...) {
     return tl::unexpected(current_error());
   }
@@ -98,6 +132,7 @@ Result<RunClock> play(dataset::FrameSource& source, slam::Session& session,
   RunClock clock;
   Timer timer(clock);
   Feed feed(source, options.realtime);
+  EventLog events(clock, options);
   Status status;
   const auto play_all = [&] {
     // Neither a file system that does not answer nor a gap in a recording that is played at the
@@ -112,6 +147,11 @@ Result<RunClock> play(dataset::FrameSource& source, slam::Session& session,
       const double busy_before_s = session.mapper_busy_s();
       const auto item = feed.next();
       if (!item) break;
+      if (item->event) {
+        events.note(item->bad_reason);
+        continue;
+      }
+      events.frame_came(feed.dropped(), source.live());
       timer.item_came(wall_time_s() - waiting_since_s, session.mapper_busy_s() - busy_before_s);
       status = feed_item(*item, session, options);
     }

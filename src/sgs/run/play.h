@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <functional>
 #include <stop_token>
+#include <string>
+#include <vector>
 
 #include "sgs/dataset/feed_item.h"
 #include "sgs/dataset/tum_writer.h"
@@ -12,12 +14,19 @@
 
 namespace sgs::run {
 
+/// Something that happened to the input, beside frames.
+struct InputEvent {
+  double wall_s = 0;  ///< as wall_time_s()
+  std::string what;
+};
+
 /// Frames and seconds of a run.
 struct RunClock {
   std::int64_t frames_in = 0;       ///< frames the source gave, bad ones included
   std::int64_t frames_dropped = 0;  ///< live only
   double wall_s = 0;     ///< from the first frame to the finished map, pauses not counted
   double starved_s = 0;  ///< of it, waiting for a decoded frame while tracker and mapper were idle
+  std::vector<InputEvent> events;  ///< of a live input
 };
 
 /// How to play a source into a session, and who watches. The callbacks run on the calling thread;
@@ -29,11 +38,14 @@ struct PlayOptions {
   std::function<double()> before_frame;
   /// After an item was fed; `record` is what came of it, also where the frame was bad.
   std::function<void(const dataset::FeedItem& item, const slam::FrameRecord& record)> after_frame;
+  /// When something happened to the input; an empty text: all is well again.
+  std::function<void(const std::string& what)> on_event;
 };
 
 /// Feeds the whole source into the session (until a stop is requested) and waits for the mapper to
-/// finish. Fails when the recorder cannot write or something threw (memory, a broken contract); the
-/// session is finished all the same and holds what was made of the frames so far.
+/// finish. Fails when the recorder cannot write, the input broke off, or something threw (memory, a
+/// broken contract); the session is finished all the same and holds what was made of the frames so
+/// far.
 Result<RunClock> play(dataset::FrameSource& source, slam::Session& session,
                       const PlayOptions& options, const std::stop_token& stop = {});
 

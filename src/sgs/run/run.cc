@@ -72,7 +72,7 @@ Status load_camera(const fs::path& path, Run& run) {
     run.camera = calibration.camera;
     return {};
   }
-  const auto input = open_input(run.input, 1);
+  const auto input = reopen_input(run.input, 1);
   if (!input) {
     return fail(ErrorCode::kNotFound,
                 fmt::format("{} is missing, and its recording cannot be opened: {}", path.string(),

@@ -45,6 +45,15 @@ Result<slam::SessionConfig> resolve_config(const ConfigSources& sources, InputSp
   }
   if (!sources.tracker.empty()) SGS_RETURN_IF_ERROR(list.set("tracker.type", sources.tracker));
   if (!sources.seed.empty()) SGS_RETURN_IF_ERROR(list.set("slam.seed", sources.seed));
+  const bool given = config.tracker.type == tracker::TrackerType::kGiven;
+  if (given && input.poses.empty()) input.poses = dataset::kRecordedPoses;
+  if (!given && input.poses == dataset::kRecordedPoses) input.poses.clear();
+  if (!given && !input.poses.empty()) {
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("poses are given, but the tracker {} finds its own",
+                            to_string(config.tracker.type)),
+                "--poses goes with --tracker given");
+  }
   // The input's words go to config.toml, too.
   SGS_RETURN_IF_ERROR(check(input));
   return config;
@@ -57,7 +66,8 @@ std::string config_text(const InputSpec& input, const slam::SessionConfig& confi
   slam::SessionConfig config_copy = config;
   // Folders are remembered absolutely: a run may be evaluated from anywhere.
   std::error_code error;
-  for (std::string* path : {&input_copy.input, &input_copy.trajectory, &input_copy.calibration}) {
+  for (std::string* path :
+       {&input_copy.input, &input_copy.trajectory, &input_copy.calibration, &input_copy.poses}) {
     if (!path->empty() && std::filesystem::exists(*path, error)) {
       *path = std::filesystem::absolute(*path, error).lexically_normal().string();
     }

@@ -118,6 +118,13 @@ RunState RunFolder::beginning() const {
   return state;
 }
 
+void RunFolder::note_input(const std::string& trouble) const {
+  if (!lock_ || !lock_->ensure()) return;
+  RunState state = beginning();
+  state.input = trouble;
+  (void)io::write_file(path_ / files::kState, state_text(state), io::Durability::kRelaxed);
+}
+
 void RunFolder::end(Stage stage, std::size_t frames, const std::string& reason) {
   RunState state = beginning();
   state.stage = failures_.empty() ? stage : Stage::kInterrupted;

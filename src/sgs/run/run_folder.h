@@ -67,6 +67,9 @@ class RunFolder {
   /// Notes a failure to write something outside of the folder.
   void note_failure(const Error& error) { failures_.push_back(error); }
   void save_text(const std::string& name, std::string_view text);
+  /// While the run goes on: what its input suffers from, or nothing, for state.toml. What cannot be
+  /// written is no failure of the run.
+  void note_input(const std::string& trouble) const;
   /// The run has ended: says so in state.toml. Not everything having found its place here is an
   /// interruption, too.
   void end(Stage stage, std::size_t frames, const std::string& reason);

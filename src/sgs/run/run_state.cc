@@ -20,6 +20,7 @@ void declare_state(RunState& state, ParameterList& list) {
   list.add("owner", state.owner, "Process, machine and time of its start.", {});
   list.add("frames", state.frames, "Frames handled, once it has ended.", "", {0, kMostFrames});
   list.add("reason", state.reason, "Why it was interrupted.", {});
+  list.add("input", state.input, "While it runs: what a live input suffers from.", {});
 }
 
 }  // namespace
@@ -36,8 +37,9 @@ std::string RunState::sentence(const fs::path& folder) const {
     case Stage::kRunning:
       break;
   }
-  return held ? fmt::format("{} is still being written by {}: this is what is there so far",
-                            folder.string(), who)
+  const std::string trouble = input.empty() ? "" : fmt::format(" ({})", input);
+  return held ? fmt::format("{} is still being written by {}{}: this is what is there so far",
+                            folder.string(), who, trouble)
               : fmt::format("{} is unfinished, {} was killed: this is what it had written",
                             folder.string(), who);
 }

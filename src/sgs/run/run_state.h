@@ -25,10 +25,11 @@ constexpr auto enum_names(Stage) {
 /// state.toml of a run folder, and whether its owner is still at work.
 struct RunState {
   Stage stage = Stage::kFinished;
-  std::string owner;   ///< process, machine and time of its start; empty where it is not known
-  int frames = 0;      ///< handled, bad ones included; known once the run has ended
-  std::string reason;  ///< why it was interrupted
-  bool held = false;   ///< a process has the folder's lock; not in the file
+  std::string owner;       ///< process, machine and time of its start; empty where it is not known
+  int frames = 0;          ///< handled, bad ones included; known once the run has ended
+  std::string reason;      ///< why it was interrupted
+  bool held = false;       ///< a process has the folder's lock; not in the file
+  std::string input = {};  ///< while it runs: what the input suffers from, or nothing
 
   /// The run was killed, or is still going on: its files are journals and checkpoints.
   bool unfinished() const { return stage == Stage::kRunning; }

@@ -39,7 +39,7 @@ Status visit_recorded(const Run& run, dataset::FrameSource& source, const Visit&
   while (found < run.keyframes.size()) {
     const auto status = source.next(frame, error);
     if (status == dataset::FrameRead::kEnd) break;
-    if (status == dataset::FrameRead::kBadFrame) continue;
+    if (status != dataset::FrameRead::kOk) continue;
     const auto pose = run.keyframes.at(frame.timestamp_s, 0.0);
     if (!pose) continue;
     ++found;
@@ -69,7 +69,7 @@ Status for_each_keyframe(const fs::path& folder, std::span<const map::Gaussian> 
                          ViewSource source, int threads, const Visit& visit) {
   constexpr float kSolid = 0.7f;
   SGS_ASSIGN_OR_RETURN(const auto run, load_keyframes(folder));
-  auto input = open_input(run.input, 1);
+  auto input = reopen_input(run.input, 1);
   if (source == ViewSource::kMeasured) {
     if (!input) return tl::unexpected(input.error());
     return visit_recorded(run, *input->source, visit);

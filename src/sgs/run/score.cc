@@ -53,7 +53,7 @@ void add_frame_metrics(const std::vector<slam::FrameRecord>& frames, eval::Metri
 Result<eval::RunEvaluation> score_rendering(const Run& run, const ScoreOptions& options,
                                             const std::function<void(std::int64_t)>& progress,
                                             const std::stop_token& stop) {
-  SGS_ASSIGN_OR_RETURN(auto input, open_input(run.input, options.threads));
+  SGS_ASSIGN_OR_RETURN(auto input, reopen_input(run.input, options.threads));
   std::optional<eval::Lpips> lpips;
   if (!options.lpips_weights.empty()) {
     SGS_ASSIGN_OR_RETURN(lpips, eval::Lpips::load(options.lpips_weights));

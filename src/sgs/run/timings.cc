@@ -41,9 +41,11 @@ std::string timings_json(const StageTimes& times) {
   return root.dump(2) + "\n";
 }
 
-std::string chrome_trace(const StageTimes& times) {
+std::string chrome_trace(const StageTimes& times, std::span<const InputEvent> happened) {
   double begin_s = std::numeric_limits<double>::infinity();
   for (const auto& interval : times.intervals()) begin_s = std::min(begin_s, interval.start_s);
+  for (const InputEvent& event : happened) begin_s = std::min(begin_s, event.wall_s);
+  constexpr double kMicroseconds = 1e6, kPerMillisecond = 1e3;
   std::map<std::string, int> threads;
   Json events = Json::array();
   for (const auto& interval : times.intervals()) {
@@ -56,13 +58,20 @@ std::string chrome_trace(const StageTimes& times) {
                         {"tid", thread->second},
                         {"args", {{"name", interval.thread}}}});
     }
-    constexpr double kMicroseconds = 1e6, kPerMillisecond = 1e3;
     events.push_back({{"ph", "X"},
                       {"name", interval.stage},
                       {"pid", 1},
                       {"tid", thread->second},
                       {"ts", std::round(kMicroseconds * (interval.start_s - begin_s))},
                       {"dur", std::round(kPerMillisecond * interval.duration_ms)}});
+  }
+  for (const InputEvent& event : happened) {
+    events.push_back({{"ph", "i"},
+                      {"s", "g"},
+                      {"name", event.what},
+                      {"pid", 1},
+                      {"tid", 0},
+                      {"ts", std::round(kMicroseconds * (event.wall_s - begin_s))}});
   }
   return Json({{"traceEvents", std::move(events)}, {"displayTimeUnit", "ms"}}).dump() + "\n";
 }

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 
 #include "sgs/core/stopwatch.h"
+#include "sgs/run/play.h"
 
 namespace sgs::run {
 
@@ -13,8 +15,8 @@ namespace sgs::run {
 /// milliseconds, and its parts under "children".
 std::string timings_json(const StageTimes& times);
 /// The run on a time line, one row per thread, in Chrome's trace event format (chrome://tracing,
-/// ui.perfetto.dev).
-std::string chrome_trace(const StageTimes& times);
+/// ui.perfetto.dev); `events` are marks across all of it.
+std::string chrome_trace(const StageTimes& times, std::span<const InputEvent> events = {});
 
 /// Makes the C library give arrays of images size back to the system as soon as they are freed.
 /// Otherwise those of keyframes, which live long, end up scattered between those of frames, which

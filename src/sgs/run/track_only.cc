@@ -21,6 +21,10 @@ Status track_only(dataset::FrameSource& source, const slam::SessionConfig& confi
     Error error;
     const auto status = source.next(*frame, error);
     if (status == dataset::FrameRead::kEnd) break;
+    if (status == dataset::FrameRead::kEvent) {
+      log().warn("{}", error.text());
+      continue;
+    }
     if (status == dataset::FrameRead::kBadFrame) {
       log().warn("frame {} skipped: {}", frame->index, error.message);
       after_frame(nullptr, nullptr);

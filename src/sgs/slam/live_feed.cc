@@ -32,6 +32,10 @@ void LiveFeed::play(dataset::FrameSource& source) {
       break;
     }
     if (!item) break;
+    if (source.live() || item->event) {
+      if (stop_ || !queue_.push(std::move(*item))) break;
+      continue;
+    }
     if (!first_time_s) {
       first_time_s = item->timestamp_s;
       start = Clock::now();

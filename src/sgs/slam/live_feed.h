@@ -15,7 +15,7 @@ namespace sgs::slam {
 
 /// Plays a recorded source at the sensor's rate, as a camera would: a thread of its own releases
 /// each frame at its time stamp; when the consumer is late the oldest waiting frame is dropped and
-/// counted. The first frame is released at once.
+/// counted. The first frame is released at once. A source that is live sets the pace itself.
 class LiveFeed {
  public:
   /// `source` must outlive the feed; `capacity` >= 1 frames may wait.

@@ -63,7 +63,7 @@ void MapWorker::process(const MapJob& job) {
     }
   }
   if (mode_ != Mode::kLive) {
-    budget_ += config_.mapper.iterations_per_frame;
+    budget_ += config_.mapper.iterations_per_frame * job.frames;
     const int count = static_cast<int>(budget_);
     budget_ -= count;
     mapper_.iterate(count);

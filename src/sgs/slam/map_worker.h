@@ -25,6 +25,7 @@ struct MapJob {
   SE3 T_odom_camera;                          ///< the tracker's pose of that keyframe
   /// How the tracker's past was corrected just before this frame; null = not at all.
   std::shared_ptr<const PoseCorrection> correction;
+  double frames = 1;  ///< of a video that this one stands for: its steps are so many times more
 };
 
 /// Map state that one frame may see.

@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/slam/session.h"
 
+#include <algorithm>
 #include <exception>
 
 #include "sgs/core/log.h"
 #include "sgs/slam/track_stopwatch.h"
+#include "sgs/slam/video_gap.h"
 
 namespace sgs::slam {
 namespace {
@@ -45,13 +47,17 @@ Result<std::unique_ptr<Session>> Session::create(const SessionConfig& config,
 Session::Session(const SessionConfig& config, const PinholeCamera& camera,
                  const SessionOptions& options, std::unique_ptr<tracker::Tracker> tracker)
     : config_(config), camera_(camera), live_(options.live), tracker_(std::move(tracker)) {
+  if (config_.tracker.type == tracker::TrackerType::kGiven && !config_.tracker.given.refine) {
+    config_.mapper.refinement.pose = false;
+  }
   const auto mode = options.live           ? MapWorker::Mode::kLive
                     : options.threads == 1 ? MapWorker::Mode::kInline
                                            : MapWorker::Mode::kThread;
   worker_ =
       std::make_unique<MapWorker>(config_, camera_, tracker_->follows_map(), mode, options.threads);
-  // A tracker that follows the map would see the correction some frames late.
-  if (config_.loops.enabled && !tracker_->follows_map()) {
+  // A tracker that follows the map would see the correction some frames late; poses that do not
+  // rest on each other do not drift.
+  if (config_.loops.enabled && !tracker_->follows_map() && tracker_->needs_video()) {
     loops_ = std::make_unique<LoopWorker>(config_, mode);
   }
 }
@@ -137,20 +143,35 @@ FrameRecord Session::make_record(const RgbdFrame& frame, const MapView& view,
   return record;
 }
 
+// How many frames of a video a frame stands for, its own and those of the gap before it.
+double Session::video_frames(const FrameRecord& record) const {
+  if (tracker_->needs_video() || record.status == tracker::TrackingStatus::kLost) return 1;
+  const auto last = std::find_if(records_.rbegin(), records_.rend(), [](const FrameRecord& r) {
+    return !r.bad && r.status != tracker::TrackingStatus::kLost;
+  });
+  if (last == records_.rend()) return 1;
+  return video_frames_between({last->timestamp_s, last->T_odom_camera},
+                              {record.timestamp_s, record.T_odom_camera}, config_.max_gap_frames);
+}
+
 bool Session::wants_mapping_keyframe(const FrameRecord& record) const {
   if (record.heldout || record.status == tracker::TrackingStatus::kLost) return false;
   return keyframe_pending_ || last_mapping_keyframe_ < 0 ||
-         frames_fed_ - last_mapping_keyframe_ >= config_.keyframe_interval;
+         video_time_ - last_mapping_keyframe_ >= config_.keyframe_interval;
 }
 
 void Session::hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame, FrameRecord& record) {
   keyframe_pending_ = keyframe_pending_ || record.tracking_keyframe;
   MapJob job;
+  job.frames = video_frames(record);
+  // Where it stands on the video's clock: as far behind the frame before as the gap is long.
+  if (frames_fed_ > 0) video_time_ += job.frames;
   if (wants_mapping_keyframe(record)) {
     record.mapping_keyframe = true;
-    last_mapping_keyframe_ = frames_fed_;
+    last_mapping_keyframe_ = video_time_;
     keyframe_pending_ = false;
-    job = {frame, record.T_odom_camera, nullptr};
+    job.keyframe = frame;
+    job.T_odom_camera = record.T_odom_camera;
   }
   job.correction = correction_;
   worker_->submit(std::move(job));

@@ -94,6 +94,7 @@ class Session {
   std::unique_ptr<ThreadPool::Recess> take_core();
   FrameRecord make_record(const RgbdFrame& frame, const MapView& view,
                           const tracker::TrackResult& result) const;
+  double video_frames(const FrameRecord& record) const;
   bool wants_mapping_keyframe(const FrameRecord& record) const;
   void hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame, FrameRecord& record);
   void report_loss(const FrameRecord& record);
@@ -107,9 +108,10 @@ class Session {
   std::shared_ptr<const PoseCorrection> correction_;  // of this frame, for the mapper
   std::deque<FrameRecord> records_;                   // deque: feed() hands out references
   std::int64_t frames_fed_ = 0;
-  std::int64_t last_mapping_keyframe_ = -1;  // in frames fed
-  bool keyframe_pending_ = true;  // a tracking keyframe waits for a frame the mapper may use
-  std::int64_t frames_lost_ = 0;  // in a row, up to the last frame
+  double video_time_ = 0;              // frames fed, gaps of single views filled up
+  double last_mapping_keyframe_ = -1;  // as video_time_
+  bool keyframe_pending_ = true;       // a tracking keyframe waits for a frame the mapper may use
+  std::int64_t frames_lost_ = 0;       // in a row, up to the last frame
   StageTimes track_times_{"tracking"};
   FrameEvent on_frame_;
 };

@@ -30,6 +30,7 @@ struct SessionConfig {
   int heldout_interval = kHeldoutInterval;
   int snapshot_lag = 2;
   int snapshot_interval = 10;
+  int max_gap_frames = 30;
   tracker::TrackerConfig tracker;
   mapper::MapperConfig mapper;
   backend::BackendConfig backend;
@@ -53,6 +54,10 @@ struct SessionConfig {
       p.add("snapshot_interval", snapshot_interval,
             "A new map snapshot at least every so many frames (keyframes always make one).",
             "frames", {1, 1000});
+      p.add("max_gap_frames", max_gap_frames,
+            "With given poses a frame that comes after a gap counts for mapping as the frames of a "
+            "video that would have filled it, up to so many.",
+            "frames", {1, 10000});
     }
     p.add_group("tracker", tracker);
     p.add_group("mapper", mapper);

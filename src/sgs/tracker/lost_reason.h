@@ -24,6 +24,7 @@ enum class LostReason {
   kTooFewFeatureInliers,
   kImplausibleMotion,
   kNotFinite,
+  kNoPose,
   kOther,  ///< for trackers of which this list knows nothing
 };
 
@@ -56,6 +57,7 @@ inline constexpr auto kLostReasons = std::to_array<LostReasonEntry>({
      "The pose that was found is farther away than a camera moves within a frame."},
     {LostReason::kNotFinite, "not_finite",
      "The pose or the timestamp that it was predicted for is not a number."},
+    {LostReason::kNoPose, "no_pose", "Poses are given, but none for this frame."},
     {LostReason::kOther, "other", "The tracker says no more than that."},
 });
 

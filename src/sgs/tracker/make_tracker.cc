@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/tracker/cvm_tracker.h"
 #include "sgs/tracker/gicp_tracker.h"
+#include "sgs/tracker/given_tracker.h"
 #include "sgs/tracker/orb_tracker.h"
 #include "sgs/tracker/paper_tracker.h"
 #include "sgs/tracker/spectral_tracker.h"
@@ -28,6 +29,8 @@ Result<std::unique_ptr<Tracker>> make_tracker(const TrackerConfig& config,
       return std::make_unique<OrbTracker>(OrbTrackerConfig(config), T_world_first);
     case TrackerType::kCvm:
       return std::make_unique<CvmTracker>(config.motion, T_world_first);
+    case TrackerType::kGiven:
+      return std::make_unique<GivenTracker>(config.given);
   }
   return fail(ErrorCode::kInvalidArgument, "the tracker's type is none of those there are");
 }

@@ -28,6 +28,9 @@ class Tracker {
   /// True when poses are relative to the (moving) Gaussians of the snapshots; false when the
   /// tracker keeps target points of its own that refinement of keyframes does not move.
   virtual bool follows_map() const = 0;
+  /// Whether poses rest on the frame before, so that views must follow each other as in a video.
+  /// Where they do not, frames may be far apart, and there is no drift that loops could take back.
+  virtual bool needs_video() const { return true; }
   /// Moves everything that is remembered of the past as `correction` (of poses that track() has
   /// returned) tells, and goes on from there. Only those are corrected whose results carry
   /// TrackResult::information.

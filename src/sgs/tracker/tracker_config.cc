@@ -7,7 +7,7 @@ namespace sgs::tracker {
 void TrackerConfig::declare(ParameterList& p) {
   p.add("type", type,
         "Tracker: geometry and pictures jointly, the paper's, registration of depth alone, "
-        "features alone, or constant velocity.");
+        "features alone, constant velocity, or poses that are given.");
   p.add("fusion", fusion,
         "How `spectral` joins geometry and vision: geometry removed from its unseen axes, or plain "
         "sum.");
@@ -30,6 +30,7 @@ void TrackerConfig::declare(ParameterList& p) {
   p.add_group("visual_pose", visual_pose);
   p.add_group("prior", prior);
   p.add_group("orb_tracking", orb_tracking);
+  p.add_group("given", given);
 }
 
 TrackerConfig paper_tracker_config() {

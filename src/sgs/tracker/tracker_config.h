@@ -10,11 +10,15 @@
 
 namespace sgs::tracker {
 
-enum class TrackerType { kSpectral, kPaper, kGicp, kOrb, kCvm };
+enum class TrackerType { kSpectral, kPaper, kGicp, kOrb, kCvm, kGiven };
 constexpr auto enum_names(TrackerType) {
   using enum TrackerType;
-  return std::to_array<EnumName<TrackerType>>(
-      {{kSpectral, "spectral"}, {kPaper, "paper"}, {kGicp, "gicp"}, {kOrb, "orb"}, {kCvm, "cvm"}});
+  return std::to_array<EnumName<TrackerType>>({{kSpectral, "spectral"},
+                                               {kPaper, "paper"},
+                                               {kGicp, "gicp"},
+                                               {kOrb, "orb"},
+                                               {kCvm, "cvm"},
+                                               {kGiven, "given"}});
 }
 
 enum class Fusion { kRemove, kJoint };
@@ -246,6 +250,23 @@ struct OrbTrackingConfig {
   }
 };
 
+/// What becomes of poses that are known already, and when they make a keyframe.
+struct GivenConfig {
+  bool refine = false;
+  double keyframe_translation = 0.12;
+  double keyframe_rotation_deg = 8;
+
+  void declare(ParameterList& p) {
+    p.add("refine", refine,
+          "Let the mapper move given poses of keyframes as it does tracked ones; off: they stay as "
+          "they were given.");
+    p.add("keyframe_translation", keyframe_translation,
+          "Distance from the last keyframe that makes a new one.", "median depths", {0, 10});
+    p.add("keyframe_rotation_deg", keyframe_rotation_deg,
+          "Rotation from the last keyframe that makes a new one.", "deg", {0, 180});
+  }
+};
+
 /// Settings of all trackers, as they stand in a config file. Each tracker is given its own part.
 struct TrackerConfig {
   TrackerType type = TrackerType::kSpectral;
@@ -268,6 +289,7 @@ struct TrackerConfig {
   features::VisualPoseConfig visual_pose;
   PriorConfig prior;
   OrbTrackingConfig orb_tracking;
+  GivenConfig given;
 
   void declare(ParameterList& p);
 };

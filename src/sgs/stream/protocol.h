@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "sgs/camera/register_depth.h"
+#include "sgs/core/enum_names.h"
+#include "sgs/core/error.h"
+#include "sgs/geometry/se3.h"
+
+// Frames over a socket or a pipe, version 1 (docs/stream.md). All numbers little-endian:
+//   hello  "SGS1", u32 length, JSON
+//   frame  'F', u32 length, JSON, colour, depth     any number of them
+//   end    'E'
+namespace sgs::stream {
+
+/// How the colour of a frame is sent: bytes r g b row by row, or a file in memory.
+enum class ColorCoding { kRgb8, kPng, kJpeg };
+constexpr auto enum_names(ColorCoding) {
+  using enum ColorCoding;
+  return std::to_array<EnumName<ColorCoding>>({{kRgb8, "rgb8"}, {kPng, "png"}, {kJpeg, "jpeg"}});
+}
+
+/// How its depth is sent: metres as 32-bit floats, raw units as 16-bit integers, or those as PNG.
+enum class StreamDepth { kF32, kU16, kPng16 };
+constexpr auto enum_names(StreamDepth) {
+  using enum StreamDepth;
+  return std::to_array<EnumName<StreamDepth>>({{kF32, "f32"}, {kU16, "u16"}, {kPng16, "png16"}});
+}
+
+/// Limits of what is believed. A stream that goes beyond them is refused before anything is
+/// allocated for it.
+// limit: greeting, or header of a frame, of a stream, bytes
+inline constexpr std::size_t kLargestJson_bytes = std::size_t{64} << 10;
+// limit: images of a frame of a stream, bytes
+inline constexpr std::size_t kLargestImages_bytes = std::size_t{64} << 20;
+// limit: side of a stream's images, pixels
+inline constexpr int kLargestSide_px = 8192;
+
+/// What a sender says of its frames before the first one.
+struct Hello {
+  std::string name;  ///< of the recording; becomes part of the run's folder name
+  LensCamera color_camera;
+  /// Set where depth is not registered to colour; then T_color_depth maps its points there.
+  std::optional<LensCamera> depth_camera;
+  SE3 T_color_depth;
+  ColorCoding color = ColorCoding::kRgb8;
+  StreamDepth depth = StreamDepth::kF32;
+  double depth_scale = 1000;  ///< raw units per metre, of u16 and png16
+
+  const LensCamera& camera_of_depth() const { return depth_camera ? *depth_camera : color_camera; }
+};
+
+/// One frame as it was sent.
+struct Packet {
+  double timestamp_s = 0;
+  std::optional<SE3> given_T_world_camera;  ///< a pose that the sender knows
+  std::string color, depth;
+};
+
+std::string encode_hello(const Hello& hello);
+/// Fails where a frame is larger than the protocol allows.
+Result<std::string> encode_packet(const Packet& packet);
+inline constexpr std::string_view kEndMark = "E";
+
+/// The greeting's JSON. Missing keys, wrong types, cameras that are none and sizes beyond the
+/// limits are errors that name the key.
+Result<Hello> parse_hello(std::string_view json);
+
+/// Cuts bytes, as they come, into the parts of a stream. Holds no more than the part in the making,
+/// whose announced lengths are checked against the limits first. After an error it stays at it.
+class StreamParser {
+ public:
+  enum class Part {
+    kNone,   ///< more bytes are needed
+    kHello,  ///< hello() is there
+    kFrame,  ///< packet() is there, until the next call
+    kEnd,    ///< the sender has said so; what follows is ignored
+  };
+
+  void push(std::string_view bytes) { buffer_.append(bytes); }
+  Result<Part> next();
+
+  const Hello& hello() const { return *hello_; }
+  Packet& packet() { return packet_; }
+  bool has_hello() const { return hello_.has_value(); }
+  /// Whether the last part is whole: a stream that ends now ends between two parts.
+  bool between_parts() const { return buffer_.empty(); }
+
+ private:
+  Result<Part> next_hello();
+  Result<Part> next_frame();
+  Status read_header(std::string_view json);
+
+  std::string buffer_;
+  std::optional<Hello> hello_;
+  Packet packet_;
+  std::optional<std::size_t> images_at_;  // in the buffer, once a frame's header is read
+  std::size_t color_bytes_ = 0, depth_bytes_ = 0;
+  bool ended_ = false;
+  std::optional<Error> failure_;
+};
+
+}  // namespace sgs::stream

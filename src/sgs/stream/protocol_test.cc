@@ -1,0 +1,204 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/stream/protocol.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sgs/stream/address.h"
+#include "sgs/stream/frame_codec.h"
+
+namespace sgs::stream {
+namespace {
+
+using testing::HasSubstr;
+using Part = StreamParser::Part;
+
+Hello greeting() {
+  Hello hello;
+  hello.name = "desk";
+  hello.color_camera.camera = {12, 9, 15, 15.5, 5.5, 4.0};
+  return hello;
+}
+
+RgbdFrame some_frame() {
+  RgbdFrame frame;
+  frame.timestamp_s = 1.0 / 3;
+  frame.color = ColorImage(12, 9, {1, 2, 3});
+  frame.depth = DepthImage(12, 9, 1.23456789f);
+  frame.depth(1, 1) = 0;
+  frame.given_T_world_camera = SE3(so3_exp({0.1, 0.2, 0.3}), {1, 2, 3});
+  return frame;
+}
+
+std::string whole_stream(const Hello& hello) {
+  const auto packet = encode_frame(some_frame(), hello);
+  EXPECT_TRUE(packet);
+  return encode_hello(hello) + encode_packet(*packet).value() + std::string(kEndMark);
+}
+
+/// A part with its JSON, as any program may write it.
+std::string part(std::string mark, const std::string& json) {
+  for (std::size_t n = json.size(), i = 0; i < 4; ++i, n >>= 8) mark += static_cast<char>(n & 255);
+  return mark + json;
+}
+
+std::string error_of(const std::string& bytes) {
+  StreamParser parser;
+  parser.push(bytes);
+  while (true) {
+    const auto next = parser.next();
+    if (!next) return next.error().text();
+    if (*next == Part::kNone || *next == Part::kEnd) return "no error";
+  }
+}
+
+TEST(StreamParser, FindsThePartsHoweverTheBytesCome) {
+  const std::string bytes = whole_stream(greeting());
+  for (const std::size_t step : {std::size_t{1}, std::size_t{7}, bytes.size()}) {
+    StreamParser parser;
+    std::vector<Part> parts;
+    for (std::size_t at = 0; at < bytes.size(); at += step) {
+      parser.push(std::string_view(bytes).substr(at, step));
+      for (auto next = parser.next();; next = parser.next()) {
+        ASSERT_TRUE(next) << next.error().text();
+        if (*next == Part::kNone) break;
+        parts.push_back(*next);
+        if (*next == Part::kEnd) break;
+      }
+    }
+    EXPECT_EQ(parts, (std::vector{Part::kHello, Part::kFrame, Part::kEnd})) << step;
+    EXPECT_EQ(parser.hello().color_camera, greeting().color_camera);
+    EXPECT_EQ(parser.hello().name, "desk");
+  }
+}
+
+TEST(FrameCodec, WithoutLossEveryBitArrives) {
+  StreamParser parser;
+  parser.push(whole_stream(greeting()));
+  ASSERT_EQ(parser.next().value(), Part::kHello);
+  ASSERT_EQ(parser.next().value(), Part::kFrame);
+  RgbdFrame frame;
+  ASSERT_TRUE(FrameDecoder(parser.hello()).decode(parser.packet(), frame));
+  const RgbdFrame sent = some_frame();
+  EXPECT_EQ(frame.timestamp_s, sent.timestamp_s);
+  for (int y = 0; y < 9; ++y) {
+    for (int x = 0; x < 12; ++x) {
+      EXPECT_EQ(frame.color(x, y), sent.color(x, y));
+      EXPECT_EQ(frame.depth(x, y), sent.depth(x, y));
+    }
+  }
+  ASSERT_TRUE(frame.given_T_world_camera);
+  EXPECT_TRUE(frame.given_T_world_camera->R.isApprox(sent.given_T_world_camera->R, 1e-14));
+}
+
+TEST(FrameCodec, RawUnitsRoundAndWhatIsNoMeasurementIsZero) {
+  Hello hello = greeting();
+  hello.depth = StreamDepth::kU16;
+  RgbdFrame frame = some_frame();
+  frame.depth(0, 0) = 70;
+  RgbdFrame back;
+  ASSERT_TRUE(FrameDecoder(hello).decode(encode_frame(frame, hello).value(), back));
+  EXPECT_FLOAT_EQ(back.depth(2, 2), 1.235f);
+  EXPECT_EQ(back.depth(0, 0), 0);
+  hello.depth = StreamDepth::kF32;
+  frame.depth(0, 0) = std::numeric_limits<float>::quiet_NaN();
+  frame.depth(1, 0) = -1;
+  ASSERT_TRUE(FrameDecoder(hello).decode(encode_frame(frame, hello).value(), back));
+  EXPECT_EQ(back.depth(0, 0), 0);
+  EXPECT_EQ(back.depth(1, 0), 0);
+}
+
+TEST(FrameCodec, ImagesOfAnotherSizeAreRefused) {
+  const FrameDecoder decoder(greeting());
+  Packet packet = encode_frame(some_frame(), greeting()).value();
+  RgbdFrame frame;
+  Packet cut = packet;
+  cut.color.pop_back();
+  EXPECT_THAT(decoder.decode(cut, frame).error().text(), HasSubstr("323 bytes where 12x9"));
+  packet.depth += "x";
+  EXPECT_THAT(decoder.decode(packet, frame).error().text(), HasSubstr("depth has 433 bytes"));
+}
+
+// Depth of a camera a little to the side, at two metres, lands where it belongs.
+TEST(FrameCodec, DepthOfAnotherCameraIsRegistered) {
+  Hello hello;
+  hello.color_camera.camera = {40, 30, 50, 50, 19.5, 14.5};
+  hello.depth_camera = hello.color_camera;
+  hello.T_color_depth.t = {0.2, 0, 0};
+  RgbdFrame frame;
+  frame.color = ColorImage(40, 30);
+  frame.depth = DepthImage(40, 30, 2.0f);
+  frame.depth(10, 15) = 0;
+  StreamParser parser;
+  parser.push(encode_hello(hello));
+  ASSERT_EQ(parser.next().value(), Part::kHello);
+  ASSERT_TRUE(FrameDecoder(parser.hello()).decode(encode_frame(frame, hello).value(), frame));
+  EXPECT_EQ(frame.depth(15, 15), 0);  // 0.2 m at 2 m are five pixels
+  EXPECT_EQ(frame.depth(10, 15), 2);
+  EXPECT_EQ(frame.depth(2, 15), 0);  // not seen by the depth camera
+}
+
+TEST(StreamParser, WhatIsNoStreamIsRefusedAtItsFirstBytes) {
+  EXPECT_THAT(error_of("GET / HTTP/1.1\r\n"), HasSubstr("does not begin with SGS1"));
+  EXPECT_THAT(error_of("SGX"), HasSubstr("does not begin with SGS1"));
+  EXPECT_EQ(error_of("SG"), "no error");
+  EXPECT_THAT(error_of(encode_hello(greeting()) + "x"), HasSubstr("byte 120, neither F nor E"));
+}
+
+TEST(StreamParser, LengthsAreBoundedBeforeAnythingIsReadForThem) {
+  EXPECT_THAT(error_of(std::string("SGS1\xff\xff\xff\xff", 8)),
+              HasSubstr("greeting of 4294967295"));
+  EXPECT_THAT(error_of(encode_hello(greeting()) + std::string("F\0\0\x10\0", 5)),
+              HasSubstr("header of 1048576 bytes"));
+  const auto announced = [](const char* json) {
+    return error_of(encode_hello(greeting()) + part("F", json));
+  };
+  EXPECT_THAT(announced(R"({"t":0,"color_bytes":1e18,"depth_bytes":0})"), HasSubstr("color_bytes"));
+  EXPECT_THAT(announced(R"({"t":0,"color_bytes":-1,"depth_bytes":0})"), HasSubstr("color_bytes"));
+  EXPECT_THAT(announced(R"({"t":0,"color_bytes":67108864,"depth_bytes":1})"),
+              HasSubstr("announces 67108865 bytes"));
+  EXPECT_THAT(announced(R"({"t":"x","color_bytes":1,"depth_bytes":1})"), HasSubstr("t"));
+  EXPECT_THAT(announced("{}"), HasSubstr("needed: t, color_bytes"));
+  EXPECT_THAT(announced("[[[["), HasSubstr("a frame's header"));
+  EXPECT_THAT(announced(R"({"t":0,"color_bytes":1,"depth_bytes":1,"pose":[1,2,3,0,0,0,2]})"),
+              HasSubstr("unit quaternion"));
+}
+
+TEST(StreamParser, GreetingsThatCannotBeUsedNameTheKey) {
+  const auto greeted = [](const std::string& json) { return error_of(part("SGS1", json)); };
+  const std::string camera = R"("camera":{"width":12,"height":9,"fx":5,"fy":5,"cx":1,"cy":1})";
+  EXPECT_EQ(greeted("{" + camera + "}"), "no error");
+  EXPECT_THAT(greeted("{}"), HasSubstr("camera {width"));
+  EXPECT_THAT(greeted(R"({"camera":{"width":9000,"height":9,"fx":5,"fy":5,"cx":1,"cy":1}})"),
+              HasSubstr("'width' is 9000"));
+  EXPECT_THAT(greeted(R"({"camera":{"width":12,"height":9,"fx":0,"fy":5,"cx":1,"cy":1}})"),
+              HasSubstr("camera"));
+  EXPECT_THAT(greeted("{" + camera + R"(,"color":"rgb9"})"), HasSubstr("rgb8"));
+  EXPECT_THAT(greeted("{" + camera + R"(,"depth_scale":0})"), HasSubstr("depth_scale"));
+  EXPECT_THAT(greeted("{" + camera + "," + "\"depth_" + camera.substr(1) + "}"),
+              HasSubstr("color_from_depth"));
+  EXPECT_THAT(greeted(std::string(2000, '[')), HasSubstr("levels deep"));
+}
+
+TEST(EncodePacket, AFrameBeyondTheLimitIsNotSent) {
+  Packet packet;
+  packet.color.resize(kLargestImages_bytes + 1);
+  EXPECT_THAT(encode_packet(packet).error().text(), HasSubstr("--max-width"));
+}
+
+TEST(Address, HasThreeForms) {
+  EXPECT_TRUE(is_stream("live:-"));
+  EXPECT_FALSE(is_stream("folder/live:-"));
+  EXPECT_EQ(parse_address("live:tcp://127.0.0.1:7447")->port, 7447);
+  EXPECT_EQ(parse_address("live:tcp://[::1]:7447")->host, "::1");
+  EXPECT_EQ(parse_address("live:-")->path, "-");
+  EXPECT_EQ(parse_address("live:/tmp/pipe")->path, "/tmp/pipe");
+  for (const char* bad : {"live:", "live:tcp://127.0.0.1", "live:tcp://:1", "live:tcp://a:x",
+                          "live:tcp://a:70000", "live:rtsp://a:1"}) {
+    EXPECT_FALSE(parse_address(bad)) << bad;
+  }
+}
+
+}  // namespace
+}  // namespace sgs::stream

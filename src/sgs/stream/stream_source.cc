@@ -1,0 +1,307 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/stream/stream_source.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <deque>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "sgs/dataset/source_failure.h"
+#include "sgs/stream/frame_codec.h"
+#include "sgs/stream/link.h"
+
+namespace sgs::stream {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+Clock::duration seconds(double s) {
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
+}
+
+double seconds_since(Clock::time_point time) {
+  return std::chrono::duration<double>(Clock::now() - time).count();
+}
+
+bool same_cameras(const Hello& a, const Hello& b) {
+  return a.color_camera == b.color_camera && a.depth_camera == b.depth_camera &&
+         a.T_color_depth.R == b.T_color_depth.R && a.T_color_depth.t == b.T_color_depth.t;
+}
+
+class Receiver final : public StreamSource {
+ public:
+  Receiver(std::unique_ptr<Entrance> entrance, const Patience& patience)
+      : entrance_(std::move(entrance)), patience_(patience) {}
+
+  std::string name() const override { return hello_ ? hello_->name : "stream"; }
+  PinholeCamera camera() const override { return hello_->color_camera.camera; }
+  std::optional<std::int64_t> size() const override { return std::nullopt; }
+  const Trajectory& ground_truth() const override { return no_truth_; }
+  const Hello& hello() const override { return *hello_; }
+  bool live() const override { return true; }
+  void stop() override {
+    stopped_ = true;
+    entrance_->wake();
+  }
+
+  /// Waits for the first sender.
+  Status wait_for_greeting() {
+    asked_ = gone_ = Clock::now();
+    while (!hello_) {
+      if (stopped_) return fail(ErrorCode::kInterrupted, "interrupted while waiting for a sender");
+      if (ended_) return fail(ErrorCode::kInvalidFormat, *ended_);
+      if (patience_.first_s > 0 && seconds_since(gone_) > patience_.first_s) {
+        return fail(ErrorCode::kNotFound,
+                    fmt::format("{}: no sender within {:g} s{}", entrance_->name(),
+                                patience_.first_s, last_refusal()),
+                    "start one with `sgs send INPUT live:...`, or wait longer: --wait S (0 = for "
+                    "ever)");
+      }
+      handle();
+      if (!hello_ && !ended_) entrance_->run_until(deadline());
+    }
+    return {};
+  }
+
+  dataset::FrameRead next(RgbdFrame& frame, Error& error) override {
+    if (std::exchange(delivered_, false)) asked_ = Clock::now();
+    while (true) {
+      if (stopped_) return dataset::FrameRead::kEnd;
+      if (!events_.empty()) {
+        error = {ErrorCode::kIo, std::move(events_.front()), ""};
+        events_.pop_front();
+        return dataset::FrameRead::kEvent;
+      }
+      if (packet_) return deliver(frame, error);
+      if (done_) return dataset::FrameRead::kEnd;
+      if (ended_) throw dataset::SourceFailure({ErrorCode::kIo, *ended_, ""});
+      handle();
+      if (!something_to_tell()) entrance_->run_until(deadline());
+    }
+  }
+
+ private:
+  void say(std::string what) { events_.push_back(std::move(what)); }
+
+  std::string last_refusal() const {
+    return events_.empty() ? "" : fmt::format("; {}", events_.back());
+  }
+
+  dataset::FrameRead deliver(RgbdFrame& frame, Error& error) {
+    delivered_ = true;
+    frame = RgbdFrame{};
+    frame.index = index_++;
+    const double time_s = packet_->timestamp_s;
+    frame.timestamp_s = time_s;
+    frame.camera = camera();
+    const Status decoded = decoder_->decode(std::move(*packet_), frame);
+    packet_.reset();
+    if (!decoded) {
+      error = decoded.error();
+      // A record without a time would be no record.
+      if (!std::isfinite(time_s)) frame.timestamp_s = last_time_s_.value_or(0);
+      return dataset::FrameRead::kBadFrame;
+    }
+    if (last_time_s_ && time_s <= *last_time_s_) {
+      error = {ErrorCode::kInvalidFormat,
+               fmt::format("it came too late: its time is {:.6f} s, that of the frame before "
+                           "{:.6f} s",
+                           time_s, *last_time_s_),
+               ""};
+      return dataset::FrameRead::kBadFrame;
+    }
+    last_time_s_ = time_s;
+    return dataset::FrameRead::kOk;
+  }
+
+  /// Makes the most of what has come, and notices what has not.
+  void handle() {
+    take_in_guests();
+    listen_to_sender();
+    notice_silence();
+  }
+
+  bool something_to_tell() const { return !events_.empty() || packet_ || done_ || ended_; }
+
+  Clock::time_point deadline() const {
+    constexpr double kLongest_s = 3600;
+    auto until = Clock::now() + seconds(kLongest_s);
+    for (const auto& guest : entrance_->guests()) {
+      until = std::min(until, guest->since() + seconds(patience_.greeting_s));
+    }
+    const auto quiet = quiet_since();
+    if (sender_ && !stalled_) until = std::min(until, quiet + seconds(patience_.stall_s));
+    const double over_s = hello_ ? patience_.wait_s : patience_.first_s;
+    if (over_s > 0) until = std::min(until, quiet + seconds(over_s));
+    return until;
+  }
+
+  /// Since when nothing has come although it was asked for.
+  Clock::time_point quiet_since() const { return std::max(asked_, sender_ ? last_frame_ : gone_); }
+
+  void take_in_guests() {
+    auto& guests = entrance_->guests();
+    for (auto it = guests.begin(); it != guests.end();) {
+      if (judge(**it)) {
+        ++it;
+      } else {
+        it = guests.erase(it);
+      }
+    }
+  }
+
+  /// Whether a guest may stay one: it has not said who it is yet.
+  bool judge(Link& guest) {
+    const auto part = guest.parser().next();
+    if (!part) return refuse(guest, part.error().message);
+    if (*part == StreamParser::Part::kHello) {
+      greet(guest);
+      return false;
+    }
+    if (guest.closed()) {
+      return refuse(guest, "it went away without a greeting");
+    }
+    if (seconds_since(guest.since()) > patience_.greeting_s) {
+      return refuse(guest, fmt::format("no greeting within {:g} s", patience_.greeting_s));
+    }
+    guest.read_on();
+    return true;
+  }
+
+  bool refuse(Link& link, const std::string& reason) {
+    say(fmt::format("{} was refused: {}", link.who(), reason));
+    link.answer("refused " + reason);
+    link.close();
+    if (entrance_->ends_with_link()) ended_ = fmt::format("{}: {}", entrance_->name(), reason);
+    return false;
+  }
+
+  void greet(Link& guest) {
+    const Hello& hello = guest.parser().hello();
+    if (hello_ && !same_cameras(*hello_, hello)) {
+      refuse(guest, "its camera is another one than that of the run");
+      return;
+    }
+    if (sender_ && !stalled_) {
+      refuse(guest, "another sender is connected");
+      return;
+    }
+    if (sender_) {
+      say(fmt::format("{} takes over from {}, which was silent", guest.who(), sender_->who()));
+      sender_->answer("refused another sender took over");
+      sender_->close();
+    } else if (hello_) {
+      say(fmt::format("a sender is there again after {:.1f} s: {}", seconds_since(gone_),
+                      guest.who()));
+    }
+    // The coding may differ from sender to sender.
+    hello_ = hello;
+    decoder_.emplace(hello);
+    sender_ = guest.shared_from_this();
+    sender_->answer("ok");
+    stalled_ = false;
+    last_frame_ = Clock::now();
+  }
+
+  void listen_to_sender() {
+    if (!sender_ || packet_) return;
+    const auto part = sender_->parser().next();
+    if (!part) {
+      sender_->answer("refused " + part.error().message);
+      return lose_sender(
+          fmt::format("what {} sent is no stream: {}", sender_->who(), part.error().message));
+    }
+    if (*part == StreamParser::Part::kFrame) {
+      if (stalled_) {
+        say(fmt::format("frames come again after {:.1f} s", seconds_since(last_frame_)));
+        stalled_ = false;
+      }
+      last_frame_ = Clock::now();
+      packet_ = std::move(sender_->parser().packet());
+      return;
+    }
+    if (*part == StreamParser::Part::kEnd) {
+      sender_->answer("done");
+      sender_->close();
+      sender_.reset();
+      done_ = true;
+      return;
+    }
+    if (sender_->closed()) {
+      const bool whole = sender_->parser().between_parts();
+      return lose_sender(
+          fmt::format("{} went away {}", sender_->who(),
+                      whole ? "without saying that it was done" : "in the middle of a frame"));
+    }
+    sender_->read_on();
+  }
+
+  void lose_sender(const std::string& what) {
+    sender_->close();
+    sender_.reset();
+    stalled_ = false;
+    gone_ = Clock::now();
+    if (entrance_->ends_with_link()) {
+      ended_ = fmt::format("{}: {}", entrance_->name(), what);
+      say(what);
+      return;
+    }
+    say(patience_.wait_s > 0
+            ? fmt::format("{}; waiting {:g} s for it to come back", what, patience_.wait_s)
+            : fmt::format("{}; waiting for it to come back", what));
+    entrance_->open_again();
+  }
+
+  void notice_silence() {
+    if (!hello_ || packet_ || done_ || ended_) return;
+    const double quiet_s = seconds_since(quiet_since());
+    if (sender_ && !stalled_ && quiet_s >= patience_.stall_s) {
+      stalled_ = true;
+      say(fmt::format("no frame for {:.1f} s from {}", quiet_s, sender_->who()));
+    }
+    if (patience_.wait_s > 0 && quiet_s >= patience_.wait_s) {
+      ended_ = fmt::format("{}: {} for {:g} s", entrance_->name(),
+                           sender_ ? "no frame" : "no sender", patience_.wait_s);
+    }
+  }
+
+  std::unique_ptr<Entrance> entrance_;
+  Patience patience_;
+  Trajectory no_truth_;
+  std::atomic<bool> stopped_{false};
+  std::optional<Hello> hello_;
+  std::optional<FrameDecoder> decoder_;
+  std::shared_ptr<Link> sender_;
+  std::optional<Packet> packet_;  // taken from the sender, not delivered yet
+  std::deque<std::string> events_;
+  std::optional<std::string> ended_;  // before its time, and why
+  bool done_ = false, stalled_ = false;
+  bool delivered_ = true;  // the last call of next() gave a frame
+  std::int64_t index_ = 0;
+  std::optional<double> last_time_s_;
+  Clock::time_point asked_, last_frame_, gone_;
+};
+
+}  // namespace
+
+StreamSource::~StreamSource() = default;
+
+Result<std::unique_ptr<StreamSource>> open_stream(
+    const Address& address, const Patience& patience,
+    const std::function<void(const std::string&)>& announce, const std::stop_token& stop) {
+  SGS_ASSIGN_OR_RETURN(auto entrance, Entrance::open(address));
+  if (announce) announce(fmt::format("{}: waiting for a sender", entrance->name()));
+  auto receiver = std::make_unique<Receiver>(std::move(entrance), patience);
+  const std::stop_callback wake(stop, [&] { receiver->stop(); });
+  SGS_RETURN_IF_ERROR(receiver->wait_for_greeting());
+  return receiver;
+}
+
+}  // namespace sgs::stream
