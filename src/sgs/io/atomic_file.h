@@ -11,8 +11,8 @@
 
 namespace sgs::io {
 
-/// Largest file that is read whole unless a caller says otherwise.
-inline constexpr std::int64_t kLargestFile_bytes = std::int64_t{4} << 30;
+// limit: any other file that is read whole, bytes
+inline constexpr std::int64_t kLargestFile_bytes = std::int64_t{4} << 30;  ///< of read_file()
 
 /// The whole content of a regular file of at most `limit_bytes`. Folders, pipes, devices, files
 /// beyond the limit, missing and unreadable files are errors that name it: a pipe nobody writes to
