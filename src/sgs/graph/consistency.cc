@@ -10,11 +10,6 @@
 namespace sgs::graph {
 namespace {
 
-Matrix6d carried(const Matrix6d& covariance, const SE3& T) {
-  const Matrix6d A = T.adjoint();
-  return A * covariance * A.transpose();
-}
-
 class CliqueSearch {
  public:
   explicit CliqueSearch(const std::vector<std::uint64_t>& agrees) : agrees_(agrees) {}
@@ -50,6 +45,17 @@ class CliqueSearch {
 };
 
 }  // namespace
+
+Matrix6d carried(const Matrix6d& covariance, const SE3& T) {
+  const Matrix6d A = T.adjoint();
+  return A * covariance * A.transpose();
+}
+
+Matrix6d covariance_of(const Matrix6d& information) {
+  Matrix6d bounded = information;
+  bounded.diagonal().array() += 1;
+  return bounded.inverse();
+}
 
 UncertainPose operator*(const UncertainPose& a, const UncertainPose& b) {
   return {a.T * b.T, carried(a.covariance, b.T.inverse()) + b.covariance};

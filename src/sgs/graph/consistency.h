@@ -15,6 +15,12 @@ struct UncertainPose {
   Matrix6d covariance = Matrix6d::Zero();
 };
 
+/// A covariance on twists of b as one on twists of a, where T is T_a_b.
+Matrix6d carried(const Matrix6d& covariance, const SE3& T);
+/// The covariance that goes with an edge's information of any rank: what it says nothing of may be
+/// anything within a metre and a radian (one standard deviation).
+Matrix6d covariance_of(const Matrix6d& information);
+
 /// One after the other: T_a_b and T_b_c make T_a_c (first order).
 UncertainPose operator*(const UncertainPose& a, const UncertainPose& b);
 UncertainPose inverse(const UncertainPose& a);

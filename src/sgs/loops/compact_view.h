@@ -15,6 +15,7 @@ class CompactView {
   CompactView() = default;
   explicit CompactView(const RgbdFrame& frame);
 
+  const PinholeCamera& camera() const { return camera_; }
   /// The frame again, without its colours.
   RgbdFrame frame() const;
 

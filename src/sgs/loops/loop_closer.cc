@@ -25,12 +25,10 @@ double view_sigma(const Matrix6d& covariance, const PinholeCamera& camera, doubl
 
 /// Squared deviation of a verified loop from where the other node was expected.
 double gate_chi2(const graph::Edge& loop, const graph::UncertainPose& predicted) {
-  const graph::UncertainPose measured{loop.T_from_to, Matrix6d::Zero()};
-  graph::UncertainPose round = inverse(measured) * predicted;
   // What the loop did not see cannot contradict anything.
   const Matrix6d& L = loop.information;
-  const Vector6d e = round.T.log();
-  const Matrix6d S = predicted.covariance;
+  const Vector6d e = (loop.T_from_to.inverse() * predicted.T).log();
+  const Matrix6d& S = predicted.covariance;
   // e^T (S + L^-1)^-1 e, with L of any rank: L - L (S^-1 + L)^-1 L.
   const Matrix6d inner = (S.inverse() + L).inverse();
   const Matrix6d weight = L - L * inner * L;
@@ -38,11 +36,8 @@ double gate_chi2(const graph::Edge& loop, const graph::UncertainPose& predicted)
 }
 
 bool agree(const Skeleton& skeleton, const graph::Edge& k, const graph::Edge& l) {
-  // Whatever a loop did not see is given a metre, a radian.
   const auto uncertain = [](const graph::Edge& e) {
-    Matrix6d information = e.information;
-    information.diagonal().array() += 1;
-    return graph::UncertainPose{e.T_from_to, information.inverse()};
+    return graph::UncertainPose{e.T_from_to, graph::covariance_of(e.information)};
   };
   const auto round = uncertain(k) * skeleton.tracked(k.to, l.to) * inverse(uncertain(l)) *
                      skeleton.tracked(l.from, k.from);
@@ -91,10 +86,9 @@ void LoopCloser::add_node(const RgbdFrame& frame, const tracker::TrackResult& re
   node.readout = result.readout;
   node.view = CompactView(frame);
   node.ferns = ferns_.code(frame);
-  skeleton_.add(std::move(node),
-                motion_covariance(*result.information,
-                                  registration::mean_depth(frame.depth, kFarthestDepth_m), path_m_,
-                                  gap_s_, config_.drift));
+  const Matrix6d covariance = motion_covariance(*result.information, node.mean_depth_m, path_m_,
+                                                gap_s_, config_.drift);
+  skeleton_.add(std::move(node), covariance);
   skeleton_.note_left(camera_, config_.left_distance);
   path_m_ = gap_s_ = 0;
 }
@@ -175,13 +169,11 @@ std::optional<PoseCorrection> LoopCloser::correction() {
   const std::size_t fresh = skeleton_.loops().size() - loops_solved_;
   if (fresh == 0 || in_flight_) return std::nullopt;
   const graph::GraphSolution solution = skeleton_.solve();
-  const auto tracked = static_cast<std::size_t>(skeleton_.tracked_edges());
   const bool bent =
       std::any_of(solution.chi2.begin(), solution.chi2.begin() + skeleton_.tracked_edges(),
                   [&](double c) { return c > config_.max_odometry_chi2; });
   const bool refused = std::any_of(solution.weights.end() - static_cast<std::ptrdiff_t>(fresh),
                                    solution.weights.end(), [](double w) { return w <= 0; });
-  (void)tracked;
   if (bent || refused) {
     skeleton_.remove_last_loops(fresh);
     counts_.accepted -= static_cast<int>(fresh);

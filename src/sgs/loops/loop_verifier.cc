@@ -13,8 +13,9 @@
 namespace sgs::loops {
 
 std::optional<LoopVerifier::Found> LoopVerifier::align(const Node& older, const Node& newer,
+                                                       const RgbdFrame& frame,
                                                        const SE3& T_start) const {
-  const RgbdFrame reference = older.view.frame(), frame = newer.view.frame();
+  const RgbdFrame reference = older.view.frame();
   PairAligner aligner(tracker_, reference, older.readout);
   const auto a = aligner.align(frame, newer.readout, T_start);
   if (!a || a->overlap < config_.min_overlap) return std::nullopt;
@@ -25,11 +26,12 @@ std::optional<LoopVerifier::Found> LoopVerifier::align(const Node& older, const 
   return Found{a->T_reference_camera, information};
 }
 
-std::optional<SE3> LoopVerifier::match_features(const Node& older, const Node& newer) const {
+std::optional<SE3> LoopVerifier::match_features(const Node& older,
+                                                const RgbdFrame& frame) const {
   features::OrbExtractor extractor(tracker_.relocaliser.orb);
   features::VisualMap map(tracker_.relocaliser.pose);
   map.insert(extractor.extract(older.view.frame()), SE3{});
-  const auto found = map.relocalise(extractor.extract(newer.view.frame()));
+  const auto found = map.relocalise(extractor.extract(frame));
   if (found.verdict != features::Verdict::kOk) return std::nullopt;
   return found.T_world_camera;
 }
@@ -50,14 +52,15 @@ bool LoopVerifier::agree(const Found& found, const SE3& other) const {
 std::optional<graph::Edge> LoopVerifier::verify(const Skeleton& skeleton, int older, int newer,
                                                 const SE3& T_older_newer) const {
   const Node &m = skeleton.node(older), &n = skeleton.node(newer);
-  auto found = align(m, n, T_older_newer);
+  const RgbdFrame frame = n.view.frame();
+  auto found = align(m, n, frame, T_older_newer);
   if (!found) {
-    const auto start = match_features(m, n);
-    if (start) found = align(m, n, *start);
+    const auto start = match_features(m, frame);
+    if (start) found = align(m, n, frame, *start);
   }
   if (!found) return std::nullopt;
   // From afar, what a distorting camera sees does not fit: it is off by centimetres.
-  const PinholeCamera camera = m.view.frame().camera;
+  const PinholeCamera& camera = m.view.camera();
   if (registration::view_distance(camera, m.mean_depth_m, found->T_older_newer) >
       config_.revisit_distance) {
     return std::nullopt;
@@ -71,7 +74,7 @@ std::optional<graph::Edge> LoopVerifier::verify(const Skeleton& skeleton, int ol
     const Node& k = skeleton.node(neighbour);
     if (registration::view_distance(camera, k.mean_depth_m, expected) > kFarthestNeighbour)
       continue;
-    const auto other = align(k, n, expected);
+    const auto other = align(k, n, frame, expected);
     if (!other) continue;
     if (!agree(*found, T_older_neighbour * other->T_older_newer)) return std::nullopt;
     ++confirmed;

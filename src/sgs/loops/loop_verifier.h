@@ -27,8 +27,10 @@ class LoopVerifier {
     SE3 T_older_newer;
     Matrix6d information;
   };
-  std::optional<Found> align(const Node& older, const Node& newer, const SE3& T_start) const;
-  std::optional<SE3> match_features(const Node& older, const Node& newer) const;
+  /// `frame` is what `newer` saw.
+  std::optional<Found> align(const Node& older, const Node& newer, const RgbdFrame& frame,
+                             const SE3& T_start) const;
+  std::optional<SE3> match_features(const Node& older, const RgbdFrame& frame) const;
   bool agree(const Found& found, const SE3& other) const;
 
   LoopConfig config_;

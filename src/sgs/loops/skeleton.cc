@@ -2,33 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/loops/skeleton.h"
 
-#include <Eigen/Eigenvalues>
 #include <queue>
 
 #include "sgs/core/error.h"
 #include "sgs/registration/view_distance.h"
 
 namespace sgs::loops {
-namespace {
-
-/// Covariance of an edge; what it did not see may be anything within a metre or a radian.
-Matrix6d covariance_of(const Matrix6d& information) {
-  constexpr double kUnseen = 1;
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information);
-  Vector6d variances;
-  for (int k = 0; k < 6; ++k) {
-    variances[k] = eigen.eigenvalues()[k] > 1 / kUnseen ? 1 / eigen.eigenvalues()[k] : kUnseen;
-  }
-  return eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
-}
-
-Matrix6d carried(const Matrix6d& covariance, const SE3& T) {
-  const Matrix6d A = T.adjoint();
-  return A * covariance * A.transpose();
-}
-
-}  // namespace
-
 void Skeleton::add(Node node, const Matrix6d& motion_covariance) {
   if (!nodes_.empty()) {
     const SE3 T = nodes_.back().T_world_camera.inverse() * node.T_world_camera;
@@ -70,7 +49,7 @@ std::vector<graph::UncertainPose> Skeleton::relative_to(int to) const {
   };
   std::vector<std::vector<Step>> steps(nodes_.size());
   const auto join = [&](int a, int b, const Matrix6d& at_b) {
-    const Matrix6d world = carried(at_b, node(b).T_world_camera);
+    const Matrix6d world = graph::carried(at_b, node(b).T_world_camera);
     const double cost = at_b.trace();
     steps[static_cast<std::size_t>(a)].push_back({b, world, cost});
     steps[static_cast<std::size_t>(b)].push_back({a, world, cost});
@@ -79,7 +58,7 @@ std::vector<graph::UncertainPose> Skeleton::relative_to(int to) const {
     join(k, k + 1, motions_[static_cast<std::size_t>(k)].covariance);
   }
   for (const graph::Edge& loop : loops_) {
-    join(loop.from, loop.to, covariance_of(loop.information));
+    join(loop.from, loop.to, graph::covariance_of(loop.information));
   }
   std::vector<double> best(nodes_.size(), 1e300);
   std::vector<Matrix6d> covariance(nodes_.size(), Matrix6d::Zero());
@@ -103,7 +82,7 @@ std::vector<graph::UncertainPose> Skeleton::relative_to(int to) const {
   std::vector<graph::UncertainPose> out;
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     out.push_back({nodes_[k].T_world_camera.inverse() * node(to).T_world_camera,
-                   carried(covariance[k], T_to_world)});
+                   graph::carried(covariance[k], T_to_world)});
   }
   return out;
 }

@@ -208,11 +208,8 @@ TEST_P(EachTarget, AllTermsOfTheLoss) {
 }
 
 TEST_P(EachTarget, EdgeCases) {
-  // Approximate reciprocals differ between makers of processors, and with them which pixels of an
-  // edge case tip over a cut.
-  constexpr double kTipping = 4e-3;
-  expect_parity(make_edge_scene(150, 110, 6), {}, kTipping);
-  expect_parity(make_edge_scene(97, 64, 7), {}, kTipping);
+  expect_parity(make_edge_scene(150, 110, 6), {}, 2e-3);
+  expect_parity(make_edge_scene(97, 64, 7), {}, 2e-3);
 }
 
 TEST_P(EachTarget, DeepTilesOfManyBatches) {

@@ -25,7 +25,13 @@ namespace sgs::render::cpu::HWY_NAMESPACE {
 HWY_INLINE F reciprocal(F a) {
   const F guess = hn::ApproximateReciprocal(a.v);
   if constexpr (kLanes == 16) return guess;  // 14 bits; elsewhere 12 or fewer
-  return guess * neg_mul_add(a, guess, F(2.0f));
+  const F better = guess * neg_mul_add(a, guess, F(2.0f));
+#if HWY_NATIVE_FMA
+  return better;
+#else
+  // The product above was rounded before it was subtracted.
+  return better * neg_mul_add(a, better, F(2.0f));
+#endif
 }
 
 /// Adds one block's share to the ten sums h, hx, hy, hxx, hxy, hyy, r, g, b, z. Returns the
