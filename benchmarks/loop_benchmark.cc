@@ -98,7 +98,7 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
                 closer.skeleton().loops().size(), correction->largest_translation_m(),
                 ate_cm(corrected, truth));
     tracker->correct(*correction);
-    closer.note_applied();
+    closer.note_applied(*correction);
   }
   // Edges against the truth.
   const loops::Skeleton& s = closer.skeleton();

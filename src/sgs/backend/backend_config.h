@@ -34,6 +34,9 @@ struct ArchiveConfig {
 
 /// Bundle adjustment of keyframes and calibration of depth.
 struct CalibrationConfig {
+  bool online = true;
+  int first_keyframes = 8;
+  int lag = 90;
   int columns = 26;
   int rows = 20;
   int keyframes = 80;
@@ -47,6 +50,16 @@ struct CalibrationConfig {
   double readout_sigma_rad = 0.002;
 
   void declare(ParameterList& p) {
+    p.add("online", online,
+          "Calibrate during a run, unless it is given a calibration (docs/calibration.md).");
+    p.add("first_keyframes", first_keyframes,
+          "Keyframes of the first attempt during a run; each further one waits for half as many "
+          "more.",
+          "", {8, 1000});
+    p.add("lag", lag,
+          "Offline a calibration is applied so many frames after the one that gave it, so that "
+          "nothing depends on timing.",
+          "frames", {1, 1000});
     p.add("columns", columns, "Nodes of the grid of offsets across the image.", "", {2, 64});
     p.add("rows", rows, "Nodes of the grid of offsets down the image.", "", {2, 64});
     p.add("keyframes", keyframes, "Keyframes adjusted together.", "", {3, 1000});

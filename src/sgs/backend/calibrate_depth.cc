@@ -182,6 +182,11 @@ void fill(const Bundle& bundle, const Solution& first, const Solution& solution,
   out.grey_residuals = solution.equations.grey_residuals;
   out.depth_residuals = solution.equations.depth_residuals;
   out.noise = solution.equations.measured;
+  const std::vector<const Keyframe*>& keyframes = bundle.problem().keyframes;
+  for (std::size_t k = 0; k < keyframes.size(); ++k) {
+    out.poses.push_back(
+        {keyframes[k]->timestamp_s, keyframes[k]->T_world_camera, state.T_world_camera[k]});
+  }
 }
 
 Bundle make_bundle(std::vector<const Keyframe*> keyframes, double readout_s,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sgs/backend/bundle.h"
+#include "sgs/geometry/pose_correction.h"
 
 namespace sgs::backend {
 
@@ -19,7 +20,8 @@ struct DepthEstimate {
   int keyframes = 0;
   int grey_residuals = 0, depth_residuals = 0;
   BundleNoise noise;
-  std::string why_not;  ///< why there is no estimate at all; empty where there is
+  std::vector<MovedPose> poses;  ///< of the keyframes that were adjusted, before and after
+  std::string why_not;           ///< why there is no estimate at all; empty where there is
 
   /// Whether there is anything to correct.
   bool useful() const { return mean_known || shape_known || shift_known; }

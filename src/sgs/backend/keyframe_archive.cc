@@ -63,6 +63,17 @@ void KeyframeArchive::note_gap() {
   pending_.reset();
 }
 
+void KeyframeArchive::correct(const PastCorrection& correction) {
+  for (Keyframe& k : keyframes_) {
+    k.T_world_camera = correction.corrected(k.T_world_camera, k.timestamp_s);
+  }
+  for (auto* tracked : {&before_, &pending_}) {
+    if (!*tracked) continue;
+    SE3& T = (*tracked)->T_world_camera;
+    T = correction.corrected(T, (*tracked)->frame->timestamp_s);
+  }
+}
+
 bool KeyframeArchive::wants(const SE3& T_world_camera) const {
   if (keyframes_.size() >= static_cast<std::size_t>(config_.most)) return false;
   return keyframes_.empty() ||

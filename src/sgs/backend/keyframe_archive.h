@@ -8,6 +8,7 @@
 
 #include "sgs/backend/backend_config.h"
 #include "sgs/backend/keyframe.h"
+#include "sgs/camera/past_correction.h"
 
 namespace sgs::backend {
 
@@ -25,6 +26,8 @@ class KeyframeArchive {
   void add(const std::shared_ptr<const RgbdFrame>& frame, const SE3& T_world_camera);
   /// Tracking was lost here: the frames on either side do not tell how the camera moved.
   void note_gap();
+  /// Moves the keyframes; their depth stays as it was measured.
+  void correct(const PastCorrection& correction);
 
   const std::vector<Keyframe>& keyframes() const { return keyframes_; }
 

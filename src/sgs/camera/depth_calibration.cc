@@ -52,6 +52,41 @@ struct Interpolator {
   }
 };
 
+/// The offsets along one row of the image after the other.
+class OffsetRows {
+ public:
+  explicit OffsetRows(const DepthCalibration& c)
+      : c_(c), row_(c.offset_per_m.empty() ? 0 : static_cast<std::size_t>(c.grid.columns) + 1) {
+    for (int x = 0; x < c.camera.width && !row_.empty(); ++x) {
+      places_.push_back(place_on_axis(x - c.shift_px.x(), c.camera.width, c.grid.columns));
+    }
+  }
+
+  /// Those of row `y` of the colour image.
+  void write(int y, std::vector<float>& out) {
+    out.resize(static_cast<std::size_t>(c_.camera.width), 0.0f);
+    if (row_.empty()) return;
+    const auto columns = static_cast<std::size_t>(c_.grid.columns);
+    const Place at = place_on_axis(y - c_.shift_px.y(), c_.camera.height, c_.grid.rows);
+    const double* above = c_.offset_per_m.data() + static_cast<std::size_t>(at.node) * columns;
+    const double* below = c_.grid.rows > 1 ? above + columns : above;
+    for (std::size_t k = 0; k < columns; ++k) {
+      row_[k] = static_cast<float>((1 - at.share) * above[k] + at.share * below[k]);
+    }
+    row_[columns] = row_[columns - 1];
+    for (std::size_t x = 0; x < out.size(); ++x) {
+      const auto share = static_cast<float>(places_[x].share);
+      const float* node = row_.data() + places_[x].node;
+      out[x] = node[0] + share * (node[1] - node[0]);
+    }
+  }
+
+ private:
+  const DepthCalibration& c_;
+  std::vector<float> row_;  // the grid at this height; one more, so that each node has a next one
+  std::vector<Place> places_;
+};
+
 }  // namespace
 
 GridWeights ImageGrid::at(double u, double v, const PinholeCamera& camera) const {
@@ -109,15 +144,13 @@ DepthImage DepthCalibration::apply(const DepthImage& measured) const {
   const Interpolator interpolate(static_cast<float>(-shift_px.x() - x_shift),
                                  static_cast<float>(-shift_px.y() - y_shift));
   const bool whole = interpolate.w00 == 1;
-  std::vector<float> offsets(static_cast<std::size_t>(w));
+  OffsetRows rows(*this);
+  std::vector<float> offsets;
   for (int y = 0; y < h; ++y) {
     const int from_y = y + y_shift;
     const int next_y = whole ? from_y : from_y + 1;
     if (from_y < 0 || next_y >= h) continue;
-    for (int x = 0; x < w; ++x) {
-      offsets[static_cast<std::size_t>(x)] =
-          static_cast<float>(offset_at(x - shift_px.x(), y - shift_px.y()));
-    }
+    rows.write(y, offsets);
     const float *top = measured.row(from_y), *bottom = measured.row(next_y);
     const int begin = std::max(0, -x_shift), end = std::min(w, w - x_shift - (whole ? 0 : 1));
     for (int x = begin; x < end; ++x) {

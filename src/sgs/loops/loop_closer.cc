@@ -86,8 +86,8 @@ void LoopCloser::add_node(const RgbdFrame& frame, const tracker::TrackResult& re
   node.readout = result.readout;
   node.view = CompactView(frame);
   node.ferns = ferns_.code(frame);
-  const Matrix6d covariance = motion_covariance(*result.information, node.mean_depth_m, path_m_,
-                                                gap_s_, config_.drift);
+  const Matrix6d covariance =
+      motion_covariance(*result.information, node.mean_depth_m, path_m_, gap_s_, config_.drift);
   skeleton_.add(std::move(node), covariance);
   skeleton_.note_left(camera_, config_.left_distance);
   path_m_ = gap_s_ = 0;
@@ -192,16 +192,19 @@ std::optional<PoseCorrection> LoopCloser::correction() {
       out.largest_rotation_rad() < config_.apply_deg * std::numbers::pi / 180) {
     return std::nullopt;
   }
-  in_flight_ = out;
+  in_flight_ = true;
   ++counts_.corrections;
   return out;
 }
 
-void LoopCloser::note_applied() {
-  SGS_CHECK(in_flight_.has_value(), "no correction was returned");
-  skeleton_.move(*in_flight_);
-  if (T_last_) T_last_ = in_flight_->corrected(*T_last_, last_s_);
-  in_flight_.reset();
+void LoopCloser::note_applied(const PastCorrection& correction) {
+  skeleton_.correct(correction);
+  if (T_last_) T_last_ = correction.corrected(*T_last_, last_s_);
+  if (correction.depth) {
+    pending_.clear();  // measured with the old depth
+  } else {
+    in_flight_ = false;
+  }
 }
 
 }  // namespace sgs::loops

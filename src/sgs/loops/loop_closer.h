@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
+#include "sgs/camera/past_correction.h"
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/features/ferns.h"
-#include "sgs/geometry/pose_correction.h"
 #include "sgs/loops/loop_config.h"
 #include "sgs/loops/loop_verifier.h"
 #include "sgs/loops/skeleton.h"
@@ -31,15 +31,16 @@ struct LoopCounts {
 /// function of what it is given, in order: deterministic, one thread.
 ///
 /// A correction that add() returns is in the tracker's coordinates of that moment. The caller
-/// applies it when it suits and says so by note_applied(); until then there is no other.
+/// applies it when it suits; until note_applied() says so there is no other.
 class LoopCloser {
  public:
   LoopCloser(const LoopConfig& config, const tracker::TrackerConfig& tracker, std::uint64_t seed);
 
   /// Takes in the next tracked frame. Frames without TrackResult::information are passed over.
   std::optional<PoseCorrection> add(const RgbdFrame& frame, const tracker::TrackResult& result);
-  /// Poses of frames that come from now on are corrected.
-  void note_applied();
+  /// Poses of frames that come from now on are corrected, by what add() returned or, where depth
+  /// has changed, by a calibration.
+  void note_applied(const PastCorrection& correction);
 
   const Skeleton& skeleton() const { return skeleton_; }
   const LoopCounts& counts() const { return counts_; }
@@ -59,7 +60,7 @@ class LoopCloser {
   PinholeCamera camera_;
   Skeleton skeleton_;
   std::vector<graph::Edge> pending_;  // verified, without enough support so far
-  std::optional<PoseCorrection> in_flight_;
+  bool in_flight_ = false;
   std::optional<SE3> T_last_;  // of the last trusted frame
   double last_s_ = 0;
   double path_m_ = 0, gap_s_ = 0;  // since the last node

@@ -26,8 +26,7 @@ std::optional<LoopVerifier::Found> LoopVerifier::align(const Node& older, const 
   return Found{a->T_reference_camera, information};
 }
 
-std::optional<SE3> LoopVerifier::match_features(const Node& older,
-                                                const RgbdFrame& frame) const {
+std::optional<SE3> LoopVerifier::match_features(const Node& older, const RgbdFrame& frame) const {
   features::OrbExtractor extractor(tracker_.relocaliser.orb);
   features::VisualMap map(tracker_.relocaliser.pose);
   map.insert(extractor.extract(older.view.frame()), SE3{});

@@ -103,8 +103,26 @@ graph::GraphSolution Skeleton::solve() const {
   return graph::optimise(std::move(poses), edges());
 }
 
-void Skeleton::move(const PoseCorrection& correction) {
-  for (Node& n : nodes_) n.T_world_camera = correction.corrected(n.T_world_camera, n.timestamp_s);
+void Skeleton::correct(const PastCorrection& correction) {
+  std::vector<SE3> before;
+  for (Node& n : nodes_) {
+    before.push_back(n.T_world_camera);
+    n.T_world_camera = correction.corrected(n.T_world_camera, n.timestamp_s);
+    if (correction.depth) n.view.change_depth(*correction.depth);
+  }
+  if (!correction.depth) return;
+  const auto measured_anew = [&](const SE3& T_from_to, int from, int to) {
+    const auto a = static_cast<std::size_t>(from), b = static_cast<std::size_t>(to);
+    const SE3 deviation = (before[a].inverse() * before[b]).inverse() * T_from_to;
+    return nodes_[a].T_world_camera.inverse() * nodes_[b].T_world_camera * deviation;
+  };
+  for (int k = 0; k + 1 < size(); ++k) {
+    SE3& T = motions_[static_cast<std::size_t>(k)].T_from_to;
+    T = measured_anew(T, k, k + 1);
+  }
+  for (graph::Edge& loop : loops_) {
+    loop.T_from_to = measured_anew(loop.T_from_to, loop.from, loop.to);
+  }
 }
 
 }  // namespace sgs::loops

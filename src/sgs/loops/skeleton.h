@@ -6,11 +6,11 @@
 #include <optional>
 #include <vector>
 
+#include "sgs/camera/compact_view.h"
+#include "sgs/camera/past_correction.h"
 #include "sgs/features/ferns.h"
-#include "sgs/geometry/pose_correction.h"
 #include "sgs/graph/consistency.h"
 #include "sgs/graph/pose_graph.h"
-#include "sgs/loops/compact_view.h"
 
 namespace sgs::loops {
 
@@ -52,7 +52,9 @@ class Skeleton {
   /// Number of edges of the tracked way in solve(): the first of its edges, one to each node but
   /// the first.
   int tracked_edges() const { return size() - 1; }
-  void move(const PoseCorrection& correction);
+  /// The past was different. Where depth is, too, what was measured with the old one is held to
+  /// deviate from the new poses as it did from the old ones.
+  void correct(const PastCorrection& correction);
 
  private:
   struct Motion {

@@ -20,6 +20,23 @@ render::Rgbf mean_color(const Rgb8& a, const Rgb8& b, const Rgb8& c, const Rgb8&
           k * static_cast<float>(a.b + b.b + c.b + d.b)};
 }
 
+std::uint16_t to_units(float z, float unit_m) {
+  const float units = z / unit_m + 0.5f;
+  return units < 65536 ? static_cast<std::uint16_t>(units) : std::uint16_t{0};
+}
+
+/// The depth of pictures as it is known now; what moves beyond the range that is kept is dropped.
+void change_depth_of(KeyframePictures& pictures, const DepthChange& change) {
+  DepthImage depth(pictures.depth.width(), pictures.depth.height());
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    depth.data()[i] = pictures.depth_unit_m * static_cast<float>(pictures.depth.data()[i]);
+  }
+  depth = change.apply(depth);
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    pictures.depth.data()[i] = to_units(depth.data()[i], pictures.depth_unit_m);
+  }
+}
+
 /// Mean of the agreeing depths among four; 0 when fewer than two are valid or they disagree.
 float merged_depth(const std::array<float, 4>& depths) {
   constexpr float kAgreement = 1.05f;
@@ -50,7 +67,7 @@ MapKeyframe::MapKeyframe(const RgbdFrame& frame, const SE3& T, double max_depth_
   for (std::size_t i = 0; i < frame.depth.size(); ++i) {
     const float z = frame.depth.data()[i];
     if (z > 0 && z <= static_cast<float>(max_depth_m)) {
-      pictures->depth.data()[i] = static_cast<std::uint16_t>(z / depth_unit_m_ + 0.5f);
+      pictures->depth.data()[i] = to_units(z, depth_unit_m_);
     }
   }
   pictures_ = pictures;
@@ -66,7 +83,19 @@ std::shared_ptr<const KeyframePictures> MapKeyframe::pictures() const {
   file_->read(parked_at_, pictures->color.data(), color_bytes);
   file_->read(parked_at_ + static_cast<std::int64_t>(color_bytes), pictures->depth.data(),
               pictures->depth.size() * sizeof(std::uint16_t));
+  for (const auto& change : changes_) change_depth_of(*pictures, *change);
   return pictures;
+}
+
+void MapKeyframe::change_depth(const std::shared_ptr<const DepthChange>& change) {
+  pose_information.reset();
+  if (!pictures_) {
+    changes_.push_back(change);
+    return;
+  }
+  auto changed = std::make_shared<KeyframePictures>(*pictures_);
+  change_depth_of(*changed, *change);
+  pictures_ = std::move(changed);
 }
 
 Status MapKeyframe::park(SpillFile& file) {
@@ -135,6 +164,11 @@ void TrainingViewCache::drop_half(std::size_t index) {
   SGS_CHECK(index == first_half_kept_, "views are dropped from the oldest on");
   if (index < half_.size()) half_[index].reset();
   ++first_half_kept_;
+}
+
+void TrainingViewCache::forget() {
+  half_.clear();
+  full_.clear();
 }
 
 std::shared_ptr<const render::TrainingView> TrainingViewCache::get(const MapKeyframe& keyframe,

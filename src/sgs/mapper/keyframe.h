@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "sgs/camera/depth_change.h"
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/core/spill_file.h"
 #include "sgs/render/rasterizer.h"
@@ -40,6 +41,8 @@ class MapKeyframe {
   std::shared_ptr<const KeyframePictures> pictures() const;
   /// Moves the pictures to `file`, which must outlive this object.
   Status park(SpillFile& file);
+  /// Depth is known better now. Parked pictures follow whenever they are read.
+  void change_depth(const std::shared_ptr<const DepthChange>& change);
   /// What pictures() takes in memory unless they are parked.
   std::size_t picture_bytes() const;
   const PinholeCamera& camera() const { return camera_; }
@@ -59,6 +62,7 @@ class MapKeyframe {
   std::shared_ptr<const KeyframePictures> pictures_;  // null where they are parked:
   const SpillFile* file_ = nullptr;
   std::int64_t parked_at_ = 0;
+  std::vector<std::shared_ptr<const DepthChange>> changes_;  // since they were parked
 };
 
 /// Memory of a training view at half resolution.
@@ -83,6 +87,8 @@ class TrainingViewCache {
   /// on.
   void drop_half(std::size_t index);
   std::size_t first_half_kept() const { return first_half_kept_; }
+  /// The pictures have changed: every view is made anew when it is needed.
+  void forget();
 
  private:
   const render::Rasterizer& rasterizer_;

@@ -227,6 +227,22 @@ void Mapper::move_keyframes(const std::vector<SE3>& moves) {
   m.changed = true;
 }
 
+void Mapper::change_depth(const std::shared_ptr<const DepthChange>& change) {
+  Impl& m = *impl_;
+  SGS_CHECK(change != nullptr, "change_depth() needs a change");
+  const ScopedTimer timer(m.times, "map/change depth");
+  std::vector<SE3> T_world_keyframe;
+  for (MapKeyframe& keyframe : m.keyframes) {
+    keyframe.change_depth(change);
+    T_world_keyframe.push_back(keyframe.T_world_camera);
+  }
+  mapper::change_depth(T_world_keyframe, *change, m.store);
+  m.training_views.forget();
+  m.bounds.assign(m.store.raw, m.store.average);
+  m.views.forget();
+  m.changed = true;
+}
+
 IterationReport Mapper::iterate(int count) {
   Impl& m = *impl_;
   if (m.keyframes.empty()) return {};

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "sgs/camera/depth_change.h"
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/core/stopwatch.h"
 #include "sgs/core/thread_pool.h"
@@ -41,6 +42,8 @@ class Mapper {
   /// Moves keyframes in the world, all that hangs on them with them: `moves[k]` is that of keyframe
   /// k, one for each. Learning goes on from there.
   void move_keyframes(const std::vector<SE3>& moves);
+  /// Depth is known better now: keyframes and what they have inserted follow.
+  void change_depth(const std::shared_ptr<const DepthChange>& change);
   /// Runs `count` optimisation steps over the keyframes; nothing happens without keyframes.
   IterationReport iterate(int count);
 

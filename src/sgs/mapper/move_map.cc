@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "sgs/core/error.h"
 
@@ -67,7 +68,48 @@ struct Move {
   bool is_none, small_turn;
 };
 
+/// A keyframe's place in the world, for points that its camera has seen.
+struct Place {
+  explicit Place(const SE3& T) : R(T.R.cast<float>()), t(T.t.cast<float>()) {}
+
+  void apply(const DepthChange& change, const Eigen::Vector3f& normal, map::Gaussian& g) const {
+    Eigen::Map<Eigen::Vector3f> mean(g.mean);
+    Eigen::Vector3f point = R.transpose() * (mean - t), turned = normal;
+    const float before = point.z();
+    change.apply(point, turned);
+    if (!(before > 0 && point.z() > 0)) return;
+    mean = R * point + t;
+    for (float& scale : g.log_scale) scale += std::log(point.z() / before);
+  }
+  void apply(const DepthChange& change, map::GaussianStore& store, std::size_t i) const {
+    map::Anchor& anchor = store.anchors[i];
+    Eigen::Vector3f point = R.transpose() * (anchor.point - t);
+    Eigen::Vector3f normal = R.transpose() * anchor.normal;
+    apply(change, normal, store.raw[i]);
+    apply(change, normal, store.average[i]);
+    change.apply(point, normal);
+    anchor.point = R * point + t;
+    anchor.normal = R * normal;
+  }
+
+  Eigen::Matrix3f R;
+  Eigen::Vector3f t;
+};
+
 }  // namespace
+
+void change_depth(std::span<const SE3> T_world_keyframe, const DepthChange& change,
+                  map::GaussianStore& store) {
+  std::vector<Place> places;
+  places.reserve(T_world_keyframe.size());
+  for (const SE3& T : T_world_keyframe) places.emplace_back(T);
+  for (std::size_t i = 0; i < store.size(); ++i) {
+    const std::int32_t keyframe = store.anchors[i].keyframe;
+    if (keyframe < 0) continue;
+    SGS_CHECK(static_cast<std::size_t>(keyframe) < places.size(), "no such keyframe");
+    places[static_cast<std::size_t>(keyframe)].apply(change, store, i);
+  }
+}
 
 void move_gaussians(std::span<const SE3> moves, map::GaussianStore& store) {
   std::vector<Move> ready;

@@ -94,5 +94,49 @@ TEST(MoveGaussians, TheMeanGradientTurns) {
   EXPECT_EQ(store.moments[0].mean_square[1], kHalf);
 }
 
+DepthCalibration nearer_by(double offset_per_m) {
+  DepthCalibration c;
+  c.camera = kCamera;
+  c.grid = {2, 2};
+  c.offset_per_m.assign(4, offset_per_m);
+  return c;
+}
+
+TEST(ChangeDepth, LooksTheSameFromTheKeyframeAndLiesWhereTheSurfaceIs) {
+  const SE3 T = pose(0.3, -0.5, 0.2, 1, -2, 0.5);
+  map::GaussianStore store = cloud(0);
+  move_gaussians(std::vector<SE3>{T}, store);
+  const auto rasterizer = render::make_cpu_rasterizer(nullptr);
+  render::Rendering before, after;
+  rasterizer->render(store.raw, kCamera, T, before);
+  change_depth(std::vector<SE3>{T}, DepthChange({}, nearer_by(0.05)), store);
+  rasterizer->render(store.raw, kCamera, T, after);
+  double mean = 0;
+  for (std::size_t i = 0; i < before.alpha.size(); ++i) {
+    mean += std::abs(double{before.alpha.data()[i]} - double{after.alpha.data()[i]});
+  }
+  // What is thick along the ray keeps its size in the picture, not its depth in the sums.
+  EXPECT_LT(mean / static_cast<double>(before.alpha.size()), 4e-3);
+  map::GaussianStore original = cloud(0);
+  for (std::size_t i = 0; i < store.size(); ++i) {
+    const Eigen::Vector3d p(store.raw[i].mean[0], store.raw[i].mean[1], store.raw[i].mean[2]);
+    const double z = (T.inverse() * p).z(), was = double{original.raw[i].mean[2]};
+    ASSERT_NEAR(1 / z, 1 / was + 0.05, 1e-5);
+    ASSERT_NEAR(double{store.raw[i].log_scale[1]},
+                double{original.raw[i].log_scale[1]} + std::log(z / was), 1e-5);
+    ASSERT_LT((store.anchors[i].point.cast<double>() - p).norm(), 1e-5);
+  }
+}
+
+TEST(ChangeDepth, GaussiansOfNoKeyframeStay) {
+  map::GaussianStore store = cloud(-1);
+  const float before = store.raw[5].mean[2];
+  change_depth({}, DepthChange({}, nearer_by(0.05)), store);
+  EXPECT_EQ(store.raw[5].mean[2], before);
+  store.anchors[5].keyframe = 2;
+  EXPECT_THROW(change_depth(std::vector<SE3>{SE3{}}, DepthChange({}, nearer_by(0.05)), store),
+               ContractViolation);
+}
+
 }  // namespace
 }  // namespace sgs::mapper

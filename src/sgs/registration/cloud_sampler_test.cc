@@ -119,7 +119,7 @@ TEST(PlaneFitSampler, SmoothDepthFollowsThePlaneAtEveryPixel) {
   sampler->sample(depth, cloud);
   for (int v = 21; v < 220; v += 13) {
     for (int u = 20; u < 300; u += 11) {
-      EXPECT_NEAR(sampler->smooth_depth(u, v), depth(u, v), 1e-3f);
+      EXPECT_NEAR(1 / sampler->inverse_depth_plane(u, v).q, depth(u, v), 1e-3f);
     }
   }
 }

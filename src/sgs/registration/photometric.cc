@@ -58,25 +58,37 @@ int PhotometricConfig::block_at(int level) const {
 PhotometricReference::PhotometricReference(const GrayPyramid& pyramid, const DepthImage& depth,
                                            const SE3& T_world_keyframe,
                                            const PhotometricConfig& config,
-                                           const DepthLookup& smooth_depth,
+                                           const SurfaceLookup& surface,
                                            const ReadoutMotion& readout)
     : T_world_keyframe_(T_world_keyframe) {
   SGS_CHECK(!pyramid.empty() && depth.width() == pyramid.level(0).camera.width &&
                 depth.height() == pyramid.level(0).camera.height,
             "depth must have the size of the pyramid's finest level");
+  constexpr float kFarthest_per_m = 0.02f;
   points_.resize(static_cast<std::size_t>(std::min(config.levels, pyramid.levels())));
+  slopes_.resize(points_.size());
   for (int l = 0; l < levels(); ++l) {
     const auto& level = pyramid.level(l);
     for (const SelectedPixel& pixel : select_pixels(level.gray, l, depth, config)) {
       const int u = full_pixel(pixel.x, l, depth.width());
       const int v = full_pixel(pixel.y, l, depth.height());
-      const float z = smooth_depth ? smooth_depth(u, v) : depth(u, v);
+      const InverseDepthPlane plane = surface ? surface(u, v) : InverseDepthPlane{};
+      const float z = surface ? (plane.q > kFarthest_per_m ? 1 / plane.q : 0) : depth(u, v);
       if (!(z > kNearestPixel_m)) continue;
       const Eigen::Vector3f p_row =
           level.camera.back_project(pixel.x, pixel.y, static_cast<double>(z)).cast<float>();
       const float offset = ReadoutMotion::offset(static_cast<float>(pixel.y), level.gray.height());
       points_[static_cast<std::size_t>(l)].push_back(
           {readout.to_middle(p_row, offset), level.gray(pixel.x, pixel.y)});
+      slopes_[static_cast<std::size_t>(l)].emplace_back(plane.slope_u, plane.slope_v);
+    }
+  }
+}
+
+void PhotometricReference::change_depth(const DepthChange& change) {
+  for (std::size_t l = 0; l < points_.size(); ++l) {
+    for (std::size_t i = 0; i < points_[l].size(); ++i) {
+      change.apply(points_[l][i].p_keyframe, slopes_[l][i]);
     }
   }
 }

@@ -5,9 +5,11 @@
 #include <functional>
 #include <vector>
 
+#include "sgs/camera/depth_change.h"
 #include "sgs/camera/pyramid.h"
 #include "sgs/core/config.h"
 #include "sgs/geometry/se3.h"
+#include "sgs/registration/cloud_sampler.h"
 #include "sgs/registration/rolling_shutter.h"
 
 namespace sgs::registration {
@@ -59,8 +61,8 @@ struct PhotometricConfig {
   int block_at(int level) const;
 };
 
-/// Metres at a pixel of the full image, 0 where none should be used.
-using DepthLookup = std::function<float(int u, int v)>;
+/// The surface at a pixel of the full image; none where its depth should not be used.
+using SurfaceLookup = std::function<InverseDepthPlane(int u, int v)>;
 
 /// A selected pixel of a keyframe: its 3D point in the keyframe's camera and its grey value.
 struct PhotometricPoint {
@@ -69,20 +71,22 @@ struct PhotometricPoint {
 };
 
 /// Pixels of a keyframe to which later frames are aligned: per level the one of highest gradient
-/// in each block, with depth. Immutable; thread-safe.
+/// in each block, with depth. Thread-safe unless it is moved.
 class PhotometricReference {
  public:
   /// `depth` decides which pixels can be selected (a measurement within max_depth_m);
-  /// `smooth_depth`, where given, supplies the depth that is used and drops the pixels for which
-  /// it returns 0 (an inverse-depth plane fit: depth edges and noise do not survive it). Points are
+  /// `surface`, where given, supplies the depth that is used and drops the pixels for which there
+  /// is none (an inverse-depth plane fit: depth edges and noise do not survive it). Points are
   /// kept as the middle row's camera sees them; `readout` is the motion that takes them there.
   PhotometricReference(const GrayPyramid& pyramid, const DepthImage& depth,
                        const SE3& T_world_keyframe, const PhotometricConfig& config,
-                       const DepthLookup& smooth_depth = {}, const ReadoutMotion& readout = {});
+                       const SurfaceLookup& surface = {}, const ReadoutMotion& readout = {});
 
   const SE3& T_world_keyframe() const { return T_world_keyframe_; }
   /// Follows a keyframe that refinement has moved.
   void set_pose(const SE3& T_world_keyframe) { T_world_keyframe_ = T_world_keyframe; }
+  /// Follows depth that is known better now.
+  void change_depth(const DepthChange& change);
   int levels() const { return static_cast<int>(points_.size()); }
   const std::vector<PhotometricPoint>& points(int level) const {
     return points_[static_cast<std::size_t>(level)];
@@ -91,6 +95,7 @@ class PhotometricReference {
  private:
   SE3 T_world_keyframe_;
   std::vector<std::vector<PhotometricPoint>> points_;
+  std::vector<std::vector<Eigen::Vector2f>> slopes_;  // of inverse depth at them, 1/(m px)
 };
 
 /// I_current = gain * I_keyframe + offset. One per reference, carried along by the caller.

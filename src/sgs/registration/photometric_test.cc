@@ -109,7 +109,7 @@ TEST(Photometric, PointsLieOnTheMeasuredSurfaceAndSkipMissingDepth) {
 TEST(Photometric, SmoothDepthReplacesTheMeasuredOneAndDropsPixels) {
   const PhotometricConfig config;
   const View view = render({}, kCamera, SE3{}, 2);
-  const auto lookup = [](int u, int) { return u < 160 ? 0.0f : 2.5f; };
+  const auto lookup = [](int u, int) { return InverseDepthPlane{u < 160 ? 0.0f : 0.4f, 0, 0, 1}; };
   const PhotometricReference reference(view.pyramid, view.depth, SE3{}, config, lookup);
   ASSERT_FALSE(reference.points(0).empty());
   for (const auto& p : reference.points(0)) {
@@ -341,6 +341,36 @@ TEST(Photometric, BadConfigurationValuesAreRefused) {
   EXPECT_TRUE(list.set("sigma", "4").has_value());
   EXPECT_EQ(config.sigma, 4);
   EXPECT_FALSE(list.set("levels", "0").has_value());
+}
+
+TEST(PhotometricReference, FollowsDepthThatIsKnownBetter) {
+  const View view = render({}, kCamera, SE3{}, 3);
+  DepthCalibration lens;
+  lens.camera = kCamera;
+  lens.grid = {5, 4};
+  for (int k = 0; k < 20; ++k) lens.offset_per_m.push_back(0.01 * std::sin(1.7 * k));
+  lens.shift_px = {1.4, -0.9};
+  const DepthImage better = lens.apply(view.depth);
+  // The surface around a pixel: inverse depth is affine on a plane.
+  const SurfaceLookup surface = [&](int u, int v) {
+    const auto q = [&](int x, int y) { return 1 / view.depth(x, y); };
+    const int x = std::min(u, kCamera.width - 2), y = std::min(v, kCamera.height - 2);
+    return InverseDepthPlane{q(u, v), q(x + 1, y) - q(x, y), q(x, y + 1) - q(x, y), 1};
+  };
+  PhotometricReference reference(view.pyramid, view.depth, SE3{}, {}, surface);
+  reference.change_depth(DepthChange({}, lens));
+  int compared = 0;
+  for (int level = 0; level < reference.levels(); ++level) {
+    for (const PhotometricPoint& p : reference.points(level)) {
+      const Eigen::Vector2d uv = kCamera.project(p.p_keyframe.cast<double>());
+      const int u = static_cast<int>(std::lround(uv.x())),
+                v = static_cast<int>(std::lround(uv.y()));
+      if (level > 0 || u < 3 || v < 3 || u > kCamera.width - 4 || v > kCamera.height - 4) continue;
+      ASSERT_NEAR(1 / p.p_keyframe.z(), 1 / better(u, v), 2e-5f) << u << " " << v;
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 100);
 }
 
 }  // namespace

@@ -95,11 +95,6 @@ InverseDepthPlane PlaneFitSampler::inverse_depth_plane(int u, int v) const {
   return {q, fit.alpha, fit.beta, fit.samples / window};
 }
 
-float PlaneFitSampler::smooth_depth(int u, int v) const {
-  const float q = inverse_depth_plane(u, v).q;
-  return q > 0.02f ? 1 / q : 0.0f;
-}
-
 void PlaneFitSampler::sample(const DepthImage& depth, SourceCloud& cloud) {
   SGS_CHECK(depth.width() == camera_.width && depth.height() == camera_.height,
             "depth image and camera differ in size");

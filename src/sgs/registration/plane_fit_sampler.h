@@ -6,13 +6,6 @@
 
 namespace sgs::registration {
 
-/// Inverse depth around a pixel: q(u, v) = q + slope . (u - u0, v - v0), 1/m and 1/(m px).
-struct InverseDepthPlane {
-  float q = 0;  ///< 0 = none
-  float slope_u = 0, slope_v = 0;
-  float support = 0;  ///< share of the window's samples that lie on the plane
-};
-
 /// Samples a depth image on a regular grid and estimates point, normal and metric noise from a
 /// plane fit in inverse depth.
 ///
@@ -32,12 +25,8 @@ class PlaneFitSampler : public CloudSampler {
   PlaneFitSampler(const SamplingConfig& config, const PinholeCamera& camera,
                   bool with_ellipses = false);
   void sample(const DepthImage& depth, SourceCloud& cloud) override;
-  /// Depth of the plane fitted around any pixel of the image last sampled, metres; 0 where there is
-  /// no measurement or no plane.
-  float smooth_depth(int u, int v) const override;
-  /// The same plane, without its limit to depths that can be used.
-  InverseDepthPlane inverse_depth_plane(int u, int v) const;
-  /// Sets the image that smooth_depth() and inverse_depth_plane() look at, without sampling it.
+  InverseDepthPlane inverse_depth_plane(int u, int v) const override;
+  /// Sets the image that inverse_depth_plane() looks at, without sampling it.
   void set_depth(const DepthImage& depth) { fill_inverse_depth(depth); }
 
  private:

@@ -168,6 +168,8 @@ Result<Run> load_run(const fs::path& folder, unsigned parts) {
   SGS_ASSIGN_OR_RETURN(run.config_toml, io::read_file(folder / files::kConfig));
   if (!run.input.calibration.empty()) {
     SGS_ASSIGN_OR_RETURN(run.calibration, io::load_depth_calibration(run.input.calibration));
+  } else if (fs::exists(folder / files::kCalibration, error)) {
+    SGS_ASSIGN_OR_RETURN(run.calibration, io::load_depth_calibration(folder / files::kCalibration));
   }
   for (const PartFile& file : kPartFiles) {
     if ((parts & file.part) != 0) SGS_RETURN_IF_ERROR(load_part(file, folder, run));
@@ -226,6 +228,7 @@ Run run_of(const slam::Session& session, const Input& input, const InputSpec& sp
   run.keyframes = session.keyframe_trajectory();
   run.frames_total = static_cast<std::int64_t>(run.frames.size());
   if (const auto snapshot = session.final_snapshot()) run.gaussians = snapshot->gaussians;
+  if (session.calibration()) run.calibration = session.calibration();
   run.timings_json = timings_json(session.times());
   return run;
 }

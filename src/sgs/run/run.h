@@ -28,7 +28,7 @@ struct Run {
   std::string config_toml;                      ///< as saved
   std::string name;                             ///< of the sequence
   PinholeCamera camera;                         ///< of the frames as they were tracked (rectified)
-  std::optional<DepthCalibration> calibration;  ///< of their depths, where one was used
+  std::optional<DepthCalibration> calibration;  ///< of their depths, given or learned
   std::vector<slam::FrameRecord> frames;
   Trajectory trajectory;  ///< estimated, one pose per readable frame
   Trajectory online;      ///< the same as it was said frame by frame; may be empty

@@ -8,6 +8,8 @@
 #include <cmath>
 
 #include "sgs/core/stopwatch.h"
+#include "sgs/dataset/calibrated_source.h"
+#include "sgs/run/run_files.h"
 
 namespace sgs::run {
 namespace {
@@ -54,6 +56,10 @@ Result<eval::RunEvaluation> score_rendering(const Run& run, const ScoreOptions& 
                                             const std::function<void(std::int64_t)>& progress,
                                             const std::stop_token& stop) {
   SGS_ASSIGN_OR_RETURN(auto input, reopen_input(run.input, options.threads));
+  if (run.calibration && !input.calibration) {
+    SGS_ASSIGN_OR_RETURN(input.source, dataset::calibrated(std::move(input.source),
+                                                           *run.calibration, files::kCalibration));
+  }
   std::optional<eval::Lpips> lpips;
   if (!options.lpips_weights.empty()) {
     SGS_ASSIGN_OR_RETURN(lpips, eval::Lpips::load(options.lpips_weights));

@@ -34,6 +34,7 @@ struct FrameRecord {
   std::int64_t gaussians = 0;
   std::int64_t iterations = 0;
   int loops = 0;            ///< closed so far
+  int calibrations = 0;     ///< of depth, learned so far
   double correction_m = 0;  ///< by how much the past was moved just before this frame
 };
 
@@ -111,8 +112,9 @@ void visit_columns(Record& r, Visitor&& visit) {
         r.lost_reason);
   visit(C{"targets", "", "Points of the map among which the registration searched."}, d.targets);
   visit(C{"loops", "", "Loops closed so far."}, r.loops);
-  visit(C{"correction_m", "m", "By how much closing loops moved the past just before this frame."},
+  visit(C{"correction_m", "m", "By how much the past was moved just before this frame."},
         r.correction_m);
+  visit(C{"calibrations", "", "Calibrations of depth learned so far."}, r.calibrations);
 }
 
 /// The first line of frames.csv, with its line feed.

@@ -36,7 +36,8 @@ MapWorker::~MapWorker() {
 }
 
 // Both worlds move alike: what refinement has found stays.
-void MapWorker::correct(const PoseCorrection& correction) {
+void MapWorker::correct(const PastCorrection& correction) {
+  if (correction.depth) mapper_.change_depth(correction.depth);
   std::vector<SE3> moves;
   moves.reserve(keyframes_.size());
   for (KeyframePose& k : keyframes_) {
@@ -49,7 +50,7 @@ void MapWorker::correct(const PoseCorrection& correction) {
 }
 
 void MapWorker::process(const MapJob& job) {
-  if (job.correction) correct(*job.correction);
+  for (const auto& correction : job.corrections) correct(*correction);
   if (job.keyframe) {
     KeyframePose keyframe{job.keyframe->index, job.keyframe->timestamp_s, job.T_odom_camera,
                           job.T_odom_camera};
@@ -97,7 +98,7 @@ void MapWorker::submit(MapJob job) {
   {
     const std::scoped_lock lock(mutex_);
     if (failure_) std::rethrow_exception(failure_);
-    if (mode_ == Mode::kLive && !job.keyframe && !job.correction) return;
+    if (mode_ == Mode::kLive && !job.keyframe && job.corrections.empty()) return;
     queue_.push_back(std::move(job));
   }
   changed_.notify_all();

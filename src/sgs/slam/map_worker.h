@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "sgs/camera/past_correction.h"
 #include "sgs/core/thread_pool.h"
 #include "sgs/mapper/mapper.h"
 #include "sgs/slam/keyframe_pose.h"
@@ -23,8 +24,8 @@ namespace sgs::slam {
 struct MapJob {
   std::shared_ptr<const RgbdFrame> keyframe;  ///< null when the frame is no mapping keyframe
   SE3 T_odom_camera;                          ///< the tracker's pose of that keyframe
-  /// How the tracker's past was corrected just before this frame; null = not at all.
-  std::shared_ptr<const PoseCorrection> correction;
+  /// How the tracker's past was corrected just before this frame, in order.
+  std::vector<std::shared_ptr<const PastCorrection>> corrections;
   double frames = 1;  ///< of a video that this one stands for: its steps are so many times more
 };
 
@@ -72,7 +73,7 @@ class MapWorker {
 
  private:
   void process(const MapJob& job);
-  void correct(const PoseCorrection& correction);
+  void correct(const PastCorrection& correction);
   void publish();
   void loop();
 

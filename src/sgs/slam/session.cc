@@ -6,6 +6,8 @@
 #include <exception>
 
 #include "sgs/core/log.h"
+#include "sgs/slam/calibration_estimator.h"
+#include "sgs/slam/loop_estimator.h"
 #include "sgs/slam/track_stopwatch.h"
 #include "sgs/slam/video_gap.h"
 
@@ -57,28 +59,33 @@ Session::Session(const SessionConfig& config, const PinholeCamera& camera,
       std::make_unique<MapWorker>(config_, camera_, tracker_->follows_map(), mode, options.threads);
   // A tracker that follows the map would see the correction some frames late; poses that do not
   // rest on each other do not drift.
-  if (config_.loops.enabled && !tracker_->follows_map() && tracker_->needs_video()) {
-    loops_ = std::make_unique<LoopWorker>(config_, mode);
+  if (tracker_->follows_map() || !tracker_->needs_video()) return;
+  if (config_.loops.enabled) {
+    auto estimator = std::make_unique<LoopEstimator>(config_);
+    loop_estimator_ = estimator.get();
+    loops_ = std::make_unique<PastWorker>(std::move(estimator), config_.loops.lag, mode);
+  }
+  if (config_.backend.calibration.online) {
+    calibrator_ = std::make_unique<PastWorker>(std::make_unique<CalibrationEstimator>(config_),
+                                               config_.backend.calibration.lag, mode);
   }
 }
 
 Session::~Session() = default;
 
-const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& frame) {
-  SGS_CHECK(frame != nullptr, "feed() needs a frame");
-  SGS_CHECK(frame->color.width() == camera_.width && frame->color.height() == camera_.height &&
-                frame->depth.width() == camera_.width && frame->depth.height() == camera_.height,
+const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& raw) {
+  SGS_CHECK(raw != nullptr, "feed() needs a frame");
+  SGS_CHECK(raw->color.width() == camera_.width && raw->color.height() == camera_.height &&
+                raw->depth.width() == camera_.width && raw->depth.height() == camera_.height,
             "frame size differs from the session's camera");
   correct_past();
+  const auto frame = calibrated(raw);
   const MapView view = wait_for_map();
   double cpu_ms = 0;
   const tracker::TrackResult result = track(*frame, view.snapshot, cpu_ms);
   FrameRecord record = make_record(*frame, view, result);
   record.track_ms = cpu_ms;
-  if (loops_) {
-    record.loops = loops_->loops_before(frames_fed_);
-    loops_->submit(frame, result);
-  }
+  estimate_past(raw, frame, result, record);
   hand_to_mapper(frame, record);
   report_loss(record);
   records_.push_back(std::move(record));
@@ -88,20 +95,51 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& frame) 
 
 // Before a frame is tracked: tracker, records and (with this frame's job) the map move together.
 void Session::correct_past() {
-  correction_ = loops_ ? loops_->correction_before(frames_fed_) : nullptr;
-  if (!correction_) return;
+  corrections_.clear();
+  for (PastWorker* worker : {loops_.get(), calibrator_.get()}) {
+    if (worker == nullptr) continue;
+    if (auto correction = worker->correction_before(frames_fed_)) {
+      corrections_.push_back(std::move(correction));
+    }
+  }
+  if (corrections_.empty()) return;
   const ScopedTimer timer(track_times_, "correct the past");
-  tracker_->correct(*correction_);
-  correct_records(*correction_);
+  for (const auto& correction : corrections_) {
+    tracker_->correct(*correction);
+    correct_records(*correction);
+    if (correction->depth) calibration_ = correction->depth->after();
+  }
 }
 
-void Session::correct_records(const PoseCorrection& correction) {
+std::shared_ptr<const RgbdFrame> Session::calibrated(
+    const std::shared_ptr<const RgbdFrame>& raw) const {
+  if (!calibration_) return raw;
+  auto frame = std::make_shared<RgbdFrame>(*raw);
+  frame->depth = calibration_->apply(raw->depth);
+  return frame;
+}
+
+void Session::estimate_past(const std::shared_ptr<const RgbdFrame>& raw,
+                            const std::shared_ptr<const RgbdFrame>& frame,
+                            const tracker::TrackResult& result, FrameRecord& record) {
+  if (loops_) {
+    record.loops = loops_->found_before(frames_fed_);
+    loops_->submit(frame, result, corrections_);
+  }
+  if (calibrator_) {
+    record.calibrations = calibrator_->found_before(frames_fed_);
+    calibrator_->submit(raw, result, corrections_);
+  }
+}
+
+void Session::correct_records(const PastCorrection& correction) {
   for (FrameRecord& r : records_) {
     if (!r.bad) r.T_odom_camera = correction.corrected(r.T_odom_camera, r.timestamp_s);
   }
-  const MovedPose& newest = correction.poses().back();
-  log().info("a loop was closed: the past moves by up to {:.1f} cm, the camera by {:.1f} cm",
-             100 * correction.largest_translation_m(),
+  const MovedPose& newest = correction.poses.poses().back();
+  log().info("{}: the past moves by up to {:.1f} cm, the camera by {:.1f} cm",
+             correction.depth ? "depth is calibrated" : "a loop was closed",
+             100 * correction.poses.largest_translation_m(),
              100 * (newest.after.t - newest.before.t).norm());
 }
 
@@ -135,7 +173,9 @@ FrameRecord Session::make_record(const RgbdFrame& frame, const MapView& view,
   record.gaussians = view.snapshot ? static_cast<std::int64_t>(view.snapshot->gaussians.size()) : 0;
   record.iterations = view.iterations;
   record.T_odom_camera = record.T_online_camera = result.T_world_camera;
-  if (correction_) record.correction_m = correction_->largest_translation_m();
+  for (const auto& correction : corrections_) {
+    record.correction_m = std::max(record.correction_m, correction->poses.largest_translation_m());
+  }
   record.status = result.status;
   record.lost_reason = result.lost_reason;
   record.tracking_keyframe = result.keyframe;
@@ -169,11 +209,12 @@ void Session::hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame, Fram
   if (wants_mapping_keyframe(record)) {
     record.mapping_keyframe = true;
     last_mapping_keyframe_ = video_time_;
+    ++mapping_keyframes_;
     keyframe_pending_ = false;
     job.keyframe = frame;
     job.T_odom_camera = record.T_odom_camera;
   }
-  job.correction = correction_;
+  job.corrections = corrections_;
   worker_->submit(std::move(job));
   ++frames_fed_;
 }
@@ -205,10 +246,8 @@ void Session::finish() {
   // What fails here must not cost the map.
   std::exception_ptr failure;
   try {
-    if (auto last = loops_ ? loops_->finish() : nullptr) {
-      correct_records(*last);
-      worker_->submit({nullptr, {}, std::move(last)});
-    }
+    if (loops_) apply_last(loops_->finish());
+    if (calibrator_) apply_last(calibrator_->finish());
   } catch (...) {
     failure = std::current_exception();
   }
@@ -216,12 +255,22 @@ void Session::finish() {
   if (failure) std::rethrow_exception(failure);
 }
 
+void Session::apply_last(const std::shared_ptr<const PastCorrection>& correction) {
+  if (!correction) return;
+  correct_records(*correction);
+  worker_->submit({nullptr, {}, {correction}});
+  if (!correction->depth) return;
+  calibration_ = correction->depth->after();
+  // Each keyframe's turn once more, with its new depth.
+  for (std::size_t k = 0; k < mapping_keyframes_; ++k) worker_->submit({});
+}
+
 std::optional<loops::LoopCounts> Session::loop_counts() const {
-  return loops_ ? std::optional(loops_->closer().counts()) : std::nullopt;
+  return loop_estimator_ ? std::optional(loop_estimator_->closer().counts()) : std::nullopt;
 }
 
 const loops::Skeleton* Session::skeleton() const {
-  return loops_ ? &loops_->closer().skeleton() : nullptr;
+  return loop_estimator_ ? &loop_estimator_->closer().skeleton() : nullptr;
 }
 
 map::SnapshotPtr Session::snapshot() { return worker_->newest_snapshot(); }

@@ -11,11 +11,12 @@
 #include "sgs/core/error.h"
 #include "sgs/core/stopwatch.h"
 #include "sgs/geometry/trajectory.h"
+#include "sgs/loops/loop_closer.h"
 #include "sgs/map/gaussian.h"
 #include "sgs/slam/frame_record.h"
 #include "sgs/slam/keyframe_pose.h"
-#include "sgs/slam/loop_worker.h"
 #include "sgs/slam/map_worker.h"
+#include "sgs/slam/past_worker.h"
 #include "sgs/slam/session_config.h"
 #include "sgs/tracker/tracker.h"
 
@@ -27,6 +28,8 @@ struct SessionOptions {
   bool live = false;  ///< map as long as there is time instead of a fixed budget per frame
   SE3 T_world_first;  ///< pose given to the first frame
 };
+
+class LoopEstimator;
 
 /// SLAM from frames to trajectory and map: tracker and mapper side by side, meeting only in
 /// immutable snapshots. feed() and finish() belong to one thread; snapshot() may be called from
@@ -77,6 +80,8 @@ class Session {
   std::optional<loops::LoopCounts> loop_counts() const;
   /// Edges of the pose graph that close loops, and its nodes (after finish()); null as above.
   const loops::Skeleton* skeleton() const;
+  /// What was learned about the depth camera (docs/calibration.md); empty where nothing was.
+  const std::optional<DepthCalibration>& calibration() const { return calibration_; }
   /// Seconds the mapper has been busy so far (any thread).
   double mapper_busy_s() const { return worker_->busy_s(); }
   /// Durations of tracking and mapping stages (after finish()).
@@ -87,7 +92,12 @@ class Session {
           std::unique_ptr<tracker::Tracker> tracker);
   // The steps of a frame.
   void correct_past();
-  void correct_records(const PoseCorrection& correction);
+  void apply_last(const std::shared_ptr<const PastCorrection>& correction);
+  void correct_records(const PastCorrection& correction);
+  std::shared_ptr<const RgbdFrame> calibrated(const std::shared_ptr<const RgbdFrame>& raw) const;
+  void estimate_past(const std::shared_ptr<const RgbdFrame>& raw,
+                     const std::shared_ptr<const RgbdFrame>& frame,
+                     const tracker::TrackResult& result, FrameRecord& record);
   MapView wait_for_map();
   tracker::TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot,
                              double& cpu_ms);
@@ -104,10 +114,14 @@ class Session {
   bool live_;
   std::unique_ptr<tracker::Tracker> tracker_;
   std::unique_ptr<MapWorker> worker_;
-  std::unique_ptr<LoopWorker> loops_;  // null: the tracker cannot be corrected, or shall not
-  std::shared_ptr<const PoseCorrection> correction_;  // of this frame, for the mapper
-  std::deque<FrameRecord> records_;                   // deque: feed() hands out references
+  // Null where the tracker cannot be corrected, or shall not:
+  std::unique_ptr<PastWorker> loops_, calibrator_;
+  const LoopEstimator* loop_estimator_ = nullptr;  // that of loops_
+  PastCorrections corrections_;                    // just before this frame
+  std::optional<DepthCalibration> calibration_;    // learned so far
+  std::deque<FrameRecord> records_;                // deque: feed() hands out references
   std::int64_t frames_fed_ = 0;
+  std::size_t mapping_keyframes_ = 0;
   double video_time_ = 0;              // frames fed, gaps of single views filled up
   double last_mapping_keyframe_ = -1;  // as video_time_
   bool keyframe_pending_ = true;       // a tracking keyframe waits for a frame the mapper may use

@@ -12,6 +12,7 @@ SessionConfig make_session_config(Preset preset) {
     config.mapper = mapper::paper_mapper_config();
     config.keyframe_interval = 10;
     config.loops.enabled = false;
+    config.backend.calibration.online = false;
   }
   return config;
 }

@@ -177,7 +177,7 @@ LostReason JointAligner::why_unseen(const Alignment& a) const {
   return a.picture->holds ? LostReason::kUnseenAxis : LostReason::kPoorPictureFit;
 }
 
-void JointAligner::correct(const PoseCorrection& correction) {
+void JointAligner::correct(const PastCorrection& correction) {
   vision_.correct(correction);
   geometry_.correct(correction);
 }
@@ -188,7 +188,7 @@ JointAligner::Extension JointAligner::extend(const Alignment& a, const Vector6d&
   if (vision_.wants_keyframe(a.T_local_camera, a.fit)) {
     const int before = vision_.keyframes();
     vision_.insert_keyframe(a.T_local_camera, a.fit, readout,
-                            [this](int u, int v) { return geometry_.smooth_depth(u, v); });
+                            [this](int u, int v) { return geometry_.surface(u, v); });
     out.keyframe = vision_.keyframes() > before;
   }
   const bool unexplained =

@@ -78,7 +78,7 @@ class JointAligner {
   Extension extend(const Alignment& alignment, const Vector6d& readout);
 
   /// Moves keyframes and targets (in local coordinates).
-  void correct(const PoseCorrection& correction);
+  void correct(const PastCorrection& correction);
 
   bool has_map() const { return geometry_.has_targets() || vision_.keyframes() > 0; }
   /// Whether the frame shows enough depth to be registered: kNone or kTooFewPoints.

@@ -2,36 +2,68 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/tracker/relocaliser.h"
 
+#include <algorithm>
+
+#include "sgs/features/visual_map.h"
+
 namespace sgs::tracker {
+namespace {
+
+constexpr int kEnoughWidth_px = 320;
+constexpr std::size_t kCompared = 6;
+
+/// How often an image is halved before it is kept.
+int kept_level(const PinholeCamera& camera) {
+  int level = 0;
+  while (camera.halved(level + 1).width >= kEnoughWidth_px) ++level;
+  return level;
+}
+
+}  // namespace
 
 void Relocaliser::add_keyframe(const RgbdFrame& frame, const SE3& T_local_camera) {
-  Keyframe keyframe;
-  if (static_cast<int>(keyframes_.size()) >= config_.memory.keyframes) {
-    keyframe = std::move(keyframes_.front());  // its images' memory is used again
-    keyframes_.pop_front();
-  }
-  keyframe.frame = frame;
-  keyframe.T_local_camera = T_local_camera;
-  keyframes_.push_back(std::move(keyframe));
+  if (static_cast<int>(keyframes_.size()) >= config_.memory.keyframes) keyframes_.pop_front();
+  keyframes_.push_back({CompactView(frame, kept_level(frame.camera)),
+                        frame.timestamp_s,
+                        ferns_.code(frame),
+                        T_local_camera,
+                        {}});
 }
 
-void Relocaliser::correct(const PoseCorrection& correction) {
+void Relocaliser::correct(const PastCorrection& correction) {
   for (Keyframe& k : keyframes_) {
-    k.T_local_camera = correction.corrected(k.T_local_camera, k.frame.timestamp_s);
+    k.T_local_camera = correction.corrected(k.T_local_camera, k.timestamp_s);
+    if (correction.depth) k.changes.push_back(correction.depth);
   }
 }
 
-std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame) const {
+// The newest one, too: a camera that was lost for a moment is mostly still there.
+std::vector<std::size_t> Relocaliser::most_alike(const RgbdFrame& frame) const {
+  const features::FernCode code = ferns_.code(frame);
+  std::vector<std::pair<double, std::size_t>> alike;
+  for (std::size_t k = 0; k + 1 < keyframes_.size(); ++k) {
+    alike.emplace_back(-features::Ferns::similarity(keyframes_[k].ferns, code), k);
+  }
+  std::sort(alike.begin(), alike.end());
+  std::vector<std::size_t> out;
+  if (!keyframes_.empty()) out.push_back(keyframes_.size() - 1);
+  for (const auto& [similarity, k] : alike) {
+    if (out.size() < kCompared) out.push_back(k);
+  }
+  return out;
+}
+
+std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame) {
   features::OrbExtractor extractor(config_.orb);
-  const features::OrbFrame current = extractor.extract(frame);
+  const CompactView view(frame, kept_level(frame.camera));
+  const features::OrbFrame current = extractor.extract(view.frame());
   if (static_cast<int>(current.keypoints.size()) < config_.pose.min_matches) return std::nullopt;
-  // An even choice over time bounds the cost; the newest is always among them.
-  constexpr std::size_t kCompared = 6;
   features::VisualMap map(config_.pose);
-  const std::size_t step = std::max<std::size_t>(1, keyframes_.size() / kCompared);
-  for (std::size_t back = 0; back < keyframes_.size(); back += step) {
-    const Keyframe& keyframe = keyframes_[keyframes_.size() - 1 - back];
-    map.insert(extractor.extract(keyframe.frame), keyframe.T_local_camera);
+  for (const std::size_t k : most_alike(frame)) {
+    Keyframe& keyframe = keyframes_[k];
+    for (const auto& change : keyframe.changes) keyframe.view.change_depth(*change);
+    keyframe.changes.clear();
+    map.insert(extractor.extract(keyframe.view.frame()), keyframe.T_local_camera);
   }
   const features::VisualPose found = map.relocalise(current);
   if (found.verdict != features::Verdict::kOk) return std::nullopt;

@@ -122,8 +122,8 @@ bool SpectralTracker::extend_map(const RgbdFrame& frame, const Alignment& a,
   return extended.targets;
 }
 
-void SpectralTracker::correct(const PoseCorrection& correction) {
-  const PoseCorrection local = correction.in_frame(T_world_local_.inverse());
+void SpectralTracker::correct(const PastCorrection& correction) {
+  const PastCorrection local = correction.in_frame(T_world_local_.inverse());
   aligner_.correct(local);
   relocaliser_.correct(local);
   motion_.correct(local.corrected(motion_.pose(), motion_.timestamp_s()));

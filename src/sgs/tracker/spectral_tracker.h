@@ -23,7 +23,7 @@ class SpectralTracker : public Tracker {
 
   TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) override;
   bool follows_map() const override { return aligner_.geometry().targets().follows_map(); }
-  void correct(const PoseCorrection& correction) override;
+  void correct(const PastCorrection& correction) override;
 
  private:
   // The steps of a frame.

@@ -40,7 +40,7 @@ class DriftingTracker : public Tracker {
     return result;
   }
   bool follows_map() const override { return tracker_->follows_map(); }
-  void correct(const PoseCorrection& correction) override {
+  void correct(const PastCorrection& correction) override {
     drifted_ = correction.corrected(drifted_, timestamp_s_);
   }
 

@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
+#include "sgs/camera/past_correction.h"
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/core/error.h"
-#include "sgs/geometry/pose_correction.h"
 #include "sgs/map/gaussian.h"
 #include "sgs/tracker/track_result.h"
 
@@ -34,7 +34,7 @@ class Tracker {
   /// Moves everything that is remembered of the past as `correction` (of poses that track() has
   /// returned) tells, and goes on from there. Only those are corrected whose results carry
   /// TrackResult::information.
-  virtual void correct(const PoseCorrection& /*correction*/) {}
+  virtual void correct(const PastCorrection& /*correction*/) {}
 };
 
 /// Makes the tracker that `config.type` names. Fails on settings out of range and cameras without a

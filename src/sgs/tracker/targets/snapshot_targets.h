@@ -23,7 +23,7 @@ class SnapshotTargets : public TargetMap {
   void insert(const registration::SourceCloud& source, const StampedPose& keyframe,
               const registration::CorrespondenceSearch* search) override;
   /// The Gaussians come corrected with the next snapshot.
-  void correct(const PoseCorrection& correction) override { before_.correct(correction); }
+  void correct(const PastCorrection& correction) override { before_.correct(correction); }
   const registration::TargetCloud& cloud() const override;
   bool wants_keyframes() const override { return !has_snapshot_; }
   bool follows_map() const override { return true; }

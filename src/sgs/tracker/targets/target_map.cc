@@ -16,7 +16,7 @@ class GridTargets : public TargetMap {
               const registration::CorrespondenceSearch* search) override {
     points_.insert(source, keyframe, search);
   }
-  void correct(const PoseCorrection& correction) override { points_.correct(correction); }
+  void correct(const PastCorrection& correction) override { points_.correct(correction); }
   const registration::TargetCloud& cloud() const override { return points_.cloud(); }
   bool wants_keyframes() const override { return true; }
   bool follows_map() const override { return false; }

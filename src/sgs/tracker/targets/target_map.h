@@ -23,7 +23,7 @@ class TargetMap {
   virtual void insert(const registration::SourceCloud& source, const StampedPose& keyframe,
                       const registration::CorrespondenceSearch* search) = 0;
   /// Moves the tracker's own targets with the keyframes that saw them.
-  virtual void correct(const PoseCorrection& correction) = 0;
+  virtual void correct(const PastCorrection& correction) = 0;
   /// Whether insert() does anything now.
   virtual bool wants_keyframes() const = 0;
   virtual const registration::TargetCloud& cloud() const = 0;

@@ -45,9 +45,22 @@ void TrackablePoints::move_keyframe(int keyframe, const SE3& T_local_camera) {
   k.T_local_camera = T_local_camera;
 }
 
-void TrackablePoints::correct(const PoseCorrection& correction) {
+void TrackablePoints::change_depth(const Keyframe& keyframe, const DepthChange& change) {
+  const Eigen::Matrix3f R = keyframe.T_local_camera.R.cast<float>();
+  const Eigen::Vector3f t = keyframe.T_local_camera.t.cast<float>();
+  for (std::size_t i = keyframe.begin; i < keyframe.end; ++i) {
+    registration::TargetPoint& p = cloud_.points[i];
+    Eigen::Vector3f point = R.transpose() * (p.point - t), normal = R.transpose() * p.normal;
+    change.apply(point, normal);
+    p.point = R * point + t;
+    p.normal = R * normal;
+  }
+}
+
+void TrackablePoints::correct(const PastCorrection& correction) {
   for (int k = 0; k < keyframes(); ++k) {
     const Keyframe& keyframe = keyframes_[static_cast<std::size_t>(k)];
+    if (correction.depth) change_depth(keyframe, *correction.depth);
     move_keyframe(k, correction.corrected(keyframe.T_local_camera, keyframe.timestamp_s));
   }
 }

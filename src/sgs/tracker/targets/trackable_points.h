@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sgs/geometry/pose_correction.h"
+#include "sgs/camera/past_correction.h"
 #include "sgs/geometry/trajectory.h"
 #include "sgs/registration/correspondence_search.h"
 
@@ -32,8 +32,8 @@ class TrackablePoints {
   /// Moves keyframe number `keyframe` (in order of insertion) and its points to `T_local_camera`.
   void move_keyframe(int keyframe, const SE3& T_local_camera);
 
-  /// Moves all of them, where there is anything to move.
-  void correct(const PoseCorrection& correction);
+  /// Moves all of them, and their points along their rays where depth is known better now.
+  void correct(const PastCorrection& correction);
 
   int keyframes() const { return static_cast<int>(keyframes_.size()); }
   const registration::TargetCloud& cloud() const { return cloud_; }
@@ -44,6 +44,8 @@ class TrackablePoints {
     SE3 T_local_camera;
     std::size_t begin, end;  // of its points
   };
+
+  void change_depth(const Keyframe& keyframe, const DepthChange& change);
 
   Spacing spacing_;
   std::vector<Keyframe> keyframes_;

@@ -58,12 +58,14 @@ class GeometricTerm {
   void insert_keyframe(const SE3& T_local_camera, const Vector6d& readout = Vector6d::Zero());
 
   /// Moves the tracker's own targets (in local coordinates).
-  void correct(const PoseCorrection& correction) { targets_->correct(correction); }
+  void correct(const PastCorrection& correction) { targets_->correct(correction); }
 
   const registration::SourceCloud& source() const { return source_; }
-  /// Depth smoothed by the plane fit at a pixel of the frame, 0 = none (always with the paper's
-  /// sampling, which fits no planes).
-  float smooth_depth(int u, int v) const { return source_sampler_->smooth_depth(u, v); }
+  /// The plane fitted around a pixel of the frame (never one with the paper's sampling, which fits
+  /// none).
+  registration::InverseDepthPlane surface(int u, int v) const {
+    return source_sampler_->inverse_depth_plane(u, v);
+  }
   const TargetMap& targets() const { return *targets_; }
 
  private:

@@ -125,7 +125,7 @@ bool VisualTerm::wants_keyframe(const SE3& T_local_camera, const Fit& fit) const
 }
 
 void VisualTerm::insert_keyframe(const SE3& T_local_camera, const Fit& fit, const Vector6d& readout,
-                                 const registration::DepthLookup& smooth_depth) {
+                                 const registration::SurfaceLookup& surface) {
   constexpr double kSameView = 0.8;
   for (const Fit::Reference& r : fit.references_) {
     if (r.keyframe == newest_ || !is_near(keyframes_[r.keyframe], T_local_camera, kSameView))
@@ -137,15 +137,16 @@ void VisualTerm::insert_keyframe(const SE3& T_local_camera, const Fit& fit, cons
   }
   const double depth_m = registration::mean_depth(frame_->depth, config_.photometric.max_depth_m);
   keyframes_.push_back({registration::PhotometricReference(pyramid_, frame_->depth, T_local_camera,
-                                                           config_.photometric, smooth_depth,
+                                                           config_.photometric, surface,
                                                            registration::ReadoutMotion(readout)),
                         depth_m > 0 ? depth_m : kDefaultDepth_m, frame_->timestamp_s});
   newest_ = keyframes_.size() - 1;
 }
 
-void VisualTerm::correct(const PoseCorrection& correction) {
+void VisualTerm::correct(const PastCorrection& correction) {
   for (Keyframe& k : keyframes_) {
     k.reference.set_pose(correction.corrected(k.reference.T_world_keyframe(), k.timestamp_s));
+    if (correction.depth) k.reference.change_depth(*correction.depth);
   }
 }
 

@@ -4,10 +4,10 @@
 
 #include <vector>
 
+#include "sgs/camera/past_correction.h"
 #include "sgs/camera/pyramid.h"
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/degeneracy/fusion.h"
-#include "sgs/geometry/pose_correction.h"
 #include "sgs/registration/photometric.h"
 #include "sgs/tracker/readout_estimator.h"
 #include "sgs/tracker/tracker_config.h"
@@ -37,9 +37,9 @@ class VisualTerm {
   /// Makes the current frame a keyframe, unless an old one that sees the same takes its place.
   /// `readout`: camera twist over its readout.
   void insert_keyframe(const SE3& T_local_camera, const Fit& fit, const Vector6d& readout,
-                       const registration::DepthLookup& smooth_depth);
+                       const registration::SurfaceLookup& surface);
   /// Moves the keyframes (in local coordinates).
-  void correct(const PoseCorrection& correction);
+  void correct(const PastCorrection& correction);
   int keyframes() const { return static_cast<int>(keyframes_.size()); }
   /// Number of the keyframe the camera was last at.
   std::size_t newest_keyframe() const { return newest_; }

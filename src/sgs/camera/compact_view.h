@@ -4,22 +4,30 @@
 
 #include <cstdint>
 
+#include "sgs/camera/depth_change.h"
 #include "sgs/camera/rgbd_frame.h"
 
-namespace sgs::loops {
+namespace sgs {
 
 /// A frame as far as an alignment needs it, three bytes a pixel: grey values of 8 bits, depth in
 /// steps of a fifth of a millimetre up to 13 m.
 class CompactView {
  public:
   CompactView() = default;
-  explicit CompactView(const RgbdFrame& frame);
+  /// Halved `level` times: grey values are averaged, depth is taken at every other pixel.
+  explicit CompactView(const RgbdFrame& frame, int level = 0);
 
   const PinholeCamera& camera() const { return camera_; }
+  /// Depth is known better now.
+  void change_depth(const DepthChange& change);
   /// The frame again, without its colours.
   RgbdFrame frame() const;
 
  private:
+  void set_depth(const DepthImage& depth);
+  DepthImage depth() const;
+
+  int level_ = 0;
   PinholeCamera camera_;
   std::int64_t index_ = 0;
   double timestamp_s_ = 0;
@@ -27,4 +35,4 @@ class CompactView {
   Image<std::uint16_t> depth_;
 };
 
-}  // namespace sgs::loops
+}  // namespace sgs

@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// How soon a camera that was carried off, or blinded for two seconds, is found again in a place
+// that it knows: one row per recording and kind.
+//     sgs_relocalisation_benchmark [--trials N] [--set key=value] INPUT...
+// INPUT may be synth:NAME:LEVEL@SEED. The whole recording is tracked first; then the camera is put
+// at places of it, drawn by seed, and followed for two seconds each.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "sgs/core/log.h"
+#include "sgs/core/random.h"
+#include "sgs/dataset/feed_item.h"
+#include "sgs/geometry/trajectory.h"
+#include "sgs/run/input.h"
+#include "sgs/run/run_config.h"
+#include "sgs/tracker/tracker.h"
+
+namespace {
+
+using namespace sgs;
+
+constexpr int kFollowed = 60;  // frames after each trial
+constexpr int kBlind = 60;     // black frames before it
+constexpr double kSoon_s = 0.5;
+constexpr double kRight_m = 0.05;
+
+struct Outcome {
+  int trials = 0, soon = 0, late = 0, wrong = 0;
+};
+
+/// A recording that was tracked from end to end.
+class Known {
+ public:
+  Known(std::vector<std::shared_ptr<const RgbdFrame>> frames,
+        std::unique_ptr<tracker::Tracker> tracker)
+      : frames_(std::move(frames)), tracker_(std::move(tracker)) {
+    for (const auto& frame : frames_) {
+      clock_s_ = frame->timestamp_s;
+      poses_.push_back(tracker_->track(*frame, nullptr).T_world_camera);
+    }
+  }
+
+  Outcome try_it(int trials, bool blind) {
+    SplitMix64 random(blind ? 2 : 1);
+    Outcome out;
+    for (; out.trials < trials; ++out.trials) {
+      const auto places = static_cast<double>(frames_.size() - kFollowed);
+      follow(static_cast<std::size_t>(random.uniform() * places), blind, out);
+    }
+    return out;
+  }
+
+ private:
+  // The recording goes on from frame `first`; the poses it had are the truth.
+  void follow(std::size_t first, bool blind, Outcome& out) {
+    if (blind) {
+      RgbdFrame black = *frames_[first];
+      black.color = ColorImage(black.color.width(), black.color.height());
+      black.depth = DepthImage(black.depth.width(), black.depth.height());
+      for (int k = 0; k < kBlind; ++k) track(black);
+    }
+    double since_s = clock_s_;
+    bool found = false;
+    for (std::size_t k = first; k < first + kFollowed; ++k) {
+      const auto result = track(*frames_[k]);
+      if (result.status == tracker::TrackingStatus::kLost) continue;
+      const double off_m = (result.T_world_camera.t - poses_[k].t).norm();
+      if (off_m > kRight_m) {
+        ++out.wrong;
+        return;
+      }
+      if (!found) ++(clock_s_ - since_s <= kSoon_s ? out.soon : out.late);
+      found = true;
+    }
+  }
+  tracker::TrackResult track(const RgbdFrame& frame) {
+    RgbdFrame now = frame;
+    now.timestamp_s = clock_s_ += 1.0 / 30;
+    return tracker_->track(now, nullptr);
+  }
+
+  std::vector<std::shared_ptr<const RgbdFrame>> frames_;
+  std::unique_ptr<tracker::Tracker> tracker_;
+  std::vector<SE3> poses_;
+  double clock_s_ = 0;
+};
+
+Status judge(const std::string& name, const slam::SessionConfig& config, int trials) {
+  run::InputSpec spec;
+  const auto at = name.rfind('@');
+  spec.input = name.substr(0, at);
+  if (at != std::string::npos) spec.synth_seed = std::stoull(name.substr(at + 1));
+  SGS_ASSIGN_OR_RETURN(auto input, run::open_input(spec, 2));
+  SGS_ASSIGN_OR_RETURN(auto tracker,
+                       tracker::make_tracker(config.tracker, input.source->camera(), SE3{}));
+  std::vector<std::shared_ptr<const RgbdFrame>> frames;
+  while (auto item = dataset::read_item(*input.source)) {
+    if (item->frame) frames.push_back(item->frame);
+  }
+  if (frames.size() <= kFollowed) {
+    return fail(ErrorCode::kInvalidArgument, "the recording is too short", "take a longer one");
+  }
+  Known known(std::move(frames), std::move(tracker));
+  for (const bool blind : {false, true}) {
+    const Outcome o = known.try_it(trials, blind);
+    fmt::print("| {} | {} | {} | {} | {} | {} | {} |\n", name.substr(name.rfind('/') + 1),
+               blind ? "blinded" : "carried off", o.trials, o.soon, o.late, o.wrong,
+               o.trials - o.soon - o.late);
+    std::fflush(stdout);
+  }
+  return {};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Being found again");
+  std::vector<std::string> inputs, assignments;
+  int trials = 20;
+  app.add_option("INPUT", inputs)->required();
+  app.add_option("--trials", trials, "of each kind")->check(CLI::PositiveNumber);
+  app.add_option("--set", assignments, "key=value")->take_all()->allow_extra_args(false);
+  CLI11_PARSE(app, argc, argv);
+  log().set_level(spdlog::level::warn);
+  run::ConfigSources sources;
+  sources.assignments = assignments;
+  run::InputSpec none;
+  const auto config = run::resolve_config(sources, none);
+  if (!config) return fmt::print(stderr, "{}\n", config.error().text()), 2;
+  fmt::print(
+      "| recording | the camera was | trials | found in {} s | later | wrongly (> {} m) | never |\n"
+      "|---|---|---|---|---|---|---|\n",
+      kSoon_s, kRight_m);
+  for (const std::string& input : inputs) {
+    if (const auto judged = judge(input, *config, trials); !judged) {
+      fmt::print(stderr, "{}: {}\n", input, judged.error().text());
+      return 1;
+    }
+  }
+  return 0;
+}

@@ -1,0 +1,118 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/backend/online_calibration.h"
+
+#include <gtest/gtest.h>
+
+#include "sgs/backend/test_room.h"
+
+namespace sgs::backend {
+namespace {
+
+BackendConfig small_config() {
+  BackendConfig config;
+  config.archive.view_distance = 0.02;
+  config.calibration.columns = 8;
+  config.calibration.rows = 6;
+  config.calibration.keyframes = 18;
+  return config;
+}
+
+/// Poses along the way of TestRoom, a little wrong.
+SE3 tracked_pose(int k, double scale = 1) {
+  Vector6d off;
+  for (int i = 0; i < 6; ++i) off[i] = 0.001 * std::sin(12.9898 * (6 * k + i + 1));
+  SE3 T = TestRoom::pose(k) * SE3::exp(off);
+  T.t *= scale;
+  return T;
+}
+
+struct Lesson {
+  int frame;
+  LearnedCalibration learned;
+};
+
+/// What is learned from views of a room; corrections are applied at once. `scale`: of the tracked
+/// path, as the distorted depth made it.
+std::vector<Lesson> lessons(const TestRoom& room, double scale = 1) {
+  constexpr int kFrames = 26;
+  OnlineCalibration calibration(small_config());
+  std::vector<Lesson> out;
+  for (int k = 0; k < kFrames; ++k) {
+    if (auto learned = calibration.add(room.view(k), tracked_pose(k, scale), 0)) {
+      calibration.note_applied(learned->correction);
+      out.push_back({k, std::move(*learned)});
+    }
+  }
+  EXPECT_EQ(calibration.versions(), static_cast<int>(out.size()));
+  return out;
+}
+
+TEST(OnlineCalibration, LearnsWhileItGoesOn) {
+  TestRoom room;
+  room.distort = [](double, double, double q) { return q - 0.006; };
+  const auto learned = lessons(room);
+  ASSERT_FALSE(learned.empty());
+  EXPECT_NEAR(learned.back().learned.estimate.calibration.mean_offset_per_m(), 0.006, 6e-4);
+  // Not before a second attempt has confirmed the first.
+  EXPECT_GE(learned.front().frame, 12);
+  const PastCorrection& first = learned.front().learned.correction;
+  ASSERT_TRUE(first.depth);
+  EXPECT_NEAR(first.depth->rms_per_m(), 0.006, 1e-3);
+  EXPECT_GE(first.poses.poses().size(), 12u);
+  // What comes later is told as a change of what was there.
+  for (std::size_t i = 1; i < learned.size(); ++i) {
+    EXPECT_LT(learned[i].learned.correction.depth->rms_per_m(), 2e-3);
+  }
+}
+
+TEST(OnlineCalibration, SaysNothingOfACameraThatIsRight) { EXPECT_TRUE(lessons({}).empty()); }
+
+TEST(OnlineCalibration, IsOnlyConfirmedByWhatItExpects) {
+  DepthCalibration earlier;
+  earlier.camera = TestRoom{}.camera;
+  earlier.grid = {8, 6};
+  earlier.offset_per_m.assign(48, 0.002);
+  earlier.sigma_per_m.assign(48, 5e-4);
+  earlier.mean_sigma_per_m = 3e-4;
+  earlier.shift_px = {1.5, 0};
+  earlier.shift_sigma_px = {0.2, 0.2};
+  EXPECT_TRUE(confirms(earlier, earlier));
+  DepthCalibration later = earlier;
+  later.shift_px = {1.9, -0.3};
+  later.offset_per_m.assign(48, 0.0025);
+  EXPECT_TRUE(confirms(later, earlier));
+  later.shift_px = {2.5, 0};
+  EXPECT_FALSE(confirms(later, earlier)) << "another shift";
+  later = earlier;
+  later.offset_per_m.assign(48, 0.004);
+  EXPECT_FALSE(confirms(later, earlier)) << "another mean";
+  later = earlier;
+  for (std::size_t k = 0; k < 48; ++k) later.offset_per_m[k] += k % 2 == 0 ? 0.002 : -0.002;
+  EXPECT_FALSE(confirms(later, earlier)) << "another shape";
+}
+
+TEST(OnlineCalibration, DepthOfAnotherMetreIsNotBentStraight) {
+  TestRoom room;
+  room.distort = [](double, double, double q) { return q - 0.03; };
+  EXPECT_TRUE(lessons(room, 1.06).empty());
+}
+
+TEST(OnlineCalibration, WaitsUntilWhatItSaidIsApplied) {
+  TestRoom room;
+  room.distort = [](double, double, double q) { return q - 0.006; };
+  OnlineCalibration calibration(small_config());
+  int learned = 0;
+  for (int k = 0; k < 26; ++k) learned += calibration.add(room.view(k), tracked_pose(k), 0) ? 1 : 0;
+  EXPECT_EQ(learned, 1);
+}
+
+TEST(OnlineCalibration, FramesThatWereLostTellNothing) {
+  TestRoom room;
+  room.distort = [](double, double, double q) { return q - 0.006; };
+  OnlineCalibration calibration(small_config());
+  for (int k = 0; k < 20; ++k) EXPECT_FALSE(calibration.add(room.view(k), std::nullopt, 0));
+}
+
+}  // namespace
+}  // namespace sgs::backend

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/camera/compact_view.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sgs/camera/pyramid.h"
+#include "sgs/core/error.h"
+
+namespace sgs {
+namespace {
+
+constexpr float kUnitsPerMetre = 5000;
+
+}  // namespace
+
+CompactView::CompactView(const RgbdFrame& frame, int level)
+    : level_(level),
+      camera_(frame.camera.halved(level)),
+      index_(frame.index),
+      timestamp_s_(frame.timestamp_s),
+      gray_(camera_.width, camera_.height),
+      depth_(camera_.width, camera_.height) {
+  GrayPyramid pyramid;
+  pyramid.build(frame.color, frame.camera, level + 1);
+  SGS_CHECK(pyramid.levels() == level + 1, "the image cannot be halved so often");
+  const Image<float>& gray = pyramid.level(level).gray;
+  for (std::size_t i = 0; i < gray_.size(); ++i) {
+    gray_.data()[i] = static_cast<std::uint8_t>(std::lround(gray.data()[i]));
+  }
+  DepthImage depth(camera_.width, camera_.height);
+  for (int v = 0; v < depth.height(); ++v) {
+    const float* row = frame.depth.row(v << level);
+    for (int u = 0; u < depth.width(); ++u) depth(u, v) = row[u << level];
+  }
+  set_depth(depth);
+}
+
+void CompactView::set_depth(const DepthImage& depth) {
+  for (std::size_t i = 0; i < depth_.size(); ++i) {
+    const float units = std::round(depth.data()[i] * kUnitsPerMetre);
+    depth_.data()[i] = units < 65535 ? static_cast<std::uint16_t>(units) : std::uint16_t{0};
+  }
+}
+
+DepthImage CompactView::depth() const {
+  DepthImage out(depth_.width(), depth_.height());
+  for (std::size_t i = 0; i < depth_.size(); ++i) {
+    out.data()[i] = static_cast<float>(depth_.data()[i]) / kUnitsPerMetre;
+  }
+  return out;
+}
+
+void CompactView::change_depth(const DepthChange& change) {
+  set_depth(change.halved(level_).apply(depth()));
+}
+
+RgbdFrame CompactView::frame() const {
+  RgbdFrame out;
+  out.index = index_;
+  out.timestamp_s = timestamp_s_;
+  out.camera = camera_;
+  out.color = ColorImage(gray_.width(), gray_.height());
+  out.depth = depth();
+  for (std::size_t i = 0; i < gray_.size(); ++i) {
+    const std::uint8_t g = gray_.data()[i];
+    out.color.data()[i] = {g, g, g};
+  }
+  return out;
+}
+
+}  // namespace sgs

@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "sgs/camera/depth_calibration.h"
+
+namespace sgs {
+
+/// What a new calibration makes of depth that an older one has corrected: for what was kept of
+/// frames that are gone. To first order in the distance between the two shifts.
+class DepthChange {
+ public:
+  /// Both of the same camera and, where they have offsets, the same grid; `before` may be empty
+  /// (nothing was corrected).
+  DepthChange(const DepthCalibration& before, const DepthCalibration& after);
+
+  /// The new calibration.
+  const DepthCalibration& after() const { return after_; }
+  /// The same for images that were halved `level` times.
+  DepthChange halved(int level) const;
+  /// A depth image corrected by `before` as `after` would have corrected it.
+  DepthImage apply(const DepthImage& before) const { return difference_.apply(before); }
+  /// A point in its camera's coordinates on a surface with that unit normal: where and how the
+  /// surface lies now.
+  void apply(Eigen::Vector3f& point, Eigen::Vector3f& normal) const;
+  /// The same of a point that lies on a surface whose inverse depth changes by `slope` per pixel of
+  /// the image.
+  void apply(Eigen::Vector3f& point, const Eigen::Vector2f& slope) const;
+  /// Root mean square over the image of the change of inverse depth, 1/m, and the change of shift.
+  double rms_per_m() const;
+  double shift_px() const { return difference_.shift_px.norm(); }
+
+ private:
+  /// Inverse depth at a pixel of the colour image and its new slope; `q` and `slope` as they were.
+  double changed(const Eigen::Vector2d& pixel, double q, Eigen::Vector2d& slope) const;
+
+  DepthCalibration after_, difference_;
+};
+
+}  // namespace sgs

@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/slam/calibration_estimator.h"
+
+#include <cmath>
+#include <utility>
+
+#include "sgs/core/log.h"
+
+namespace sgs::slam {
+
+std::shared_ptr<const PastCorrection> CalibrationEstimator::add(
+    const std::shared_ptr<const RgbdFrame>& frame, const tracker::TrackResult& result) {
+  if (std::isfinite(result.diagnostics.readout_s)) readout_s_ = result.diagnostics.readout_s;
+  const bool tracked = result.status != tracker::TrackingStatus::kLost && result.information;
+  return told(calibration_.add(frame, tracked ? std::optional(result.T_world_camera) : std::nullopt,
+                               readout_s_));
+}
+
+std::shared_ptr<const PastCorrection> CalibrationEstimator::told(
+    std::optional<backend::LearnedCalibration> learned) {
+  if (!learned) return nullptr;
+  const DepthCalibration& c = learned->estimate.calibration;
+  log().info(
+      "the depth camera was calibrated from {} keyframes: offset {:+.5f} /m in the mean "
+      "(sigma {:.5f}), {:.5f} /m about it, depth {:+.2f} {:+.2f} px off colour "
+      "(sigma {:.2f} {:.2f}); left over: {:.1f} grey, {:.1f} of the depth noise, delay {:.4f}",
+      learned->estimate.keyframes, c.mean_offset_per_m(), c.mean_sigma_per_m,
+      learned->estimate.shape_rms_per_m, c.shift_px.x(), c.shift_px.y(), c.shift_sigma_px.x(),
+      c.shift_sigma_px.y(), learned->estimate.noise.grey, learned->estimate.noise.depth,
+      learned->estimate.delay_s);
+  return std::make_shared<const PastCorrection>(std::move(learned->correction));
+}
+
+}  // namespace sgs::slam

@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// A depth camera that lies, calibrated while the session runs.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "sgs/dataset/feed_item.h"
+#include "sgs/eval/trajectory_metrics.h"
+#include "sgs/slam/session.h"
+#include "sgs/synthetic/sensor.h"
+#include "sgs/synthetic/source.h"
+
+namespace sgs {
+namespace {
+
+struct Recording {
+  std::vector<std::shared_ptr<const RgbdFrame>> frames;
+  Trajectory truth;
+  PinholeCamera camera;
+};
+
+/// A walk through a corridor, 17 s at 15 frames a second.
+const Recording& corridor() {
+  static const Recording recording = [] {
+    synthetic::SynthOptions options;
+    options.scene = "corridor";
+    options.level = "hard";
+    options.rate_hz = 15;
+    options.frames = 250;
+    options.threads = 2;
+    auto source = synthetic::make_synthetic_source(options);
+    EXPECT_TRUE(source) << source.error().text();
+    Recording out;
+    out.truth = (*source)->ground_truth();
+    out.camera = options.camera;
+    while (auto item = dataset::read_item(**source)) out.frames.push_back(item->frame);
+    return out;
+  }();
+  return recording;
+}
+
+slam::SessionConfig config_with_calibration(bool online) {
+  auto config = slam::make_session_config(slam::Preset::kDefault);
+  config.mapper.iterations_per_frame = 0.1;
+  config.backend.calibration.online = online;
+  config.backend.calibration.lag = 20;
+  return config;
+}
+
+struct Outcome {
+  std::vector<map::Gaussian> gaussians;
+  Trajectory poses;
+  std::optional<DepthCalibration> calibration;
+  int learned = 0;
+};
+
+Outcome run(const Recording& recording, const slam::SessionConfig& config, int threads,
+            bool live = false) {
+  slam::SessionOptions options;
+  options.threads = threads;
+  options.live = live;
+  auto session = slam::Session::create(config, recording.camera, options);
+  EXPECT_TRUE(session) << session.error().text();
+  Outcome out;
+  for (const auto& frame : recording.frames) out.learned = (*session)->feed(frame).calibrations;
+  (*session)->finish();
+  out.gaussians = (*session)->final_snapshot()->gaussians;
+  out.poses = (*session)->trajectory();
+  out.calibration = (*session)->calibration();
+  return out;
+}
+
+double ate_m(const Trajectory& poses, const Trajectory& truth) {
+  return eval::evaluate_trajectory(eval::to_estimates(poses), truth).ate->rmse;
+}
+
+TEST(OnlineCalibration, MakesThePathTruer) {
+  const Recording& recording = corridor();
+  const Outcome as_is = run(recording, config_with_calibration(false), 2);
+  EXPECT_FALSE(as_is.calibration);
+  const Outcome calibrated = run(recording, config_with_calibration(true), 2);
+  ASSERT_TRUE(calibrated.calibration);
+  EXPECT_LT(ate_m(calibrated.poses, recording.truth), 0.6 * ate_m(as_is.poses, recording.truth));
+  const synthetic::Sensor sensor(synthetic::SensorModel::of_level("hard"), recording.camera, 1);
+  EXPECT_LT((calibrated.calibration->shift_px - sensor.registration_shift()).norm(), 0.5);
+}
+
+TEST(OnlineCalibration, GivesTheSameBitsForAnyNumberOfThreads) {
+  const Outcome one = run(corridor(), config_with_calibration(true), 1);
+  ASSERT_GE(one.learned, 1);
+  for (const int threads : {2, 5}) {
+    const Outcome other = run(corridor(), config_with_calibration(true), threads);
+    ASSERT_EQ(one.gaussians.size(), other.gaussians.size()) << threads;
+    EXPECT_EQ(std::memcmp(one.gaussians.data(), other.gaussians.data(),
+                          one.gaussians.size() * sizeof(map::Gaussian)),
+              0)
+        << threads;
+    ASSERT_EQ(*one.calibration, *other.calibration);
+  }
+}
+
+TEST(OnlineCalibration, LearnsLiveToo) {
+  const Outcome live = run(corridor(), config_with_calibration(true), 2, true);
+  EXPECT_EQ(live.poses.size(), corridor().frames.size());
+  EXPECT_FALSE(live.gaussians.empty());
+}
+
+}  // namespace
+}  // namespace sgs
