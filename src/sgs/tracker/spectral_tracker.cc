@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/tracker/spectral_tracker.h"
 
+#include <algorithm>
+
 #include "sgs/tracker/describe.h"
 #include "sgs/tracker/loss_checks.h"
 
 namespace sgs::tracker {
-
 SpectralTracker::SpectralTracker(const SpectralConfig& config, const PinholeCamera& camera,
                                  const SE3& T_world_first)
     : config_(config),
@@ -21,12 +22,13 @@ TrackResult SpectralTracker::track(const RgbdFrame& frame, const map::SnapshotPt
   aligner_.look_at(frame, snapshot);
   const Alignment alignment = !aligner_.has_map()         ? start_map()
                               : motion_.frames_held() > 0 ? find_camera(frame)
-                                                          : follow_camera(t);
+                                                          : follow_unless_elsewhere(frame);
   if (!alignment.trusted()) return lost(alignment, t);
-  if (motion_.frames_held() == 0) learn_from(alignment, t);
+  if (motion_.frames_held() == 0 && !in_doubt()) learn_from(alignment, t);
   motion_.accept(alignment.T_local_camera, t);
   const Vector6d readout = frame_readout(alignment.fit.readout());
-  const bool keyframe = extend_map(frame, alignment, readout);
+  // What geometry alone says just after the picture stopped fitting is not built upon.
+  const bool keyframe = !in_doubt() && extend_map(frame, alignment, readout);
   TrackResult result = tracked(alignment);
   result.keyframe = keyframe;
   result.readout = readout;
@@ -55,24 +57,71 @@ Alignment SpectralTracker::follow_camera(double timestamp_s) {
   return align(predicted.T_local_camera, timestamp_s, motion_);
 }
 
+// A camera that was carried off between two frames may find surfaces that fit where it is not. Its
+// picture does not: where pictures did fit until now, the frame is looked for among the keyframes.
+Alignment SpectralTracker::follow_unless_elsewhere(const RgbdFrame& frame) {
+  Alignment followed = follow_camera(frame.timestamp_s);
+  poor_frames_ = is_doubtful(followed) ? poor_frames_ + 1 : 0;
+  if (!in_doubt()) return followed;
+  if (poor_frames_ % config_.alignment.relocalise_interval == 1) {
+    if (const auto elsewhere = relocalised(frame)) return *elsewhere;
+  }
+  const bool seen = followed.picture && followed.picture->pixels >= config_.alignment.min_pixels;
+  if (followed.trusted() && seen && !explains_most(followed)) {
+    followed.lost_reason = LostReason::kPoorPictureFit;
+  }
+  return followed;
+}
+
 // The frames after a loss: from the pose carried on, and now and then from where the camera is
-// found among the keyframes.
+// found among the keyframes. A camera that has just come back is rather held to be lost than put in
+// a wrong place.
 Alignment SpectralTracker::find_camera(const RgbdFrame& frame) {
   Alignment carried_on = align(T_bridge_, frame.timestamp_s, motion_);
-  if (carried_on.trusted()) return carried_on;
+  if (carried_on.trusted()) {
+    if (!is_doubtful(carried_on) || explains_most(carried_on)) return carried_on;
+    carried_on.lost_reason = LostReason::kPoorPictureFit;
+  }
   if (motion_.frames_held() % config_.alignment.relocalise_interval != 0) return carried_on;
+  return relocalised(frame).value_or(carried_on);
+}
+
+// Its picture does not fit as pictures lately did, so that surfaces may deceive.
+bool SpectralTracker::is_doubtful(const Alignment& a) const {
+  constexpr double kDeceived = 2.5;  // times the usual cost; what noise alone explains is none
+  if (usual_visual_cost_ <= 0) return false;
+  return !a.picture_holds() || a.picture->mean_cost > std::max(1.0, kDeceived * usual_visual_cost_);
+}
+
+// For so long a picture that has stopped fitting is held against the pose; then it has become dark.
+bool SpectralTracker::in_doubt() const {
+  constexpr int kFrames = 30;
+  return poor_frames_ > 0 && poor_frames_ <= kFrames;
+}
+
+// Surfaces cannot agree so far by chance.
+bool SpectralTracker::explains_most(const Alignment& a) {
+  constexpr double kMost = 0.6;
+  return a.geometry && a.geometry->holds && a.geometry->overlap >= kMost;
+}
+
+// From where the keyframes say that the camera is; empty where they do not know, or where its
+// picture does not fit.
+std::optional<Alignment> SpectralTracker::relocalised(const RgbdFrame& frame) {
   std::optional<SE3> found;
   {
     const CpuTimer timer(aligner_.times().visual);
     found = relocaliser_.relocalise(frame);
   }
-  if (!found) return carried_on;
+  if (!found) return std::nullopt;
   // The jump is what relocalisation is for: judge the alignment as a motion from there.
   MotionModel motion = motion_;
   motion.jump_to(*found);
-  Alignment relocalised = align(*found, frame.timestamp_s, motion);
-  if (relocalised.trusted()) motion_ = motion;
-  return relocalised;
+  Alignment a = align(*found, frame.timestamp_s, motion);
+  if (!a.trusted() || is_doubtful(a)) return std::nullopt;
+  motion_ = motion;
+  poor_frames_ = 0;
+  return a;
 }
 
 // The picture fits much worse than pictures lately did: perhaps not where the camera is.

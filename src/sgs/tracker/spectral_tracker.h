@@ -29,7 +29,9 @@ class SpectralTracker : public Tracker {
   // The steps of a frame.
   Alignment start_map() const;
   Alignment follow_camera(double timestamp_s);
+  Alignment follow_unless_elsewhere(const RgbdFrame& frame);
   Alignment find_camera(const RgbdFrame& frame);
+  std::optional<Alignment> relocalised(const RgbdFrame& frame);
   void learn_from(const Alignment& alignment, double timestamp_s);
   bool extend_map(const RgbdFrame& frame, const Alignment& alignment, const Vector6d& readout);
   TrackResult tracked(const Alignment& alignment) const;
@@ -38,6 +40,9 @@ class SpectralTracker : public Tracker {
 
   Alignment align(const SE3& T_start, double timestamp_s, const MotionModel& motion);
   bool fits_badly(const Alignment& a) const;
+  bool is_doubtful(const Alignment& a) const;
+  bool in_doubt() const;
+  static bool explains_most(const Alignment& a);
   Vector6d frame_readout(const Vector6d& readout) const;
 
   SpectralConfig config_;
@@ -47,6 +52,7 @@ class SpectralTracker : public Tracker {
   MotionModel motion_;  // camera to local
   ReadoutEstimator readout_;
   double usual_visual_cost_ = 0;  // mean cost per pixel of the last frames
+  int poor_frames_ = 0;           // in a row whose picture did not fit, where pictures used to
   double lost_since_s_ = 0;
   SE3 T_bridge_;  // camera to local while lost
 };
