@@ -63,11 +63,10 @@ Alignment SpectralTracker::follow_unless_elsewhere(const RgbdFrame& frame) {
   Alignment followed = follow_camera(frame.timestamp_s);
   poor_frames_ = is_doubtful(followed) ? poor_frames_ + 1 : 0;
   if (!in_doubt()) return followed;
-  if (poor_frames_ % config_.alignment.relocalise_interval == 1) {
+  if ((poor_frames_ - 1) % config_.alignment.relocalise_interval == 0) {
     if (const auto elsewhere = relocalised(frame)) return *elsewhere;
   }
-  const bool seen = followed.picture && followed.picture->pixels >= config_.alignment.min_pixels;
-  if (followed.trusted() && seen && !explains_most(followed)) {
+  if (followed.trusted() && sees_pixels(followed) && !is_explained(followed)) {
     followed.lost_reason = LostReason::kPoorPictureFit;
   }
   return followed;
@@ -79,7 +78,7 @@ Alignment SpectralTracker::follow_unless_elsewhere(const RgbdFrame& frame) {
 Alignment SpectralTracker::find_camera(const RgbdFrame& frame) {
   Alignment carried_on = align(T_bridge_, frame.timestamp_s, motion_);
   if (carried_on.trusted()) {
-    if (!is_doubtful(carried_on) || explains_most(carried_on)) return carried_on;
+    if (!is_doubtful(carried_on) || is_explained(carried_on)) return carried_on;
     carried_on.lost_reason = LostReason::kPoorPictureFit;
   }
   if (motion_.frames_held() % config_.alignment.relocalise_interval != 0) return carried_on;
@@ -99,10 +98,15 @@ bool SpectralTracker::in_doubt() const {
   return poor_frames_ > 0 && poor_frames_ <= kFrames;
 }
 
-// Surfaces cannot agree so far by chance.
-bool SpectralTracker::explains_most(const Alignment& a) {
-  constexpr double kMost = 0.6;
-  return a.geometry && a.geometry->holds && a.geometry->overlap >= kMost;
+bool SpectralTracker::sees_pixels(const Alignment& a) const {
+  return a.picture && a.picture->pixels >= config_.alignment.min_pixels;
+}
+
+// Surfaces cannot agree so far by chance; less will do where no picture speaks against them.
+bool SpectralTracker::is_explained(const Alignment& a) const {
+  constexpr double kMost = 0.6, kMuch = 0.3;
+  const double least = sees_pixels(a) ? kMost : kMuch;
+  return a.geometry && a.geometry->holds && a.geometry->overlap >= least;
 }
 
 // From where the keyframes say that the camera is; empty where they do not know, or where its

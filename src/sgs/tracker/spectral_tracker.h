@@ -42,7 +42,8 @@ class SpectralTracker : public Tracker {
   bool fits_badly(const Alignment& a) const;
   bool is_doubtful(const Alignment& a) const;
   bool in_doubt() const;
-  static bool explains_most(const Alignment& a);
+  bool sees_pixels(const Alignment& a) const;
+  bool is_explained(const Alignment& a) const;
   Vector6d frame_readout(const Vector6d& readout) const;
 
   SpectralConfig config_;
