@@ -14,6 +14,7 @@ namespace {
 // Below either of these nothing that was tracked before would be different.
 constexpr double kLeastChange_per_m = 2e-4;
 constexpr double kLeastShift_px = 0.1;
+constexpr double kSure_per_m = 5e-4;  // of the mean: more keyframes are not needed
 // A depth camera that is off by more is not a little distorted but something else.
 constexpr double kContradiction = 0.015;
 
@@ -72,7 +73,10 @@ bool confirms(const DepthCalibration& later, const DepthCalibration& earlier) {
 OnlineCalibration::OnlineCalibration(const BackendConfig& config)
     : config_(config.calibration),
       archive_(config.archive),
-      next_(static_cast<std::size_t>(config.calibration.first_keyframes)) {}
+      next_(static_cast<std::size_t>(config.calibration.first_keyframes)) {
+  // Half of what a batch adjusts: the second half costs thrice as much and adds little.
+  config_.keyframes = std::max(config_.keyframes / 2, config.calibration.first_keyframes);
+}
 
 std::optional<LearnedCalibration> OnlineCalibration::add(
     const std::shared_ptr<const RgbdFrame>& raw, const std::optional<SE3>& T_world_camera,
@@ -86,8 +90,10 @@ std::optional<LearnedCalibration> OnlineCalibration::add(
   readout_s_ = readout_s;
   if (in_flight_ || archive_.keyframes().size() < next_) return std::nullopt;
   auto learned = learn();
-  done_ = contradicted_ || next_ >= static_cast<std::size_t>(config_.keyframes);
-  next_ = std::min(next_ + next_ / 2, static_cast<std::size_t>(config_.keyframes));
+  const auto most = static_cast<std::size_t>(config_.keyframes);
+  const bool sure = learned && learned->estimate.calibration.mean_sigma_per_m < kSure_per_m;
+  done_ = contradicted_ || sure || next_ >= most;
+  next_ = std::min(next_ + next_ / 2, most);
   if (done_) archive_ = KeyframeArchive({});
   return learned;
 }

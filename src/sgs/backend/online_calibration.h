@@ -22,8 +22,8 @@ struct LearnedCalibration {
 bool confirms(const DepthCalibration& later, const DepthCalibration& earlier);
 
 /// Calibrates the depth camera while a recording goes on (docs/calibration.md): whenever there are
-/// half as many keyframes again, all are adjusted together, from their raw depth, until there are
-/// config.calibration.keyframes. Only what two attempts in a row say alike is believed: a recording
+/// half as many keyframes again, all are adjusted together, from their raw depth, until the mean is
+/// sure or there are half of config.calibration.keyframes. Only what two attempts in a row say alike is believed: a recording
 /// that the model does not describe (two cameras with a wrong registration, say) is told something
 /// else by each stretch of it. What changes nothing that matters is not told. A pure function of
 /// what it is given, in order: deterministic, one thread.

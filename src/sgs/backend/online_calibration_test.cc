@@ -14,7 +14,7 @@ BackendConfig small_config() {
   config.archive.view_distance = 0.02;
   config.calibration.columns = 8;
   config.calibration.rows = 6;
-  config.calibration.keyframes = 18;
+  config.calibration.keyframes = 36;
   return config;
 }
 
