@@ -17,6 +17,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 import numpy as np
@@ -108,6 +109,12 @@ class StreamTest(unittest.TestCase):
             if text in line.decode():
                 return line.decode()
         self.fail(f"never said: {text}\n{self.said}")
+
+    def wait_for_state(self, process, text):
+        """Until state.toml says `text`: it is written after the line of the terminal."""
+        while text not in (self.run_folder / "state.toml").read_text():
+            self.assertIsNone(process.poll(), f"never in the state: {text}")
+            time.sleep(0.01)
 
     def finish(self, process, code=0):
         """All that the run said on the terminal."""
@@ -249,7 +256,7 @@ class Trouble(StreamTest):
         sender.hello(self.camera, **self.u16())
         self.send_frames(sender, 0, 3)
         self.wait_for(process, "no frame for")
-        self.assertIn("no frame for", (self.run_folder / "state.toml").read_text())
+        self.wait_for_state(process, "no frame for")
         self.send_frames(sender, 3)
         sender.end()
         self.assertIn("frames come again", self.finish(process))
