@@ -18,9 +18,8 @@
 #include "sgs/core/stopwatch.h"
 #include "sgs/eval/trajectory_metrics.h"
 #include "sgs/loops/loop_closer.h"
-#include "sgs/run/input.h"
-#include "sgs/run/run_config.h"
 #include "sgs/tracker/test_drifting_tracker.h"
+#include "tracking_input.h"
 
 namespace {
 
@@ -28,7 +27,6 @@ using namespace sgs;
 
 struct Options {
   bool drift = false;
-  double gap_m = 0;
   std::string calibration;
 };
 
@@ -54,11 +52,7 @@ struct Nees {
 /// One row of the table.
 Status judge(const std::string& input_name, const slam::SessionConfig& config,
              const Options& options) {
-  run::InputSpec spec;
-  // synth:NAME:LEVEL@SEED
-  const auto at = input_name.rfind('@');
-  spec.input = input_name.substr(0, at);
-  if (at != std::string::npos) spec.synth_seed = std::stoull(input_name.substr(at + 1));
+  run::InputSpec spec = benchmarks::input_of(input_name);
   spec.calibration = options.calibration;
   SGS_ASSIGN_OR_RETURN(auto input, run::open_input(spec, 2));
   dataset::FrameSource& source = *input.source;
@@ -133,7 +127,7 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
       "| {} | {} | {} | {:.2f} | {:.2f} | {} | {} / {} / {} / {} / {} | {} | {} | {:.2f} | {:.2f} "
       "| "
       "{:.1f} / {:.1f} | {:.2f} | {:.0f} |\n",
-      input_name.substr(input_name.rfind('/') + 1), online.size(), lost, ate_cm(online, truth),
+      benchmarks::short_name(input_name), online.size(), lost, ate_cm(online, truth),
       ate_cm(corrected, truth), s.size(), c.compared, c.verified, c.gated, c.accepted, c.taken_back,
       wrong, c.corrections, loop_nees.mean(), way_nees.mean(), p95(0, track_ms.size() / 2),
       p95(track_ms.size() / 2, track_ms.size()),
@@ -157,21 +151,13 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   log().set_level(verbose ? spdlog::level::debug : spdlog::level::warn);
   if (verbose) set_log_sinks({std::make_shared<spdlog::sinks::stderr_sink_st>()});
-  run::ConfigSources sources;
-  sources.assignments = assignments;
-  run::InputSpec none;
-  const auto config = run::resolve_config(sources, none);
-  if (!config) return fmt::print(stderr, "{}\n", config.error().text()), 2;
-  fmt::print(
+  const char* header =
       "| sequence | frames | lost | ATE online | final cm | nodes | compared / verified / gated / "
       "accepted / taken back | wrong | corrections | NEES loops | way | tracking p95 first, second "
       "half ms | closing ms a frame | longest |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
-  for (const std::string& input : inputs) {
-    if (const auto judged = judge(input, *config, options); !judged) {
-      fmt::print(stderr, "{}: {}\n", input, judged.error().text());
-      return 1;
-    }
-  }
-  return 0;
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+  return benchmarks::print_table(header, inputs, assignments,
+                                 [&](const std::string& name, const slam::SessionConfig& config) {
+                                   return judge(name, config, options);
+                                 });
 }

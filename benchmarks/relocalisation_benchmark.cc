@@ -18,9 +18,8 @@
 #include "sgs/core/random.h"
 #include "sgs/dataset/feed_item.h"
 #include "sgs/geometry/trajectory.h"
-#include "sgs/run/input.h"
-#include "sgs/run/run_config.h"
 #include "sgs/tracker/tracker.h"
+#include "tracking_input.h"
 
 namespace {
 
@@ -93,11 +92,7 @@ class Known {
 };
 
 Status judge(const std::string& name, const slam::SessionConfig& config, int trials) {
-  run::InputSpec spec;
-  const auto at = name.rfind('@');
-  spec.input = name.substr(0, at);
-  if (at != std::string::npos) spec.synth_seed = std::stoull(name.substr(at + 1));
-  SGS_ASSIGN_OR_RETURN(auto input, run::open_input(spec, 2));
+  SGS_ASSIGN_OR_RETURN(auto input, run::open_input(benchmarks::input_of(name), 2));
   SGS_ASSIGN_OR_RETURN(auto tracker,
                        tracker::make_tracker(config.tracker, input.source->camera(), SE3{}));
   std::vector<std::shared_ptr<const RgbdFrame>> frames;
@@ -110,7 +105,7 @@ Status judge(const std::string& name, const slam::SessionConfig& config, int tri
   Known known(std::move(frames), std::move(tracker));
   for (const bool blind : {false, true}) {
     const Outcome o = known.try_it(trials, blind);
-    fmt::print("| {} | {} | {} | {} | {} | {} | {} |\n", name.substr(name.rfind('/') + 1),
+    fmt::print("| {} | {} | {} | {} | {} | {} | {} |\n", benchmarks::short_name(name),
                blind ? "blinded" : "carried off", o.trials, o.soon, o.late, o.wrong,
                o.trials - o.soon - o.late);
     std::fflush(stdout);
@@ -129,20 +124,12 @@ int main(int argc, char** argv) {
   app.add_option("--set", assignments, "key=value")->take_all()->allow_extra_args(false);
   CLI11_PARSE(app, argc, argv);
   log().set_level(spdlog::level::warn);
-  run::ConfigSources sources;
-  sources.assignments = assignments;
-  run::InputSpec none;
-  const auto config = run::resolve_config(sources, none);
-  if (!config) return fmt::print(stderr, "{}\n", config.error().text()), 2;
-  fmt::print(
+  const std::string header = fmt::format(
       "| recording | the camera was | trials | found in {} s | later | wrongly (> {} m) | never |\n"
       "|---|---|---|---|---|---|---|\n",
       kSoon_s, kRight_m);
-  for (const std::string& input : inputs) {
-    if (const auto judged = judge(input, *config, trials); !judged) {
-      fmt::print(stderr, "{}: {}\n", input, judged.error().text());
-      return 1;
-    }
-  }
-  return 0;
+  return benchmarks::print_table(header, inputs, assignments,
+                                 [&](const std::string& name, const slam::SessionConfig& config) {
+                                   return judge(name, config, trials);
+                                 });
 }

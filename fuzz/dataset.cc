@@ -4,8 +4,7 @@
 // The lists of a recording. Lines `%%N` begin file number N of kFiles; two images are there.
 #include <array>
 
-#include "harness.h"
-#include "sgs/dataset/open.h"
+#include "read_sequence.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/image_io.h"
 #include "sgs/io/temporary_folder.h"
@@ -49,19 +48,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::require(written.has_value(), "a list can be written");
     rest.remove_prefix(std::min(end, rest.size()));
   }
-  dataset::OpenOptions options;
-  options.prefetch = 0;
-  const auto sequence = dataset::open_sequence(folder, options);
-  if (!sequence) return 0;
-  RgbdFrame frame;
-  Error error;
-  std::int64_t last = -1;
-  for (int i = 0; i < 10; ++i) {
-    const auto read = sequence->frames->next(frame, error);
-    if (read == dataset::FrameRead::kEnd) break;
-    if (read != dataset::FrameRead::kOk) continue;
-    fuzz::require(frame.index > last, "frames come in order");
-    last = frame.index;
-  }
+  fuzz::read_sequence(folder);
   return 0;
 }

@@ -6,8 +6,7 @@
 #include <array>
 #include <vector>
 
-#include "harness.h"
-#include "sgs/dataset/open.h"
+#include "read_sequence.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/image_io.h"
 #include "sgs/io/temporary_folder.h"
@@ -97,25 +96,6 @@ void write_files(const fs::path& folder, const FuzzedLayout& layout, std::string
   }
 }
 
-void read(const fs::path& folder, const std::string& poses) {
-  dataset::OpenOptions options;
-  options.prefetch = 0;
-  options.poses = poses;
-  const auto sequence = dataset::open_sequence(folder, options);
-  if (!sequence) return;
-  RgbdFrame frame;
-  Error error;
-  std::int64_t last = -1;
-  for (int i = 0; i < 10; ++i) {
-    const auto read = sequence->frames->next(frame, error);
-    if (read == dataset::FrameRead::kEnd) break;
-    if (read != dataset::FrameRead::kOk) continue;
-    fuzz::require(frame.index > last, "frames come in order");
-    fuzz::require(poses.empty() || frame.given_T_world_camera->all_finite(), "poses are finite");
-    last = frame.index;
-  }
-}
-
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -123,8 +103,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const FuzzedLayout& layout = layouts()[choice.number % layouts().size()];
   const fs::path folder = recording(layout);
   write_files(folder, layout, choice.rest);
-  read(folder, "");
+  fuzz::read_sequence(folder, "");
   const bool own = layout.poses == std::string("recorded");
-  read(folder, own ? layout.poses : (folder / layout.poses).string());
+  fuzz::read_sequence(folder, own ? layout.poses : (folder / layout.poses).string());
   return 0;
 }

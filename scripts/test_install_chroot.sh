@@ -13,18 +13,9 @@ cd "$(dirname "$0")/.."
 prefix=
 if [[ "${1:-}" == --prefix ]]; then prefix=$(realpath "$2"); shift 2; fi
 root=${1:-/tmp/sgs-chroot}
-[[ $EUID -eq 0 ]] || { echo "Run this as root (chroot)" >&2; exit 1; }
-command -v debootstrap >/dev/null || { echo "debootstrap is missing (Debian package debootstrap)" >&2; exit 1; }
+source scripts/bare_debian.sh
 
-[[ -x $root/usr/bin/apt-get ]] || debootstrap --variant=minbase bookworm "$root"
-inside() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 bash -c "$1"; }
-cp /etc/resolv.conf "$root/etc/resolv.conf"
-mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
-trap 'umount "$root/proc"' EXIT
-
-rm -rf "$root/src" "$root/opt/sgs"
-mkdir -p "$root/src"
-git ls-files -z | xargs -0 cp --parents -t "$root/src"
+rm -rf "$root/opt/sgs"
 inside /src/scripts/install_packages.sh
 
 if [[ -n $prefix ]]; then

@@ -12,18 +12,10 @@ cd "$(dirname "$0")/.."
 packages=
 if [[ "${1:-}" == --packages ]]; then packages=$(realpath "$2"); shift 2; fi
 root=${1:-/tmp/sgs-packages-chroot}
-[[ $EUID -eq 0 ]] || { echo "Run this as root (chroot)" >&2; exit 1; }
-command -v debootstrap >/dev/null || { echo "debootstrap is missing (Debian package debootstrap)" >&2; exit 1; }
+source scripts/bare_debian.sh
 
-[[ -x $root/usr/bin/apt-get ]] || debootstrap --variant=minbase bookworm "$root"
-inside() { chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 bash -c "$1"; }
-cp /etc/resolv.conf "$root/etc/resolv.conf"
-mountpoint -q "$root/proc" || mount -t proc proc "$root/proc"
-trap 'umount "$root/proc"' EXIT
-
-rm -rf "$root/src" "$root/packages"
-mkdir -p "$root/src" "$root/packages"
-git ls-files -z | xargs -0 cp --parents -t "$root/src"
+rm -rf "$root/packages"
+mkdir -p "$root/packages"
 if [[ -n $packages ]]; then
   cp "$packages"/*.deb "$root/packages"
 else

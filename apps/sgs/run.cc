@@ -120,7 +120,7 @@ Status calibrate_input(RunCommand& command, const slam::SessionConfig& config, r
 
 int run_command(RunCommand command) {
   run::return_freed_images();
-  auto config = run::resolve_config(command.config, command.input);
+  const auto config = run::resolve_config(command.config, command.input);
   if (!config) return report(config.error());
   if (command.input.input.empty()) {
     return report({ErrorCode::kInvalidArgument, "no input given",
@@ -149,7 +149,6 @@ int run_command(RunCommand command) {
       return report(status.error());
     }
   }
-  if (input->calibration) config->backend.calibration.online = false;  // it would see no raw depth
   if (command.preload) {
     input->source = dataset::preload(std::move(input->source), stop_token());
   }

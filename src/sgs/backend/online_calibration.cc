@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/backend/online_calibration.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include "sgs/core/log.h"
@@ -18,11 +21,10 @@ constexpr double kSure_per_m = 5e-4;  // of the mean: more keyframes are not nee
 // A depth camera that is off by more is not a little distorted but something else.
 constexpr double kContradiction = 0.015;
 
-/// Whether an estimate is sure enough to be acted on unasked, and its camera one that the model
-/// describes.
-bool can_be_relied_on(const DepthEstimate& e) {
+/// Whether an estimate is sure enough to be acted on unasked.
+bool is_sure_enough(const DepthEstimate& e) {
   constexpr double kLeastSure_per_m = 1.5e-3, kLeastSure_px = 0.5;
-  return e.useful() && e.warnings().empty() && e.calibration.mean_sigma_per_m < kLeastSure_per_m &&
+  return e.useful() && e.calibration.mean_sigma_per_m < kLeastSure_per_m &&
          e.calibration.shift_sigma_px.maxCoeff() < kLeastSure_px;
 }
 
@@ -105,51 +107,55 @@ std::optional<LearnedCalibration> OnlineCalibration::finish() {
   return learn();
 }
 
-std::optional<LearnedCalibration> OnlineCalibration::learn() {
-  LearnedCalibration out;
-  out.estimate = calibrate_depth(archive_.keyframes(), readout_s_, config_);
-  log().debug(
-      "calibration from {} of {} keyframes: {} mean {:+.5f} /m (sigma {:.5f}), shift {:+.2f} "
-      "{:+.2f} px (sigma {:.2f} {:.2f}) {}",
-      out.estimate.keyframes, archive_.keyframes().size(),
-      out.estimate.useful() ? "useful," : "not useful,",
-      out.estimate.calibration.mean_offset_per_m(), out.estimate.calibration.mean_sigma_per_m,
-      out.estimate.calibration.shift_px.x(), out.estimate.calibration.shift_px.y(),
-      out.estimate.calibration.shift_sigma_px.x(), out.estimate.calibration.shift_sigma_px.y(),
-      out.estimate.why_not);
-  if (!out.estimate.why_not.empty()) return std::nullopt;
-  const auto last = std::exchange(last_, out.estimate);
-  if (!last || !can_be_relied_on(out.estimate)) return std::nullopt;
-  if (!confirms(out.estimate.calibration, last->calibration)) {
-    log().info(
-        "{} keyframes say something else of the depth camera than the first {} of them: no "
-        "calibration is learned from them",
-        out.estimate.keyframes, last->keyframes);
-    return std::nullopt;
+// What this attempt says, where the last one has said the same.
+std::optional<DepthEstimate> OnlineCalibration::attempt() {
+  DepthEstimate estimate = calibrate_depth(archive_.keyframes(), readout_s_, config_);
+  if (!estimate.why_not.empty()) return std::nullopt;
+  const auto last = std::exchange(last_, estimate);
+  if (!last || !is_sure_enough(estimate)) return std::nullopt;
+  if (confirms(estimate.calibration, last->calibration)) return estimate;
+  log().info(
+      "{} keyframes say something else of the depth camera than the first {} of them: no "
+      "calibration is learned from them",
+      estimate.keyframes, last->keyframes);
+  return std::nullopt;
+}
+
+// Two cameras that do not belong together look like a distorted one. Says so once.
+bool OnlineCalibration::is_contradiction(const DepthEstimate& estimate, double scale) {
+  std::vector<std::string> warnings = estimate.warnings();
+  const double off = std::abs(scale_ * scale - 1);
+  if (off > kContradiction) {
+    warnings.push_back(fmt::format(
+        "pictures and depth disagree on the metre by {:.1f} %: the intrinsics or the registration "
+        "of the two cameras are probably wrong",
+        100 * off));
   }
-  auto change = std::make_shared<const DepthChange>(current_, out.estimate.calibration);
+  for (const std::string& warning : warnings) {
+    log().warn("{}; no calibration is learned from this recording", warning);
+  }
+  contradicted_ = !warnings.empty();
+  return contradicted_;
+}
+
+std::optional<LearnedCalibration> OnlineCalibration::learn() {
+  auto estimate = attempt();
+  if (!estimate) return std::nullopt;
+  auto change = std::make_shared<const DepthChange>(current_, estimate->calibration);
   if (change->rms_per_m() < kLeastChange_per_m && change->shift_px() < kLeastShift_px) {
     return std::nullopt;
   }
-  const double scale = scale_of(out.estimate.poses);
-  if (std::abs(scale_ * scale - 1) > kContradiction) {
-    log().warn(
-        "pictures and depth disagree on the metre by {:.1f} %: the intrinsics or the registration "
-        "of the two cameras are probably wrong; depth is used as it is",
-        100 * std::abs(scale_ * scale - 1));
-    contradicted_ = true;
-    return std::nullopt;
-  }
+  const double scale = scale_of(estimate->poses);
+  if (is_contradiction(*estimate, scale)) return std::nullopt;
   // Poses that were tracked with depth as it came are replaced by the adjusted ones; later ones,
   // tracked with depth nearly right, are surer than an adjustment of few pixels.
-  out.correction = {
-      versions_ == 0 ? PoseCorrection(out.estimate.poses) : rescaled(out.estimate.poses, scale),
-      std::move(change)};
+  PoseCorrection poses =
+      versions_ == 0 ? PoseCorrection(estimate->poses) : rescaled(estimate->poses, scale);
   scale_ *= scale;
-  current_ = out.estimate.calibration;
+  current_ = estimate->calibration;
   in_flight_ = true;
   ++versions_;
-  return out;
+  return LearnedCalibration{std::move(*estimate), {std::move(poses), std::move(change)}};
 }
 
 void OnlineCalibration::note_applied(const PastCorrection& correction) {

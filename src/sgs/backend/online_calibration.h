@@ -47,6 +47,8 @@ class OnlineCalibration {
   int versions() const { return versions_; }
 
  private:
+  std::optional<DepthEstimate> attempt();
+  bool is_contradiction(const DepthEstimate& estimate, double scale);
   std::optional<LearnedCalibration> learn();
 
   CalibrationConfig config_;

@@ -48,13 +48,17 @@ double DepthChange::rms_per_m() const {
   return std::sqrt(square);
 }
 
-double DepthChange::changed(const Eigen::Vector2d& pixel, double q, Eigen::Vector2d& slope) const {
+double DepthChange::changed(const Eigen::Vector2d& pixel, double q,
+                            const Eigen::Vector2d& slope) const {
+  const Eigen::Vector2d from = pixel - difference_.shift_px;
+  return q - slope.dot(difference_.shift_px) + difference_.offset_at(from.x(), from.y());
+}
+
+Eigen::Vector2d DepthChange::slope_change(const Eigen::Vector2d& pixel) const {
   const Eigen::Vector2d from = pixel - difference_.shift_px;
   const double here = difference_.offset_at(from.x(), from.y());
-  const double out = q - slope.dot(difference_.shift_px) + here;
-  slope.x() += difference_.offset_at(from.x() + 1, from.y()) - here;
-  slope.y() += difference_.offset_at(from.x(), from.y() + 1) - here;
-  return out;
+  return {difference_.offset_at(from.x() + 1, from.y()) - here,
+          difference_.offset_at(from.x(), from.y() + 1) - here};
 }
 
 void DepthChange::apply(Eigen::Vector3f& point, Eigen::Vector3f& normal) const {
@@ -71,8 +75,10 @@ void DepthChange::apply(Eigen::Vector3f& point, Eigen::Vector3f& normal) const {
   }
   const double per_q = 1 / (facing * p.z());
   Eigen::Vector2d slope(n.x() * per_q / c.fx, n.y() * per_q / c.fy);
-  const double q = changed(pixel_of(c, p), 1 / p.z(), slope);
+  const Eigen::Vector2d pixel = pixel_of(c, p);
+  const double q = changed(pixel, 1 / p.z(), slope);
   if (!(q > kFarthest_per_m && q < kNearest_per_m)) return;
+  slope += slope_change(pixel);
   point = (ray / q).cast<float>();
   Eigen::Vector3d turned(slope.x() * c.fx, slope.y() * c.fy, 0);
   turned.z() = q - turned.x() * ray.x() - turned.y() * ray.y();
@@ -83,8 +89,7 @@ void DepthChange::apply(Eigen::Vector3f& point, Eigen::Vector3f& normal) const {
 void DepthChange::apply(Eigen::Vector3f& point, const Eigen::Vector2f& slope) const {
   const Eigen::Vector3d p = point.cast<double>();
   if (!(p.z() > 0)) return;
-  Eigen::Vector2d s = slope.cast<double>();
-  const double q = changed(pixel_of(difference_.camera, p), 1 / p.z(), s);
+  const double q = changed(pixel_of(difference_.camera, p), 1 / p.z(), slope.cast<double>());
   if (q > kFarthest_per_m && q < kNearest_per_m) point = (p / (p.z() * q)).cast<float>();
 }
 

@@ -33,8 +33,10 @@ class DepthChange {
   double shift_px() const { return difference_.shift_px.norm(); }
 
  private:
-  /// Inverse depth at a pixel of the colour image and its new slope; `q` and `slope` as they were.
-  double changed(const Eigen::Vector2d& pixel, double q, Eigen::Vector2d& slope) const;
+  /// Inverse depth at a pixel of the colour image; `q` and `slope` as they were.
+  double changed(const Eigen::Vector2d& pixel, double q, const Eigen::Vector2d& slope) const;
+  /// How the slope of inverse depth changes there.
+  Eigen::Vector2d slope_change(const Eigen::Vector2d& pixel) const;
 
   DepthCalibration after_, difference_;
 };

@@ -196,7 +196,9 @@ Result<Outcome> run_in(Input& input, const InputSpec& spec, const slam::SessionC
 Result<Outcome> execute(Input& input, const InputSpec& spec, const slam::SessionConfig& config,
                         const RunOptions& options, RunFolder& folder, const Spectator& spectator,
                         const std::stop_token& stop) {
-  auto outcome = run_in(input, spec, config, options, folder, spectator, stop);
+  slam::SessionConfig used = config;
+  if (input.calibration) used.backend.calibration.online = false;  // it would see no raw depth
+  auto outcome = run_in(input, spec, used, options, folder, spectator, stop);
   if (!outcome) folder.end(Stage::kInterrupted, 0, outcome.error().message);
   return outcome;
 }

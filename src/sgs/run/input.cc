@@ -12,6 +12,7 @@
 #include "sgs/dataset/reduced_source.h"
 #include "sgs/io/depth_calibration_io.h"
 #include "sgs/io/trajectory_io.h"
+#include "sgs/run/run_files.h"
 #include "sgs/stream/stream_source.h"
 #include "sgs/synthetic/source.h"
 
@@ -235,13 +236,20 @@ Result<Input> open_input(const InputSpec& spec, int threads, const std::stop_tok
   return input;
 }
 
-Result<Input> reopen_input(InputSpec spec, int threads) {
+Result<Input> reopen_input(InputSpec spec, int threads,
+                           const std::optional<DepthCalibration>& learned) {
   spec.poses.clear();
   if (stream::is_stream(spec.input)) {
     return fail(ErrorCode::kNotFound, fmt::format("the input was a stream ({})", spec.input),
                 "what is to be looked at again must be kept: `sgs run live:... --record FOLDER`");
   }
-  return open_input(spec, threads);
+  SGS_ASSIGN_OR_RETURN(auto input, open_input(spec, threads));
+  if (learned && !input.calibration) {
+    SGS_ASSIGN_OR_RETURN(
+        input.source, dataset::calibrated(std::move(input.source), *learned, files::kCalibration));
+    input.calibration = learned;
+  }
+  return input;
 }
 
 }  // namespace sgs::run

@@ -50,8 +50,10 @@ struct Input {
 Result<Input> open_input(const InputSpec& spec, int threads, const std::stop_token& stop = {});
 
 /// Opens the recording of a run once more, for its pictures: poses that were given are not needed.
-/// A stream is gone.
-Result<Input> reopen_input(InputSpec spec, int threads);
+/// A stream is gone. `learned` is what the run found out about its depth camera on the way
+/// (Run::calibration): it is applied unless `spec` names a calibration itself.
+Result<Input> reopen_input(InputSpec spec, int threads,
+                           const std::optional<DepthCalibration>& learned = std::nullopt);
 
 /// Parses "a:b" into [first, last); "" is everything.
 struct FrameRange {

@@ -69,7 +69,7 @@ Status for_each_keyframe(const fs::path& folder, std::span<const map::Gaussian> 
                          ViewSource source, int threads, const Visit& visit) {
   constexpr float kSolid = 0.7f;
   SGS_ASSIGN_OR_RETURN(const auto run, load_keyframes(folder));
-  auto input = reopen_input(run.input, 1);
+  auto input = reopen_input(run.input, 1, run.calibration);
   if (source == ViewSource::kMeasured) {
     if (!input) return tl::unexpected(input.error());
     return visit_recorded(run, *input->source, visit);

@@ -8,8 +8,6 @@
 #include <cmath>
 
 #include "sgs/core/stopwatch.h"
-#include "sgs/dataset/calibrated_source.h"
-#include "sgs/run/run_files.h"
 
 namespace sgs::run {
 namespace {
@@ -55,11 +53,7 @@ void add_frame_metrics(const std::vector<slam::FrameRecord>& frames, eval::Metri
 Result<eval::RunEvaluation> score_rendering(const Run& run, const ScoreOptions& options,
                                             const std::function<void(std::int64_t)>& progress,
                                             const std::stop_token& stop) {
-  SGS_ASSIGN_OR_RETURN(auto input, reopen_input(run.input, options.threads));
-  if (run.calibration && !input.calibration) {
-    SGS_ASSIGN_OR_RETURN(input.source, dataset::calibrated(std::move(input.source),
-                                                           *run.calibration, files::kCalibration));
-  }
+  SGS_ASSIGN_OR_RETURN(auto input, reopen_input(run.input, options.threads, run.calibration));
   std::optional<eval::Lpips> lpips;
   if (!options.lpips_weights.empty()) {
     SGS_ASSIGN_OR_RETURN(lpips, eval::Lpips::load(options.lpips_weights));

@@ -94,7 +94,7 @@ void PastWorker::submit(std::shared_ptr<const RgbdFrame> frame, const tracker::T
   changed_.notify_all();
 }
 
-std::shared_ptr<const PastCorrection> PastWorker::finish() {
+std::shared_ptr<const PastCorrection> PastWorker::finish(const PastCorrections& applied) {
   {
     const std::scoped_lock lock(mutex_);
     stop_ = true;
@@ -103,6 +103,7 @@ std::shared_ptr<const PastCorrection> PastWorker::finish() {
   if (thread_.joinable()) thread_.join();
   if (failure_) std::rethrow_exception(failure_);
   if (found_) return std::exchange(found_, nullptr);
+  applied_.insert(applied_.end(), applied.begin(), applied.end());
   for (const auto& correction : std::exchange(applied_, {})) estimator_->note_applied(*correction);
   return estimator_->finish();
 }

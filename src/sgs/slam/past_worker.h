@@ -36,8 +36,8 @@ class PastWorker {
   void submit(std::shared_ptr<const RgbdFrame> frame, const tracker::TrackResult& result,
               const PastCorrections& applied);
   /// Finishes what was queued and stops; returns the correction that has not been applied yet, if
-  /// there is one, or what is found at the end.
-  std::shared_ptr<const PastCorrection> finish();
+  /// there is one, or what is found at the end. `applied`: since the last frame.
+  std::shared_ptr<const PastCorrection> finish(const PastCorrections& applied = {});
 
   /// PastEstimator::found() as frame number `n` may know it: of frame n - lag offline, the newest
   /// live (thread-safe).

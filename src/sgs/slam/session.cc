@@ -246,8 +246,9 @@ void Session::finish() {
   // What fails here must not cost the map.
   std::exception_ptr failure;
   try {
-    if (loops_) apply_last(loops_->finish());
-    if (calibrator_) apply_last(calibrator_->finish());
+    PastCorrections last;
+    if (loops_) apply_last(loops_->finish(), last);
+    if (calibrator_) apply_last(calibrator_->finish(last), last);
   } catch (...) {
     failure = std::current_exception();
   }
@@ -255,8 +256,10 @@ void Session::finish() {
   if (failure) std::rethrow_exception(failure);
 }
 
-void Session::apply_last(const std::shared_ptr<const PastCorrection>& correction) {
+void Session::apply_last(const std::shared_ptr<const PastCorrection>& correction,
+                         PastCorrections& last) {
   if (!correction) return;
+  last.push_back(correction);
   correct_records(*correction);
   worker_->submit({nullptr, {}, {correction}});
   if (!correction->depth) return;

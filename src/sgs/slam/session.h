@@ -92,7 +92,7 @@ class Session {
           std::unique_ptr<tracker::Tracker> tracker);
   // The steps of a frame.
   void correct_past();
-  void apply_last(const std::shared_ptr<const PastCorrection>& correction);
+  void apply_last(const std::shared_ptr<const PastCorrection>& correction, PastCorrections& last);
   void correct_records(const PastCorrection& correction);
   std::shared_ptr<const RgbdFrame> calibrated(const std::shared_ptr<const RgbdFrame>& raw) const;
   void estimate_past(const std::shared_ptr<const RgbdFrame>& raw,
