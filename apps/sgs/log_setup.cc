@@ -6,6 +6,8 @@
 #include <spdlog/sinks/stdout_sinks.h>
 
 #include <mutex>
+#include <system_error>
+#include <utility>
 
 #include "sgs/core/log.h"
 #include "sgs/io/append_file.h"
@@ -17,7 +19,7 @@ namespace {
 /// cannot be written (full disk) must not end the run.
 class LogFile : public spdlog::sinks::base_sink<std::mutex> {
  public:
-  explicit LogFile(const std::filesystem::path& path) : file_(path) {}
+  explicit LogFile(io::AppendFile file) : file_(std::move(file)) {}
 
  protected:
   void sink_it_(const spdlog::details::log_msg& message) override {
@@ -37,10 +39,13 @@ class LogFile : public spdlog::sinks::base_sink<std::mutex> {
 
 }  // namespace
 
-void setup_logging(const std::filesystem::path& file, bool quiet) {
+void setup_logging(const std::filesystem::path& file, bool quiet, LogStart start) {
   std::vector<spdlog::sink_ptr> sinks;
   if (!file.empty()) {
-    sinks.push_back(std::make_shared<LogFile>(file));
+    std::error_code missing;
+    const auto size = std::filesystem::file_size(file, missing);
+    const bool append = start == LogStart::kAppend && !missing;
+    sinks.push_back(std::make_shared<LogFile>(io::AppendFile(file, append ? size : 0)));
     sinks.back()->set_pattern("%Y-%m-%d %H:%M:%S.%e %l %v");
   }
   if (!quiet) {

@@ -6,8 +6,9 @@
 
 namespace sgs::app {
 
-/// Sends the library's log to `file` (when given; begun anew) and its warnings to stderr (unless
-/// `quiet`).
-void setup_logging(const std::filesystem::path& file, bool quiet);
+enum class LogStart { kAnew, kAppend };
+
+/// Sends the library's log to `file` (when given) and its warnings to stderr (unless `quiet`).
+void setup_logging(const std::filesystem::path& file, bool quiet, LogStart start = LogStart::kAnew);
 
 }  // namespace sgs::app

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <array>
 #include <memory>
+#include <utility>
 
 #include "commands.h"
 #include "input_options.h"
@@ -16,6 +18,7 @@
 #include "sgs/report/save_scores.h"
 #include "sgs/run/calibrate.h"
 #include "sgs/run/execute.h"
+#include "sgs/run/resume.h"
 #include "sgs/run/run_config.h"
 #include "sgs/run/run_files.h"
 #include "sgs/run/score.h"
@@ -33,6 +36,7 @@ struct RunCommand {
   run::RunOptions options;
   run::ScoreOptions score;
   std::string output;
+  std::string resume;  ///< folder of a run to go on with
   bool preload = false, no_eval = false, quiet = false, json = false;
   ViewerRequest viewer;
 };
@@ -104,6 +108,13 @@ Result<int> run_sequence(const RunCommand& command, const slam::SessionConfig& c
   return kExitDone;
 }
 
+/// Options that decide what a run computes, and where: not to be given again with --resume.
+constexpr std::array<const char*, 22> kMadeOf = {
+    "INPUT",         "--output",     "--preset",      "--config",      "--set",    "--tracker",
+    "--frames",      "--camera",     "--depth-scale", "--max-width",   "--topics", "--extrinsics",
+    "--truth-topic", "--trajectory", "--synth-seed",  "--calibration", "--seed",   "--record",
+    "--preload",     "--realtime",   "--poses",       "--wait"};
+
 /// What `--calibration` says where the input is to be calibrated from itself.
 constexpr const char* kCalibrateFirst = "auto";
 
@@ -118,8 +129,31 @@ Status calibrate_input(RunCommand& command, const slam::SessionConfig& config, r
   return status;
 }
 
+/// Goes on with a run: everything is as it was, but for how it is watched and scored.
+int resume_command(RunCommand command) {
+  auto folder = run::RunFolder::resume(command.resume);
+  if (!folder) return report(folder.error());
+  auto point = run::load_resume_point(command.resume);
+  if (!point) return report(point.error());
+  command.input = point->saved.input;
+  const slam::SessionConfig config = point->saved.config;
+  command.options.resume = std::move(*point);
+  auto input = run::open_input(command.input, command.options.threads, stop_token());
+  if (!input) return report(input.error());
+  setup_logging(folder->path() / run::files::kLog, command.quiet, LogStart::kAppend);
+  if (command.options.resume->checkpoint.empty()) {
+    log().warn("{} has no checkpoint that it could go on from: it begins again",
+               folder->path().string());
+  }
+  command.score.threads = command.options.threads;
+  const auto code = run_sequence(command, config, *input, *folder);
+  log().flush();
+  return code ? *code : report(code.error());
+}
+
 int run_command(RunCommand command) {
   run::return_freed_images();
+  if (!command.resume.empty()) return resume_command(std::move(command));
   const auto config = run::resolve_config(command.config, command.input);
   if (!config) return report(config.error());
   if (command.input.input.empty()) {
@@ -166,6 +200,9 @@ void add_run(CLI::App& app, Action& action) {
   sub->add_option("INPUT", command->input.input,
                   "Sequence folder, bag, synth:NAME[:LEVEL], or live:tcp://127.0.0.1:PORT");
   sub->add_option("-o,--output", command->output, "Run folder (default runs/TIME-NAME)");
+  auto* resume = sub->add_option("--resume", command->resume,
+                                 "Go on with the run of this folder, which was killed or stopped: "
+                                 "from its last checkpoint, to the same result to the bit");
   sub->add_option("--preset", command->config.preset, "default (ours) or paper");
   add_tracking_options(*sub, command->input, command->config);
   sub->add_option("--calibration", command->input.calibration,
@@ -193,7 +230,13 @@ void add_run(CLI::App& app, Action& action) {
   sub->add_flag("--no-eval", command->no_eval, "Skip the rendering scores");
   sub->add_flag("--quiet", command->quiet, "No progress, no warnings on the terminal");
   sub->add_flag("--json", command->json, "Print the metrics as JSON");
-  sub->callback([command, &action] { action = [command] { return run_command(*command); }; });
+  sub->callback([command, sub, resume, &action] {
+    for (const char* option : kMadeOf) {
+      if (resume->count() == 0 || sub->get_option(option)->count() == 0) continue;
+      throw CLI::ExcludesError(resume->get_name(), option);
+    }
+    action = [command] { return run_command(*command); };
+  });
 }
 
 }  // namespace sgs::app

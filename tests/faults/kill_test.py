@@ -99,6 +99,12 @@ def view(sgs, out):
     check("viewer" in text or re.search("has not begun|only just begun", text), f"view: {text}")
 
 
+def map_of(out):
+    """Where the map lies: with the results, or in the checkpoint that counts."""
+    name = out / "checkpoint.txt"
+    return out / name.read_text().strip() / "map.ply" if name.exists() else out / "map.ply"
+
+
 def lines_of(path):
     if not path.exists():
         return 0
@@ -122,10 +128,10 @@ def look(sgs, out, scratch, frames_needed):
         metrics = json.loads(done.stdout)
         check(metrics["state"] == ("finished" if finished else "killed"), metrics["state"])
         check(metrics["frames_tracked"] + metrics["frames_lost"] <= frames, "frames from nowhere")
-        check((metrics["psnr_db"] is not None) == (out / "map.ply").exists(), "scores and map")
+        check((metrics["psnr_db"] is not None) == map_of(out).exists(), "scores and map")
     if (out / "trajectory.txt").exists():
         check(sgs_says(sgs, "export", out, "tum", scratch / "x.tum").returncode == 0, "tum")
-    if (out / "map.ply").exists():
+    if map_of(out).exists():
         check(sgs_says(sgs, "export", out, "ply", scratch / "x.ply").returncode == 0, "ply")
         sgs_says(sgs, "render", out, "-o", scratch / "r", "--every", 50, "--quiet")
     view(sgs, out)
@@ -140,7 +146,7 @@ def kill_once(sgs, source, out, scratch, after_s):
     run.end(kill=True)
     killed_at = run.ended
     killed_s = time.time() - (time.monotonic() - killed_at)
-    kept = out / "map.ply"
+    kept = map_of(out)
     map_age = killed_s - kept.stat().st_mtime if kept.exists() else None
     promised = [n for t, n in run.shown if t <= killed_at - PROMISE_S]
     frames = look(sgs, out, scratch, max(promised, default=0))

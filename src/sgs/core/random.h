@@ -25,6 +25,11 @@ class SplitMix64 {
   /// Uniform in [0, 1).
   double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
 
+  template <class Archive>
+  void archive(Archive& a) {
+    a(state_);
+  }
+
  private:
   std::uint64_t state_;
 };

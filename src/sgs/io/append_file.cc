@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <utility>
@@ -51,13 +52,23 @@ int copy_all(int from, int to) {
 
 }  // namespace
 
-AppendFile::AppendFile(fs::path path) : path_(std::move(path)) {}
+AppendFile::AppendFile(fs::path path) : AppendFile(std::move(path), 0) {}
+
+AppendFile::AppendFile(fs::path path, std::size_t bytes) : path_(std::move(path)), kept_(bytes) {}
 
 Status AppendFile::open() {
   if (!path_.parent_path().empty()) SGS_RETURN_IF_ERROR(make_folder(path_.parent_path()));
   // Readable, too: should the file be removed, its content is still there for who holds it open.
-  const int fd = ::open(path_.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0666);
+  const int fd = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
   if (fd < 0) return system_error("write", path_, errno);
+  struct stat info {};
+  const bool regular = ::fstat(fd, &info) == 0 && S_ISREG(info.st_mode);
+  const auto kept = std::min(static_cast<off_t>(kept_), info.st_size);
+  if (regular && ::ftruncate(fd, kept) != 0) {
+    const int code = errno;
+    ::close(fd);
+    return system_error("write", path_, code);
+  }
   file_ = std::shared_ptr<const int>(new int(fd), [](const int* held) {
     ::close(*held);
     delete held;

@@ -18,6 +18,8 @@ class AppendFile {
  public:
   /// The first append() makes the file; one of that name is emptied.
   explicit AppendFile(std::filesystem::path path);
+  /// Goes on with a file that is there, behind its first `bytes`.
+  AppendFile(std::filesystem::path path, std::size_t bytes);
 
   /// Takes `bytes` over; they go to the file with the next append() or sync().
   void hold(std::string_view bytes) { pending_ += bytes; }
@@ -37,6 +39,7 @@ class AppendFile {
 
   std::filesystem::path path_;
   std::shared_ptr<const int> file_;  // a descriptor that its owner closes; null until it is needed
+  std::size_t kept_ = 0;             // bytes of a file that was there
   std::string pending_;
   bool synced_ = true;  // nothing was written since the last sync()
 };

@@ -29,6 +29,17 @@ TEST(AppendFile, Grows) {
   ASSERT_TRUE(file.sync());
 }
 
+TEST(AppendFile, GoesOnBehindWhatIsThere) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_file(folder / "b.txt", "one\ntw"));
+  AppendFile file(folder / "b.txt", 4);
+  ASSERT_TRUE(file.append("2\n"));
+  EXPECT_EQ(read_file(file.path()), "one\n2\n");
+  AppendFile longer(folder / "b.txt", 1000);
+  ASSERT_TRUE(longer.append("3\n"));
+  EXPECT_EQ(read_file(file.path()), "one\n2\n3\n") << "no more than there is";
+}
+
 TEST(AppendFile, ComesBackWithAllItHeldWhenItWasRemoved) {
   const TemporaryFolder folder;
   AppendFile file(folder / "a/b.txt");

@@ -55,11 +55,12 @@ float merged_depth(const std::array<float, 4>& depths) {
 }  // namespace
 
 MapKeyframe::MapKeyframe(const RgbdFrame& frame, const SE3& T, double max_depth_m)
-    : T_world_camera(T),
-      T_odom_camera(T),
-      camera_(frame.camera),
-      frame_index_(frame.index),
-      depth_unit_m_(static_cast<float>(max_depth_m / 65535)) {
+    : T_world_camera(T), T_odom_camera(T), camera_(frame.camera), frame_index_(frame.index) {
+  take_pictures(frame, max_depth_m);
+}
+
+void MapKeyframe::take_pictures(const RgbdFrame& frame, double max_depth_m) {
+  depth_unit_m_ = static_cast<float>(max_depth_m / 65535);
   const auto pictures = std::make_shared<KeyframePictures>();
   pictures->color = frame.color;
   pictures->depth = Image<std::uint16_t>(frame.depth.width(), frame.depth.height());
@@ -89,6 +90,10 @@ std::shared_ptr<const KeyframePictures> MapKeyframe::pictures() const {
 
 void MapKeyframe::change_depth(const std::shared_ptr<const DepthChange>& change) {
   pose_information.reset();
+  change_pictures(change);
+}
+
+void MapKeyframe::change_pictures(const std::shared_ptr<const DepthChange>& change) {
   if (!pictures_) {
     changes_.push_back(change);
     return;

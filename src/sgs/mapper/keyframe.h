@@ -11,6 +11,7 @@
 #include "sgs/camera/depth_change.h"
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/core/spill_file.h"
+#include "sgs/geometry/archive_se3.h"
 #include "sgs/render/rasterizer.h"
 
 namespace sgs::mapper {
@@ -31,6 +32,10 @@ class MapKeyframe {
   /// Both poses begin as `T_world_camera`. `max_depth_m` bounds the depth that is kept; farther
   /// measurements are dropped.
   MapKeyframe(const RgbdFrame& frame, const SE3& T_world_camera, double max_depth_m);
+  /// One without pictures: take_pictures() comes next.
+  explicit MapKeyframe(const PinholeCamera& camera) : camera_(camera) {}
+  /// The pictures of the frame that the keyframe was made of. `max_depth_m` as above.
+  void take_pictures(const RgbdFrame& frame, double max_depth_m);
 
   /// The images at full (0) or half (1) resolution. Half resolution averages 2x2 pixels; depth only
   /// where at least two of the four agree, so that no depth floats between fore- and background.
@@ -43,6 +48,8 @@ class MapKeyframe {
   Status park(SpillFile& file);
   /// Depth is known better now. Parked pictures follow whenever they are read.
   void change_depth(const std::shared_ptr<const DepthChange>& change);
+  /// The same of the pictures only.
+  void change_pictures(const std::shared_ptr<const DepthChange>& change);
   /// What pictures() takes in memory unless they are parked.
   std::size_t picture_bytes() const;
   const PinholeCamera& camera() const { return camera_; }
@@ -55,10 +62,16 @@ class MapKeyframe {
   /// Of its half-resolution view (pose_information), made when it is needed first.
   std::optional<Matrix6d> pose_information;
 
+  /// Everything but the pictures.
+  template <class Archive>
+  void archive(Archive& a) {
+    a(frame_index_, T_world_camera, T_odom_camera, gain, visits, pose_information);
+  }
+
  private:
   PinholeCamera camera_;
-  std::int64_t frame_index_;
-  float depth_unit_m_;
+  std::int64_t frame_index_ = 0;
+  float depth_unit_m_ = 0;
   std::shared_ptr<const KeyframePictures> pictures_;  // null where they are parked:
   const SpillFile* file_ = nullptr;
   std::int64_t parked_at_ = 0;

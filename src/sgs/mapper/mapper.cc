@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/mapper/mapper.h"
 
+#include <algorithm>
 #include <cmath>
+#include <deque>
 
 #include "sgs/core/log.h"
 #include "sgs/map/gaussian_store.h"
@@ -11,6 +13,7 @@
 #include "sgs/mapper/keyframe.h"
 #include "sgs/mapper/keyframe_memory.h"
 #include "sgs/mapper/keyframe_refinement.h"
+#include "sgs/mapper/map_archive.h"
 #include "sgs/mapper/move_map.h"
 #include "sgs/mapper/optimizer.h"
 #include "sgs/mapper/schedule.h"
@@ -59,6 +62,12 @@ struct Mapper::Impl {
 
   void step();
   void prune();
+  /// Everything but the keyframes.
+  template <class Archive>
+  void archive(Archive& a) {
+    a(store, schedule, views, iterations, full_steps, last_loss, version);
+  }
+  bool consistent() const;
 
   MapperConfig config;
   PinholeCamera camera;
@@ -73,6 +82,7 @@ struct Mapper::Impl {
   map::MeanBounds bounds;  // of store.raw and store.average
   KeyframeMemory memory;   // before the keyframes: they may lie in its file
   std::vector<MapKeyframe> keyframes;
+  std::deque<MapKeyframe> awaited;  // restored keyframes without pictures, in order
   render::Rendering rendering;
   render::Gradients gradients;
   std::int64_t iterations = 0, full_steps = 0;
@@ -248,6 +258,67 @@ IterationReport Mapper::iterate(int count) {
   if (m.keyframes.empty()) return {};
   for (int i = 0; i < count; ++i) m.step();
   return {count, m.last_loss};
+}
+
+void Mapper::save(ArchiveWriter& archive) {
+  Impl& m = *impl_;
+  SGS_CHECK(m.awaited.empty(), "a mapper is saved once it is restored");
+  constexpr std::size_t kBytesPerGaussian = 2 * sizeof(map::Gaussian) + sizeof(map::Moments) + 48;
+  archive.reserve(m.store.size() * (kBytesPerGaussian + m.keyframes.size() / 8) + (1 << 20));
+  std::uint64_t count = m.keyframes.size();
+  archive(count);
+  for (MapKeyframe& keyframe : m.keyframes) archive(keyframe);
+  archive(m);
+}
+
+// What a file says is believed only where nothing can go out of bounds by it.
+bool Mapper::Impl::consistent() const {
+  for (std::size_t k = 0; k < awaited.size(); ++k) {
+    if (awaited[k].visits < 0) return false;
+    if (k > 0 && awaited[k].frame_index() <= awaited[k - 1].frame_index()) return false;
+  }
+  const auto known = [this](const map::Anchor& anchor) {
+    return anchor.keyframe >= -1 && anchor.keyframe < static_cast<std::int64_t>(awaited.size());
+  };
+  return map::consistent(store) && std::all_of(store.anchors.begin(), store.anchors.end(), known) &&
+         schedule.consistent() && schedule.keyframes() == awaited.size() &&
+         views.consistent(awaited.size(), store.size()) && iterations >= 0 && full_steps >= 0;
+}
+
+Status Mapper::restore(ArchiveReader& archive) {
+  Impl& m = *impl_;
+  SGS_CHECK(m.keyframes.empty() && m.awaited.empty(), "a mapper that is restored must be new");
+  std::uint64_t count = 0;
+  archive(count);
+  for (std::uint64_t i = 0; i < count && !archive.failed(); ++i) {
+    archive(m.awaited.emplace_back(m.camera));
+  }
+  archive(m);
+  if (archive.failed() || !m.consistent()) {
+    return fail(ErrorCode::kInvalidFormat, "the state of the map makes no sense");
+  }
+  m.bounds.assign(m.store.raw, m.store.average);
+  return {};
+}
+
+std::optional<std::int64_t> Mapper::awaited_frame() const {
+  if (impl_->awaited.empty()) return std::nullopt;
+  return impl_->awaited.front().frame_index();
+}
+
+void Mapper::restore_keyframe(const RgbdFrame& frame) {
+  Impl& m = *impl_;
+  SGS_CHECK(frame.index == awaited_frame(), "another frame is awaited");
+  SGS_CHECK(frame.camera == m.camera, "the keyframe's camera differs from the mapper's");
+  m.awaited.front().take_pictures(frame, m.config.insertion.max_depth_m);
+  m.keyframes.push_back(std::move(m.awaited.front()));
+  m.awaited.pop_front();
+  m.memory.make_room(m.keyframes, m.training_views);
+}
+
+void Mapper::restore_depth_change(const std::shared_ptr<const DepthChange>& change) {
+  SGS_CHECK(change != nullptr, "restore_depth_change() needs a change");
+  for (MapKeyframe& keyframe : impl_->keyframes) keyframe.change_pictures(change);
 }
 
 map::SnapshotPtr Mapper::snapshot() {

@@ -4,10 +4,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "sgs/camera/depth_change.h"
 #include "sgs/camera/rgbd_frame.h"
+#include "sgs/core/archive.h"
+#include "sgs/core/error.h"
 #include "sgs/core/stopwatch.h"
 #include "sgs/core/thread_pool.h"
 #include "sgs/map/gaussian.h"
@@ -46,6 +49,20 @@ class Mapper {
   void change_depth(const std::shared_ptr<const DepthChange>& change);
   /// Runs `count` optimisation steps over the keyframes; nothing happens without keyframes.
   IterationReport iterate(int count);
+
+  /// Everything that later steps depend on, but for the keyframes' pictures.
+  void save(ArchiveWriter& archive);
+  /// Goes on from what save() wrote for the same configuration, camera and seed; this mapper must
+  /// be new. The frames of the keyframes have to come again (restore_keyframe()) before anything
+  /// else is asked of it. Fails where the bytes are not such a state; the mapper is of no use then.
+  Status restore(ArchiveReader& archive);
+  /// Index of the frame that restore_keyframe() needs next; empty when all are there.
+  std::optional<std::int64_t> awaited_frame() const;
+  /// The frame that awaited_frame() named.
+  void restore_keyframe(const RgbdFrame& frame);
+  /// A change_depth() from before save(), between the keyframes where it was: what came of it is
+  /// restored, but for the pictures.
+  void restore_depth_change(const std::shared_ptr<const DepthChange>& change);
 
   /// The current averaged map; cheap when nothing changed since the last call.
   map::SnapshotPtr snapshot();

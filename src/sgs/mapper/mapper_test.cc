@@ -233,5 +233,119 @@ TEST(Mapper, PrunesWhatHasFaded) {
   EXPECT_LT(trained(config, nullptr, 2)->size(), kept);
 }
 
+/// Keyframe `i` of a walk along the wall.
+void add_keyframe_of_walk(Mapper& mapper, int i) {
+  const SE3 T = translated(0.03 * (i % 20), 0.006 * (i % 20), 0);
+  mapper.add_keyframe(wall_frame(small_camera(), T, 10 * i), T);
+}
+
+/// How the depth camera becomes better known behind keyframe `i` of the walk; null = not at all.
+std::shared_ptr<const DepthChange> change_behind(int i) {
+  const auto calibration = [](int times) {
+    DepthCalibration c;
+    c.camera = small_camera();
+    c.grid = {4, 3};
+    c.sigma_per_m.assign(12, 1e-4);
+    for (int k = 0; k < 12; ++k) c.offset_per_m.push_back(1e-3 * times * (k % 4) - 2e-3);
+    c.shift_px = {0.3 * times, -0.2};
+    return c;
+  };
+  if (i % 8 != 5) return nullptr;
+  return std::make_shared<DepthChange>(i < 8 ? DepthCalibration{} : calibration(i / 8 - 1),
+                                       calibration(i / 8));
+}
+
+void walk(Mapper& mapper, int begin, int end) {
+  for (int i = begin; i < end; ++i) {
+    add_keyframe_of_walk(mapper, i);
+    mapper.iterate(7);
+    if (const auto change = change_behind(i)) mapper.change_depth(change);
+    if (i % 11 == 10) {
+      mapper.move_keyframes(
+          std::vector<SE3>(static_cast<std::size_t>(i + 1), translated(0, 0, 1e-3)));
+    }
+  }
+}
+
+MapperConfig config_that_uses_everything() {
+  MapperConfig config = config_for_test();
+  config.schedule.prune_interval = 25;
+  config.schedule.prune_opacity = 0.2;
+  config.schedule.look_interval = 3;
+  config.schedule.half_resolution_share = 0.6;
+  config.refinement.pose_first_visit = 2;
+  config.memory_mb = 1;
+  return config;
+}
+
+std::string state_of(Mapper& mapper) {
+  ArchiveWriter archive;
+  mapper.save(archive);
+  return archive.take();
+}
+
+void restore_frames(Mapper& mapper) {
+  while (const auto frame = mapper.awaited_frame()) {
+    const int i = static_cast<int>(*frame / 10);
+    const SE3 T = translated(0.03 * (i % 20), 0.006 * (i % 20), 0);
+    mapper.restore_keyframe(*wall_frame(small_camera(), T, 10 * i));
+    if (const auto change = change_behind(i)) mapper.restore_depth_change(change);
+  }
+}
+
+TEST(Mapper, GoesOnFromASavedStateToTheBit) {
+  const MapperConfig config = config_that_uses_everything();
+  Mapper whole(config, small_camera(), 3, nullptr);
+  walk(whole, 0, 40);
+  const std::string state = state_of(whole);
+  walk(whole, 40, 60);
+
+  Mapper again(config, small_camera(), 99, nullptr);  // the seed is part of the state
+  ArchiveReader archive(state);
+  ASSERT_TRUE(again.restore(archive));
+  EXPECT_TRUE(archive.complete());
+  restore_frames(again);
+  EXPECT_TRUE(state_of(again) == state);
+  walk(again, 40, 60);
+  const auto expected = whole.snapshot(), actual = again.snapshot();
+  ASSERT_EQ(actual->gaussians.size(), expected->gaussians.size());
+  EXPECT_EQ(std::memcmp(actual->gaussians.data(), expected->gaussians.data(),
+                        actual->gaussians.size() * sizeof(map::Gaussian)),
+            0);
+  ASSERT_EQ(actual->T_world_keyframe.size(), expected->T_world_keyframe.size());
+  for (std::size_t k = 0; k < actual->T_world_keyframe.size(); ++k) {
+    EXPECT_TRUE(actual->T_world_keyframe[k].t == expected->T_world_keyframe[k].t) << k;
+  }
+  EXPECT_EQ(again.iterations(), whole.iterations());
+}
+
+// Whatever one wrong byte says: an error, or a state that can be gone on from.
+TEST(Mapper, TakesNoDamagedState) {
+  const MapperConfig config = config_that_uses_everything();
+  Mapper small(config, small_camera(), 3, nullptr);
+  walk(small, 0, 3);
+  const std::string state = state_of(small);
+  for (std::size_t size : {std::size_t{0}, state.size() / 2, state.size() - 1}) {
+    Mapper mapper(config, small_camera(), 3, nullptr);
+    ArchiveReader archive(std::string_view(state).substr(0, size));
+    EXPECT_FALSE(mapper.restore(archive)) << size;
+  }
+  int refused = 0;
+  for (std::size_t at = 0; at < state.size(); at += 1 + state.size() / 60) {
+    std::string damaged = state;
+    damaged[at] = static_cast<char>(~damaged[at]);
+    Mapper mapper(config, small_camera(), 3, nullptr);
+    ArchiveReader archive(damaged);
+    if (!mapper.restore(archive)) {
+      ++refused;
+      continue;
+    }
+    if (mapper.awaited_frame().value_or(0) % 10 != 0) continue;
+    restore_frames(mapper);
+    mapper.iterate(2);
+  }
+  EXPECT_GT(refused, 0);
+}
+
 }  // namespace
 }  // namespace sgs::mapper

@@ -2,12 +2,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/mapper/schedule.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "sgs/core/error.h"
 
 namespace sgs::mapper {
+
+bool Schedule::consistent() const {
+  const auto known = [this](std::size_t index) { return index < count_; };
+  const bool credits_finite = std::all_of(entries_.begin(), entries_.end(), [](const Entry& e) {
+    return std::isfinite(e.credit) && e.visits >= 0;
+  });
+  return entries_.size() == count_ && credits_finite &&
+         std::all_of(fresh_.begin(), fresh_.end(), known) &&
+         std::all_of(round_.begin(), round_.end(), known);
+}
 
 void Schedule::add_keyframe(std::size_t index) {
   count_ = index + 1;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "sgs/core/archive.h"
 #include "sgs/core/random.h"
 #include "sgs/mapper/mapper_config.h"
 
@@ -27,6 +28,14 @@ class Schedule {
   /// Number of the keyframe to optimise; there must be one.
   std::size_t next();
   SplitMix64& random() { return random_; }
+  std::size_t keyframes() const { return count_; }
+  /// False for what no schedule can be: read from a file.
+  bool consistent() const;
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a(random_, count_, fresh_, round_, entries_);
+  }
 
  private:
   std::size_t next_in_round();
@@ -44,8 +53,13 @@ class Schedule {
   /// it; the one with the most comes next and pays a whole step. The jitter, drawn anew each time,
   /// keeps keyframes from following each other in the same order for ever.
   struct Entry {
-    double credit, jitter, weight;
-    int visits;
+    double credit = 0, jitter = 0, weight = 0;
+    int visits = 0;
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a(credit, jitter, weight, visits);
+    }
   };
   std::vector<Entry> entries_;
 };

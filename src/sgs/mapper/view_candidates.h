@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <vector>
 
+#include "sgs/core/archive.h"
 #include "sgs/map/gaussian_set.h"
+#include "sgs/mapper/map_archive.h"
 
 namespace sgs::mapper {
 
@@ -29,11 +31,23 @@ class ViewCandidates {
   void forget() { keyframes_.clear(); }
   /// `removed` Gaussians are about to go, the others move up.
   void follow_removal(const map::GaussianSet& removed);
+  /// False for what cannot be with so many keyframes and Gaussians: read from a file.
+  bool consistent(std::size_t keyframes, std::size_t gaussians) const;
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a(keyframes_);
+  }
 
  private:
   struct Keyframe {
     int visits = 0;
     map::GaussianSet seen;
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a(visits, seen);
+    }
   };
   int interval_;
   std::vector<Keyframe> keyframes_;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/run/execute.h"
 
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -14,10 +15,12 @@
 #include "sgs/run/journal.h"
 #include "sgs/run/machine.h"
 #include "sgs/run/map_checkpoints.h"
+#include "sgs/run/resume_file.h"
 #include "sgs/run/run_config.h"
 #include "sgs/run/run_files.h"
 #include "sgs/run/timings.h"
 #include "sgs/run/version.h"
+#include "sgs/stream/address.h"
 
 namespace sgs::run {
 namespace {
@@ -33,7 +36,7 @@ eval::Metrics run_metrics(const RunOptions& options, const slam::SessionConfig& 
   m.map_bytes = kBytesPerGaussian * *m.gaussians;
   m.keyframes = static_cast<std::int64_t>(session.keyframes().size());
   m.mapping_iterations = session.iterations();
-  const auto fed = static_cast<double>(session.records().size());
+  const auto fed = static_cast<double>(session.records().size() - clock.frames_replayed);
   const double system_s = clock.wall_s - clock.starved_s;
   if (fed > 1 && system_s > 0) m.fps_system = fed / system_s;
   if (fed > 1 && clock.wall_s > 0) m.fps_wall = fed / clock.wall_s;
@@ -73,32 +76,55 @@ bool tracking_was_lost(const std::vector<slam::FrameRecord>& frames) {
 class Keeper {
  public:
   Keeper(const RunFolder& folder, const std::vector<NamedWriter>& opening, slam::Session& session,
-         double checkpoint_s)
-      : journal_(folder.lock(), opening) {
-    if (checkpoint_s <= 0) return;
-    checkpoints_.emplace(folder.lock(), checkpoint_s, [&session] { return session.snapshot(); });
+         double checkpoint_s, bool live)
+      : journal_(folder.resumed() ? Journal::go_on(folder.lock(), opening)
+                                  : std::make_unique<Journal>(folder.lock(), opening)) {
+    if (checkpoint_s > 0) {
+      CheckpointSource source;
+      source.map = [&session] { return session.snapshot(); };
+      if (!live && session.can_be_saved()) source.state = [&session] { return session.save(); };
+      checkpoints_.emplace(folder.lock(), checkpoint_s, std::move(source));
+    }
+    for (const slam::FrameRecord& record : session.records()) add(record);
   }
   void add(const slam::FrameRecord& record) {
-    journal_.add(record);
+    journal_->add(record);
     if (checkpoints_) checkpoints_->add(record);
+  }
+  /// Makes a checkpoint of what there is: the run is asked to stop.
+  void add_last() {
+    if (checkpoints_) checkpoints_->add_last();
   }
 
  private:
-  Journal journal_;
+  std::unique_ptr<Journal> journal_;
   std::optional<MapCheckpoints> checkpoints_;
 };
 
+/// The callbacks of those who watch.
+PlayOptions watched(const Spectator& spectator, slam::Session& session, const RunFolder& folder) {
+  PlayOptions play;
+  play.before_frame = spectator.before_frame;
+  play.on_event = [&folder](const std::string& what) { folder.note_input(what); };
+  play.after_frame = [&](const dataset::FeedItem& item, const slam::FrameRecord& record) {
+    if (spectator.after_frame) spectator.after_frame(session, item, record);
+  };
+  return play;
+}
+
 PlayOptions play_options(const RunOptions& options, const Spectator& spectator,
                          slam::Session& session, Keeper& keeper, const RunFolder& folder,
-                         dataset::TumSequenceWriter* recorder) {
-  PlayOptions play;
+                         dataset::TumSequenceWriter* recorder, const std::stop_token& stop) {
+  PlayOptions play = watched(spectator, session, folder);
   play.realtime = options.realtime;
   play.recorder = recorder;
-  play.before_frame = spectator.before_frame;
-  play.on_event = [&](const std::string& what) { folder.note_input(what); };
-  play.after_frame = [&](const dataset::FeedItem& item, const slam::FrameRecord& record) {
+  play.before_finish = [&keeper, stop] {
+    if (stop.stop_requested()) keeper.add_last();
+  };
+  play.after_frame = [&keeper, watch = play.after_frame](const dataset::FeedItem& item,
+                                                         const slam::FrameRecord& record) {
     keeper.add(record);
-    if (spectator.after_frame) spectator.after_frame(session, item, record);
+    watch(item, record);
   };
   return play;
 }
@@ -113,6 +139,20 @@ void warn_of_single_views(const Input& input, const slam::SessionConfig& config)
       input.info.truth_rows > 0 ? "Their recorded poses are used with"
                                 : "Where their poses are known, use",
       input.info.truth_rows > 0 ? "" : " --poses FILE");
+}
+
+/// Brings the session to where the run was when its checkpoint was made.
+Status go_on(const ResumePoint& point, Input& input, slam::Session& session, RunFolder& folder,
+             const Spectator& spectator, const std::stop_token& stop) {
+  if (!point.checkpoint.empty()) {
+    {
+      SGS_ASSIGN_OR_RETURN(const auto state, load_resume_file(point.checkpoint));
+      SGS_RETURN_IF_ERROR(session.restore(state));
+    }
+    SGS_RETURN_IF_ERROR(replay(*input.source, session, watched(spectator, session, folder), stop));
+  }
+  log().info("the run goes on at frame {}", session.records().size());
+  return folder.go_on();
 }
 
 /// How the run ended.
@@ -144,8 +184,14 @@ Result<Outcome> run_in(Input& input, const InputSpec& spec, const slam::SessionC
                        const std::stop_token& stop) {
   SGS_CHECK(folder.lock() != nullptr, "a run needs a folder of its own");
   warn_of_single_views(input, config);
-  std::vector<NamedWriter> opening = opening_files(beginning_of(input, spec, config));
-  for (const NamedWriter& file : opening) folder.save(file.name, file.write);
+  Run beginning = beginning_of(input, spec, config);
+  if (options.resume) beginning.config_toml = options.resume->config_toml;
+  std::vector<NamedWriter> opening = opening_files(beginning);
+  if (!options.resume) {
+    for (const NamedWriter& file : opening) folder.save(file.name, file.write);
+  }
+  const bool live = options.realtime || stream::is_stream(spec.input);  // frames come only once
+  if (live) SGS_RETURN_IF_ERROR(folder.mark_live());
   opening.push_back({files::kState, [text = state_text(folder.beginning())](const auto& path) {
                        return io::write_file(path, text);
                      }});
@@ -154,17 +200,26 @@ Result<Outcome> run_in(Input& input, const InputSpec& spec, const slam::SessionC
   session_options.live = options.realtime;
   const PinholeCamera camera = input.source->camera();
   SGS_ASSIGN_OR_RETURN(auto session, slam::Session::create(config, camera, session_options));
+  if (options.resume) {
+    SGS_RETURN_IF_ERROR(go_on(*options.resume, input, *session, folder, spectator, stop));
+  }
+  const std::size_t replayed = session->records().size();
   std::optional<dataset::TumSequenceWriter> recorder;
   if (!options.record.empty()) {
     SGS_ASSIGN_OR_RETURN(recorder, dataset::TumSequenceWriter::create(options.record, camera,
                                                                       recording_options(input)));
   }
-  std::optional<Keeper> keeper(std::in_place, folder, opening, *session, options.checkpoint_s);
-  const auto clock = play(
-      *input.source, *session,
-      play_options(options, spectator, *session, *keeper, folder, recorder ? &*recorder : nullptr),
-      stop);
+  std::optional<Keeper> keeper(std::in_place, folder, opening, *session, options.checkpoint_s,
+                               live);
+  auto clock = play(*input.source, *session,
+                    play_options(options, spectator, *session, *keeper, folder,
+                                 recorder ? &*recorder : nullptr, stop),
+                    stop);
   keeper.reset();
+  if (clock) {
+    clock->frames_replayed = replayed;
+    clock->frames_in += static_cast<std::int64_t>(replayed);
+  }
   Outcome outcome;
   if (!clock) outcome.input = tl::unexpected(clock.error());
   outcome.stopped = stop.stop_requested();
@@ -173,6 +228,7 @@ Result<Outcome> run_in(Input& input, const InputSpec& spec, const slam::SessionC
   const StageTimes times = session->times();
   Run& run = outcome.run;
   run = run_of(*session, input, spec, config);
+  run.config_toml = beginning.config_toml;
   run.metrics = run_metrics(options, config, *session, clock.value_or(RunClock{}), times);
   if (clock) run.frames_total = clock->frames_in;
   outcome.lost = tracking_was_lost(run.frames);
@@ -199,7 +255,7 @@ Result<Outcome> execute(Input& input, const InputSpec& spec, const slam::Session
   slam::SessionConfig used = config;
   if (input.calibration) used.backend.calibration.online = false;  // it would see no raw depth
   auto outcome = run_in(input, spec, used, options, folder, spectator, stop);
-  if (!outcome) folder.end(Stage::kInterrupted, 0, outcome.error().message);
+  if (!outcome && !folder.resumed()) folder.end(Stage::kInterrupted, 0, outcome.error().message);
   return outcome;
 }
 

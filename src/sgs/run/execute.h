@@ -3,10 +3,12 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <string>
 
 #include "sgs/run/play.h"
+#include "sgs/run/resume.h"
 #include "sgs/run/run.h"
 
 namespace sgs::run {
@@ -18,6 +20,7 @@ struct RunOptions {
   std::string record;        ///< folder that keeps the input (TUM layout); empty = none
   std::string trace;         ///< file for a time line of all threads; empty = none
   double checkpoint_s = 10;  ///< the map is kept at least this often while it grows; 0 = never
+  std::optional<ResumePoint> resume;  ///< in a folder of RunFolder::resume(); empty = a new run
 };
 
 /// Who watches a run; each may be empty. All but `finished` as in PlayOptions.
@@ -39,7 +42,8 @@ struct Outcome {
 /// SLAM on an open input: tracks, maps, and writes everything but scores into `folder`: frames and
 /// poses within a second (Journal), the map now and then (MapCheckpoints), all of it anew at the
 /// end, when state.toml says so. Fails only where nothing could be computed; what could not be
-/// written is in folder.failures().
+/// written is in folder.failures(). With options.resume an earlier run goes on; where that cannot
+/// be, its folder stays as it was.
 Result<Outcome> execute(Input& input, const InputSpec& spec, const slam::SessionConfig& config,
                         const RunOptions& options, RunFolder& folder, const Spectator& spectator,
                         const std::stop_token& stop = {});

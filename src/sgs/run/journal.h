@@ -3,10 +3,14 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstddef>
+#include <filesystem>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "sgs/io/append_file.h"
@@ -30,6 +34,11 @@ class Journal {
   /// `opening` are the files that a run begins with: they are written again with the journal where
   /// the folder is removed in the meantime.
   Journal(std::shared_ptr<FolderLock> lock, std::vector<NamedWriter> opening);
+  /// Goes on with the journal of a run that was killed or interrupted. Its frames come again, from
+  /// the first one on; those that are there already are not written twice, and none of them is gone
+  /// at any moment.
+  static std::unique_ptr<Journal> go_on(std::shared_ptr<FolderLock> lock,
+                                        std::vector<NamedWriter> opening);
   /// Writes what is left.
   ~Journal();
   Journal(const Journal&) = delete;
@@ -40,13 +49,27 @@ class Journal {
   void add(const slam::FrameRecord& record);
 
  private:
+  /// A file of the journal, and how many of its lines are there from before.
+  struct Lines {
+    explicit Lines(io::AppendFile appended, std::size_t lines = 0)
+        : file(std::move(appended)), known(lines) {}
+    void hold(const std::string& line);
+
+    io::AppendFile file;
+    std::size_t known;
+  };
+  Journal(std::shared_ptr<FolderLock> lock, std::vector<NamedWriter> opening, Lines frames,
+          Lines poses);
+  static Lines new_lines(const std::filesystem::path& path, std::string_view head);
+  static Lines lines_of(const std::filesystem::path& path, std::string_view head);
+
   void loop();
   void write(const std::vector<slam::FrameRecord>& records);
   Status try_write();
 
   std::shared_ptr<FolderLock> lock_;
   std::vector<NamedWriter> opening_;
-  io::AppendFile frames_, poses_;
+  Lines frames_, poses_;
   int times_made_again_ = 0;
   bool failing_ = false;
 

@@ -106,5 +106,45 @@ TEST(FolderLock, KnowsItsFolderAgain) {
   EXPECT_FALSE(FolderLock::is_held(scratch / "run"));
 }
 
+// What is there is not written twice, a torn line is made good, and nothing is gone in between.
+TEST(Journal, GoesOnWithWhatIsThere) {
+  const io::TemporaryFolder scratch;
+  auto lock = FolderLock::take(scratch / "run");
+  ASSERT_TRUE(lock);
+  {
+    Journal journal(*lock, {});
+    for (int i = 0; i < 5; ++i) journal.add(frame(i));
+  }
+  const auto frames = content(scratch / "run/frames.csv");
+  const auto poses = content(scratch / "run/trajectory.txt");
+  ASSERT_TRUE(io::append_file(scratch / "run/frames.csv", "5,5.0000"));
+  ASSERT_TRUE(io::write_file(scratch / "run/trajectory.txt", poses.substr(0, poses.size() - 7)));
+  {
+    const auto journal = Journal::go_on(*lock, {});
+    EXPECT_EQ(content(scratch / "run/frames.csv"), frames);
+    for (int i = 0; i < 7; ++i) journal->add(frame(i));
+  }
+  EXPECT_EQ(content(scratch / "run/frames.csv"),
+            frames + slam::frames_csv_line(frame(5)) + slam::frames_csv_line(frame(6)));
+  EXPECT_THAT(content(scratch / "run/trajectory.txt"), StartsWith(poses));
+  EXPECT_EQ(lines(scratch / "run/trajectory.txt"), 1 + 7);
+}
+
+// Of a run that was stopped well, trajectory.txt has the results.
+TEST(Journal, GoesOnWithARunThatWasStopped) {
+  const io::TemporaryFolder scratch;
+  auto lock = FolderLock::take(scratch / "run");
+  ASSERT_TRUE(lock);
+  ASSERT_TRUE(io::write_file(scratch / "run/trajectory.txt", "0.0 9 9 9 0 0 0 1\n"));
+  ASSERT_TRUE(io::write_file(scratch / "run/trajectory_online.txt", "0.0 1 1 1 0 0 0 1\n"));
+  {
+    const auto journal = Journal::go_on(*lock, {});
+    journal->add(frame(0));
+    journal->add(frame(1));
+  }
+  EXPECT_THAT(content(scratch / "run/trajectory.txt"),
+              StartsWith(std::string(kOnlinePoses) + "0.0 1 1 1 0 0 0 1\n1.0"));
+}
+
 }  // namespace
 }  // namespace sgs::run

@@ -13,6 +13,7 @@
 #include "sgs/core/stopwatch.h"
 #include "sgs/io/ply.h"
 #include "sgs/io/trajectory_io.h"
+#include "sgs/run/resume_file.h"
 #include "sgs/run/run_files.h"
 
 namespace sgs::run {
@@ -34,8 +35,11 @@ void CheckpointSchedule::written(double now_s, std::size_t gaussians, double cpu
 }
 
 MapCheckpoints::MapCheckpoints(std::shared_ptr<FolderLock> lock, double interval_s,
-                               std::function<map::SnapshotPtr()> newest)
-    : lock_(std::move(lock)), newest_(std::move(newest)), schedule_(interval_s) {
+                               CheckpointSource source)
+    : lock_(std::move(lock)),
+      source_(std::move(source)),
+      folders_(lock_->folder()),
+      schedule_(interval_s) {
   try {
     thread_ = std::thread([this] { loop(); });
   } catch (const std::system_error& error) {
@@ -43,7 +47,9 @@ MapCheckpoints::MapCheckpoints(std::shared_ptr<FolderLock> lock, double interval
   }
 }
 
-MapCheckpoints::~MapCheckpoints() {
+MapCheckpoints::~MapCheckpoints() { stop(); }
+
+void MapCheckpoints::stop() {
   {
     const std::scoped_lock lock(mutex_);
     stop_ = true;
@@ -53,9 +59,26 @@ MapCheckpoints::~MapCheckpoints() {
 }
 
 void MapCheckpoints::add(const slam::FrameRecord& record) {
-  if (!record.mapping_keyframe) return;
   const std::scoped_lock lock(mutex_);
-  keyframe_times_s_.emplace(record.index, record.timestamp_s);
+  if (record.mapping_keyframe) keyframe_times_s_.emplace(record.index, record.timestamp_s);
+  if (!std::exchange(state_wanted_, false)) return;
+  try {
+    state_ = source_.state();
+  } catch (...) {  // the run is worth more than its checkpoint
+    log().warn("the run goes on, but cannot be gone on with: {}", current_error().text());
+  }
+}
+
+void MapCheckpoints::add_last() {
+  stop();
+  try {
+    std::optional<std::string> state;
+    if (source_.state) state = source_.state().get();  // waits for the mapper
+    const auto snapshot = source_.map();
+    if (snapshot && !snapshot->gaussians.empty()) report(write(*snapshot, std::move(state)));
+  } catch (...) {
+    report(tl::unexpected(current_error()));
+  }
 }
 
 void MapCheckpoints::loop() {
@@ -71,40 +94,82 @@ void MapCheckpoints::loop() {
 }
 
 void MapCheckpoints::look() {
-  Status status;
   try {
-    const auto snapshot = newest_();
-    if (!snapshot || snapshot->version == written_version_) return;
-    const std::size_t gaussians = snapshot->gaussians.size();
-    if (!schedule_.due(wall_time_s(), gaussians)) return;
-    const double began_cpu_s = thread_cpu_time_s();
-    status = write(*snapshot);
-    schedule_.written(wall_time_s(), gaussians, thread_cpu_time_s() - began_cpu_s);
-    if (status) written_version_ = snapshot->version;
+    report(look_closely());
   } catch (...) {
-    status = tl::unexpected(current_error());
+    report(tl::unexpected(current_error()));
   }
+}
+
+Status MapCheckpoints::look_closely() {
+  const auto snapshot = source_.map();
+  if (!snapshot) return {};
+  const std::size_t gaussians = snapshot->gaussians.size();
+  auto state = take_state();
+  if (!state) {
+    if (snapshot->version == written_version_) return {};
+    if (!schedule_.due(wall_time_s(), gaussians)) return {};
+    if (source_.state) {
+      const std::scoped_lock lock(mutex_);
+      state_wanted_ = state_wanted_ || !state_.valid();
+      return {};  // until it has come
+    }
+  }
+  const double began_cpu_s = thread_cpu_time_s();
+  const Status status = write(*snapshot, std::move(state));
+  schedule_.written(wall_time_s(), gaussians, thread_cpu_time_s() - began_cpu_s);
+  if (status) written_version_ = snapshot->version;
+  return status;
+}
+
+// The state that was asked for, once it is there.
+std::optional<std::string> MapCheckpoints::take_state() {
+  std::future<std::string> state;
+  {
+    const std::scoped_lock lock(mutex_);
+    const bool there =
+        state_.valid() && state_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+    if (!there) return std::nullopt;
+    state = std::move(state_);
+  }
+  return state.get();
+}
+
+void MapCheckpoints::report(const Status& status) {
   if (!status && !failing_) {
     log().warn("the run goes on, but its map cannot be kept: {}", status.error().text());
   }
   failing_ = !status;
 }
 
-Status MapCheckpoints::write(const map::Snapshot& snapshot) {
-  SGS_RETURN_IF_ERROR(lock_->ensure());
+std::vector<StampedPose> MapCheckpoints::keyframes_of(const map::Snapshot& snapshot) {
   std::vector<StampedPose> keyframes;
-  {
-    const std::scoped_lock lock(mutex_);
-    const auto count = std::min(snapshot.keyframe_frames.size(), snapshot.T_world_keyframe.size());
-    for (std::size_t i = 0; i < count; ++i) {
-      // The mapper may be done with a keyframe before its frame was noted here.
-      const auto time = keyframe_times_s_.find(snapshot.keyframe_frames[i]);
-      if (time == keyframe_times_s_.end()) continue;
-      keyframes.push_back({time->second, snapshot.T_world_keyframe[i]});
-    }
+  const std::scoped_lock lock(mutex_);
+  const auto count = std::min(snapshot.keyframe_frames.size(), snapshot.T_world_keyframe.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    // The mapper may be done with a keyframe before its frame was noted here.
+    const auto time = keyframe_times_s_.find(snapshot.keyframe_frames[i]);
+    if (time == keyframe_times_s_.end()) continue;
+    keyframes.push_back({time->second, snapshot.T_world_keyframe[i]});
   }
-  SGS_RETURN_IF_ERROR(io::save_splats(lock_->folder() / files::kMap, snapshot.gaussians));
-  return io::save_trajectory(lock_->folder() / files::kKeyframes, Trajectory(std::move(keyframes)));
+  return keyframes;
+}
+
+Status MapCheckpoints::write(const map::Snapshot& snapshot, std::optional<std::string> state) {
+  SGS_RETURN_IF_ERROR(lock_->ensure());
+  std::vector<NamedWriter> parts;
+  parts.push_back({files::kMap, [&](const std::filesystem::path& path) {
+                     return io::save_splats(path, snapshot.gaussians);
+                   }});
+  parts.push_back({files::kKeyframes, [&](const std::filesystem::path& path) {
+                     return io::save_trajectory(path, Trajectory(keyframes_of(snapshot)));
+                   }});
+  if (state) {
+    parts.push_back({files::kResume, [&](const std::filesystem::path& path) {
+                       return save_resume_file(path, std::move(*state));
+                     }});
+  }
+  return folders_.write(parts);
 }
 
 }  // namespace sgs::run

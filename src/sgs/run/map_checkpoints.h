@@ -5,12 +5,18 @@
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <future>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <string>
 #include <thread>
+#include <vector>
 
+#include "sgs/geometry/trajectory.h"
 #include "sgs/map/gaussian.h"
+#include "sgs/run/checkpoint_folders.h"
 #include "sgs/run/folder_lock.h"
 #include "sgs/slam/frame_record.h"
 
@@ -34,27 +40,44 @@ class CheckpointSchedule {
   bool first_ = true;
 };
 
-/// Keeps map.ply and keyframes.txt of a run that is going on, on a thread of low priority that
-/// reads published snapshots: neither tracker nor mapper wait for it.
+/// What checkpoints are made of.
+struct CheckpointSource {
+  /// The newest map; called from the thread of the checkpoints.
+  std::function<map::SnapshotPtr()> map;
+  /// What the run can be gone on from, behind the frames so far (slam::Session::save()); called
+  /// from add() and add_last(). Empty: the run cannot.
+  std::function<std::future<std::string>()> state;
+};
+
+/// Keeps map.ply, keyframes.txt and resume.sgs of a run that is going on as checkpoints
+/// (CheckpointFolders), on a thread of low priority that reads published snapshots: neither tracker
+/// nor mapper wait for it. The state is copied by the mapper between two frames.
 class MapCheckpoints {
  public:
-  /// `newest` is called from that thread.
-  MapCheckpoints(std::shared_ptr<FolderLock> lock, double interval_s,
-                 std::function<map::SnapshotPtr()> newest);
+  MapCheckpoints(std::shared_ptr<FolderLock> lock, double interval_s, CheckpointSource source);
   ~MapCheckpoints();
   MapCheckpoints(const MapCheckpoints&) = delete;
   MapCheckpoints& operator=(const MapCheckpoints&) = delete;
 
-  /// Notes when a keyframe was seen.
+  /// Notes a frame that the session has been fed; add() and add_last() belong to one thread.
   void add(const slam::FrameRecord& record);
+  /// The run is asked to stop: makes a checkpoint of all frames so far and returns when it is
+  /// there. No more frames may come.
+  void add_last();
 
  private:
   void loop();
+  void stop();
   void look();
-  Status write(const map::Snapshot& snapshot);
+  Status look_closely();
+  std::optional<std::string> take_state();
+  std::vector<StampedPose> keyframes_of(const map::Snapshot& snapshot);
+  Status write(const map::Snapshot& snapshot, std::optional<std::string> state);
+  void report(const Status& status);
 
   std::shared_ptr<FolderLock> lock_;
-  std::function<map::SnapshotPtr()> newest_;
+  CheckpointSource source_;
+  CheckpointFolders folders_;
   CheckpointSchedule schedule_;
   std::uint64_t written_version_ = 0;
   bool failing_ = false;
@@ -62,6 +85,8 @@ class MapCheckpoints {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::map<std::int64_t, double> keyframe_times_s_;  // by frame; guarded by mutex_, and so is:
+  std::future<std::string> state_;
+  bool state_wanted_ = false;
   bool stop_ = false;
   std::thread thread_;
 };

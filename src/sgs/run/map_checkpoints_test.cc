@@ -5,11 +5,14 @@
 #include <gmock/gmock.h>
 
 #include <chrono>
+#include <future>
 #include <new>
 
 #include "sgs/io/ply.h"
 #include "sgs/io/temporary_folder.h"
 #include "sgs/io/trajectory_io.h"
+#include "sgs/run/checkpoint_folders.h"
+#include "sgs/run/resume_file.h"
 #include "sgs/run/run_files.h"
 
 namespace sgs::run {
@@ -74,9 +77,9 @@ TEST(MapCheckpoints, KeepWhatIsPublishedAndOutliveFaults) {
   const auto lock = FolderLock::take(scratch / "run");
   ASSERT_TRUE(lock);
   Published published;
-  MapCheckpoints checkpoints(*lock, 1000, [&] { return published(); });
+  MapCheckpoints checkpoints(*lock, 1000, {[&] { return published(); }, {}});
   const auto on_disk = [&] {
-    const auto map = io::load_splats(scratch / "run" / files::kMap);
+    const auto map = io::load_splats(newest_checkpoint(scratch / "run") / files::kMap);
     return map ? map->size() : 0;
   };
   slam::FrameRecord keyframe;
@@ -89,7 +92,8 @@ TEST(MapCheckpoints, KeepWhatIsPublishedAndOutliveFaults) {
   published.set(snapshot_of(1, 10));
   published.wait();
   EXPECT_EQ(on_disk(), 10u);
-  const auto keyframes = io::load_trajectory(scratch / "run" / files::kKeyframes);
+  const auto keyframes =
+      io::load_trajectory(newest_checkpoint(scratch / "run") / files::kKeyframes);
   ASSERT_TRUE(keyframes);
   ASSERT_EQ(keyframes->trajectory.size(), 1u) << "of frame 5 nothing is known yet";
   EXPECT_EQ(keyframes->trajectory.poses()[0].timestamp_s, 0.25);
@@ -98,6 +102,42 @@ TEST(MapCheckpoints, KeepWhatIsPublishedAndOutliveFaults) {
   std::filesystem::remove_all(scratch / "run");
   published.set(snapshot_of(2, 1000));
   while (on_disk() != 1000) published.wait();  // not before it has rested
+}
+
+// The state is asked for between two frames, and written with the map once the mapper has given it.
+TEST(MapCheckpoints, KeepWhatTheRunCanGoOnFrom) {
+  const io::TemporaryFolder scratch;
+  const auto lock = FolderLock::take(scratch / "run");
+  ASSERT_TRUE(lock);
+  Published published;
+  std::vector<std::promise<std::string>> asked;
+  std::string last;
+  MapCheckpoints checkpoints(*lock, 1000,
+                             {[&] { return published(); },
+                              [&] {
+                                auto& promise = asked.emplace_back();
+                                if (!last.empty()) promise.set_value(last);
+                                return promise.get_future();
+                              }});
+  const auto kept = [&] {
+    return load_resume_file(newest_checkpoint(scratch / "run") / files::kResume);
+  };
+  checkpoints.add({});
+  EXPECT_TRUE(asked.empty()) << "there is no map yet";
+  published.set(snapshot_of(1, 10));
+  published.wait();
+  checkpoints.add({});
+  ASSERT_EQ(asked.size(), 1u);
+  checkpoints.add({});
+  EXPECT_EQ(asked.size(), 1u) << "one at a time";
+  published.wait();
+  EXPECT_FALSE(kept());
+  asked[0].set_value("first");
+  published.wait();
+  EXPECT_EQ(kept(), "first");
+  last = "last";
+  checkpoints.add_last();
+  EXPECT_EQ(kept(), "last");
 }
 
 }  // namespace

@@ -155,6 +155,7 @@ Result<RunClock> play(dataset::FrameSource& source, slam::Session& session,
       timer.item_came(wall_time_s() - waiting_since_s, session.mapper_busy_s() - busy_before_s);
       status = feed_item(*item, session, options);
     }
+    if (status && options.before_finish) options.before_finish();
   };
   // Whatever ends the frames, what was made of them so far is to be kept.
   if (const Status thrown = guarded(play_all); !thrown) status = thrown;
@@ -164,6 +165,32 @@ Result<RunClock> play(dataset::FrameSource& source, slam::Session& session,
   timer.finished();
   if (!status) return tl::unexpected(status.error());
   return clock;
+}
+
+Status replay(dataset::FrameSource& source, slam::Session& session, const PlayOptions& options,
+              const std::stop_token& stop) {
+  Status status;
+  const auto replay_all = [&] {
+    const std::stop_callback wake(stop, [&] { source.stop(); });
+    while (status && session.left_to_replay() > 0 && !stop.stop_requested()) {
+      if (options.before_frame) options.before_frame();
+      const auto item = dataset::read_item(source);
+      if (!item) break;
+      status = feed_item(*item, session, options);
+      if (session.replay_differs_at()) break;
+    }
+  };
+  if (const Status thrown = guarded(replay_all); !thrown) status = thrown;
+  if (!status) return status;
+  if (stop.stop_requested()) {
+    return fail(ErrorCode::kInterrupted, "stopped before the run could go on",
+                "nothing has changed: `sgs run --resume` again");
+  }
+  if (!session.replay_differs_at() && session.left_to_replay() == 0) return {};
+  return fail(ErrorCode::kInvalidFormat,
+              fmt::format("the run cannot be gone on with: item {} of its input is not what it was",
+                          session.records().size()),
+              "bring the recording back as it was, or run it again from the beginning");
 }
 
 }  // namespace sgs::run

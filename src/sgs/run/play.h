@@ -23,6 +23,7 @@ struct InputEvent {
 /// Frames and seconds of a run.
 struct RunClock {
   std::int64_t frames_in = 0;       ///< frames the source gave, bad ones included
+  std::size_t frames_replayed = 0;  ///< of these before the run went on; in none of the times
   std::int64_t frames_dropped = 0;  ///< live only
   double wall_s = 0;     ///< from the first frame to the finished map, pauses not counted
   double starved_s = 0;  ///< of it, waiting for a decoded frame while tracker and mapper were idle
@@ -36,6 +37,8 @@ struct PlayOptions {
   dataset::TumSequenceWriter* recorder = nullptr;  ///< keeps every frame fed; null = none
   /// Before a frame is read; may hold the run (pause). Returns the seconds it was held.
   std::function<double()> before_frame;
+  /// After the last frame, while the session can still be saved; not where something failed.
+  std::function<void()> before_finish;
   /// After an item was fed; `record` is what came of it, also where the frame was bad.
   std::function<void(const dataset::FeedItem& item, const slam::FrameRecord& record)> after_frame;
   /// When something happened to the input; an empty text: all is well again.
@@ -48,5 +51,12 @@ struct PlayOptions {
 /// far.
 Result<RunClock> play(dataset::FrameSource& source, slam::Session& session,
                       const PlayOptions& options, const std::stop_token& stop = {});
+
+/// Feeds a restored session the first items of its source again until it is where it was
+/// (slam::Session::restore()); of the options the callbacks count. Fails where the source gives
+/// other frames than before, and where a stop is requested on the way: the session is of no use
+/// then.
+Status replay(dataset::FrameSource& source, slam::Session& session, const PlayOptions& options,
+              const std::stop_token& stop = {});
 
 }  // namespace sgs::run

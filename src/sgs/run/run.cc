@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "sgs/core/log.h"
 #include "sgs/io/append_file.h"
@@ -17,6 +18,7 @@
 #include "sgs/io/ply.h"
 #include "sgs/io/text.h"
 #include "sgs/io/trajectory_io.h"
+#include "sgs/run/checkpoint_folders.h"
 #include "sgs/run/journal.h"
 #include "sgs/run/run_config.h"
 #include "sgs/run/run_files.h"
@@ -50,14 +52,14 @@ Trajectory corrected(const Trajectory& online, const Trajectory& keyframes) {
   return Trajectory(std::move(poses));
 }
 
-/// trajectory.txt, also where it is still a journal.
-Result<Trajectory> load_trajectory_of(const fs::path& path) {
+/// trajectory.txt, also where it is still a journal; `checkpoint` is the folder of its map then.
+Result<Trajectory> load_trajectory_of(const fs::path& path, const fs::path& checkpoint) {
   SGS_ASSIGN_OR_RETURN(const auto text, io::read_file(path));
   const bool online = text.starts_with(kOnlinePoses);
   SGS_ASSIGN_OR_RETURN(auto loaded,
                        io::trajectory_from_text(online ? io::whole_lines(text) : text, path));
   if (!online) return std::move(loaded.trajectory);
-  const fs::path keyframes = path.parent_path() / files::kKeyframes;
+  const fs::path keyframes = checkpoint / files::kKeyframes;
   std::error_code unreadable;
   Trajectory refined;
   if (fs::exists(keyframes, unreadable)) SGS_RETURN_IF_ERROR(load_poses(keyframes, refined));
@@ -84,20 +86,23 @@ Status load_camera(const fs::path& path, Run& run) {
   return {};
 }
 
-/// A part of a run folder: its file, how to read it, and what can be done without it.
+/// A part of a run folder: its file, how to read it, and what can be done without it. `checkpoint`
+/// is where those of an unfinished run lie that belong to its map.
 struct PartFile {
   Part part;
   const char* name;
-  Status (*load)(const fs::path& path, Run& run);
+  Status (*load)(const fs::path& path, const fs::path& checkpoint, Run& run);
   const char* without;
+  bool of_checkpoint = false;
 };
 
 const std::array<PartFile, 6> kPartFiles = {{
-    {kCamera, files::kCamera, load_camera,
+    {kCamera, files::kCamera,
+     [](const fs::path& path, const fs::path&, Run& run) { return load_camera(path, run); },
      "`sgs eval --compare` and `sgs export RUN ply` do without the camera"},
     {kTrajectory, files::kTrajectory,
-     [](const fs::path& path, Run& run) -> Status {
-       SGS_ASSIGN_OR_RETURN(run.trajectory, load_trajectory_of(path));
+     [](const fs::path& path, const fs::path& checkpoint, Run& run) -> Status {
+       SGS_ASSIGN_OR_RETURN(run.trajectory, load_trajectory_of(path, checkpoint));
        // Runs without one are scored without it.
        const fs::path online = path.parent_path() / files::kOnline;
        std::error_code unreadable;
@@ -105,13 +110,15 @@ const std::array<PartFile, 6> kPartFiles = {{
      },
      "`sgs export RUN ply` does without poses"},
     {kKeyframes, files::kKeyframes,
-     [](const fs::path& path, Run& run) { return load_poses(path, run.keyframes); },
-     "`sgs render`, `sgs view` and `sgs export RUN ply` do without keyframes"},
+     [](const fs::path& path, const fs::path&, Run& run) {
+       return load_poses(path, run.keyframes);
+     },
+     "`sgs render`, `sgs view` and `sgs export RUN ply` do without keyframes", true},
     {kTruth, files::kTruth,
-     [](const fs::path& path, Run& run) { return load_poses(path, run.truth); },
+     [](const fs::path& path, const fs::path&, Run& run) { return load_poses(path, run.truth); },
      "`sgs render`, `sgs view` and `sgs export` do without ground truth"},
     {kFrames, files::kFrames,
-     [](const fs::path& path, Run& run) -> Status {
+     [](const fs::path& path, const fs::path&, Run& run) -> Status {
        SGS_ASSIGN_OR_RETURN(const auto text, io::read_file(path));
        const std::string_view lines = run.state.unfinished() ? io::whole_lines(text) : text;
        SGS_ASSIGN_OR_RETURN(run.frames, slam::frames_from_csv(lines, path.string()));
@@ -119,23 +126,45 @@ const std::array<PartFile, 6> kPartFiles = {{
      },
      "`sgs render` and `sgs export` do without it"},
     {kMap, files::kMap,
-     [](const fs::path& path, Run& run) -> Status {
+     [](const fs::path& path, const fs::path&, Run& run) -> Status {
        SGS_ASSIGN_OR_RETURN(run.gaussians, io::load_splats(path));
        return {};
      },
-     "`sgs export RUN tum` does without the map"},
+     "`sgs export RUN tum` does without the map", true},
 }};
 
 /// Reads a part; one that an unfinished run had not come to yet is empty.
-Status load_part(const PartFile& file, const fs::path& folder, Run& run) {
-  const Status status = file.load(folder / file.name, run);
+Status load_part(const PartFile& file, const fs::path& folder, const fs::path& checkpoint,
+                 Run& run) {
+  const fs::path path = (file.of_checkpoint ? checkpoint : folder) / file.name;
+  const Status status = file.load(path, checkpoint, run);
   if (status) return {};
   std::error_code unreadable;
-  const bool missing = !fs::exists(folder / file.name, unreadable);
+  const bool missing = !fs::exists(path, unreadable);
   if (run.state.unfinished() && missing && file.part != kCamera) return {};
   Error problem = status.error();
   problem.remedy += fmt::format("{}{}", problem.remedy.empty() ? "" : "; ", file.without);
   return tl::unexpected(problem);
+}
+
+/// Where the map of a run lies: with the results, or in the last checkpoint.
+fs::path folder_of_map(const fs::path& folder, const RunState& state) {
+  return state.unfinished() ? newest_checkpoint(folder) : folder;
+}
+
+/// Calls `load` with the folder of the map, once more where that was replaced meanwhile.
+template <class Load>
+auto with_folder_of_map(const fs::path& folder, const RunState& state, const Load& load) {
+  constexpr int kAttempts = 5;
+  fs::path map_folder = folder_of_map(folder, state);
+  auto loaded = load(map_folder);
+  std::error_code unreadable;
+  for (int i = 1; i < kAttempts && (!loaded || !fs::exists(map_folder, unreadable)); ++i) {
+    const fs::path before = std::exchange(map_folder, folder_of_map(folder, state));
+    if (before == map_folder) break;
+    loaded = load(map_folder);
+  }
+  return loaded;
 }
 
 Status check_has_begun(const fs::path& folder, const RunState& state) {
@@ -171,9 +200,13 @@ Result<Run> load_run(const fs::path& folder, unsigned parts) {
   } else if (fs::exists(folder / files::kCalibration, error)) {
     SGS_ASSIGN_OR_RETURN(run.calibration, io::load_depth_calibration(folder / files::kCalibration));
   }
-  for (const PartFile& file : kPartFiles) {
-    if ((parts & file.part) != 0) SGS_RETURN_IF_ERROR(load_part(file, folder, run));
-  }
+  const auto load_parts = [&](const fs::path& map_folder) -> Status {
+    for (const PartFile& file : kPartFiles) {
+      if ((parts & file.part) != 0) SGS_RETURN_IF_ERROR(load_part(file, folder, map_folder, run));
+    }
+    return {};
+  };
+  SGS_RETURN_IF_ERROR(with_folder_of_map(folder, run.state, load_parts));
   if (auto timings = io::read_file(folder / files::kTimings)) run.timings_json = *timings;
   if (fs::exists(folder / files::kMetrics, error)) {
     SGS_ASSIGN_OR_RETURN(run.metrics, eval::load_metrics(folder / files::kMetrics));
@@ -195,13 +228,18 @@ Result<Run> load_run(const fs::path& folder, unsigned parts) {
 }
 
 Result<Trajectory> load_run_trajectory(const fs::path& folder) {
-  return load_trajectory_of(folder / files::kTrajectory);
+  SGS_ASSIGN_OR_RETURN(const auto state, load_state(folder));
+  return with_folder_of_map(folder, state, [&](const fs::path& map_folder) {
+    return load_trajectory_of(folder / files::kTrajectory, map_folder);
+  });
 }
 
 Result<std::vector<map::Gaussian>> load_run_map(const fs::path& folder) {
-  auto map = io::load_splats(folder / files::kMap);
-  const auto state = load_state(folder);
-  if (!map && map.error().code == ErrorCode::kNotFound && state && state->unfinished()) {
+  SGS_ASSIGN_OR_RETURN(const auto state, load_state(folder));
+  auto map = with_folder_of_map(folder, state, [](const fs::path& map_folder) {
+    return io::load_splats(map_folder / files::kMap);
+  });
+  if (!map && map.error().code == ErrorCode::kNotFound && state.unfinished()) {
     map.error().remedy = "the run had not come to its first checkpoint of the map";
   }
   return map;

@@ -104,6 +104,7 @@ Result<SavedConfig> load_config(const std::filesystem::path& folder) {
     return tl::unexpected(error);
   }
   saved.format = stamp.format;
+  saved.version = stamp.version;
   // The folder's own copy: the file it was made with may have moved or changed.
   const auto calibration = folder / files::kCalibration;
   std::error_code ignored;

@@ -29,7 +29,8 @@ std::string config_text(const InputSpec& input, const slam::SessionConfig& confi
 
 /// What config.toml says.
 struct SavedConfig {
-  int format = 1;  ///< of the run folder; 1: before it held its camera
+  int format = 1;       ///< of the run folder; 1: before it held its camera
+  std::string version;  ///< of sgs that made it
   InputSpec input;
   slam::SessionConfig config;
 };

@@ -21,11 +21,17 @@ inline constexpr const char* kMetrics = "metrics.json";
 inline constexpr const char* kReport = "report.html";
 inline constexpr const char* kState = "state.toml";  ///< running, finished or interrupted
 inline constexpr const char* kLock = "lock.txt";     ///< who writes the folder, while they do
+inline constexpr const char* kCheckpoint = "checkpoint.txt";     ///< name of the newest checkpoint
+inline constexpr const char* kCheckpointFolder = "checkpoint.";  ///< and a number
+inline constexpr const char* kResume = "resume.sgs";  ///< in there: what --resume goes on from
 inline constexpr const char* kLog = "log.txt";
 inline constexpr const char* kRenders = "renders";  ///< folder
 inline constexpr const char* kPictures = "renders/pictures.csv";
 
-/// What a run makes: a new run into the same folder begins by removing these.
+/// What a checkpoint may hold.
+inline constexpr std::array<const char*, 3> kOfCheckpoint = {kMap, kKeyframes, kResume};
+
+/// What a run makes, checkpoints apart: a new run into the same folder begins by removing these.
 inline constexpr std::array<const char*, 14> kResults = {
     kConfig, kCamera, kCalibration, kTrajectory, kOnline, kKeyframes, kTruth,
     kFrames, kMap,    kTimings,     kMetrics,    kReport, kLog,       kPictures};

@@ -13,6 +13,7 @@
 
 #include "sgs/core/log.h"
 #include "sgs/io/atomic_file.h"
+#include "sgs/run/checkpoint_folders.h"
 #include "sgs/run/run_files.h"
 
 namespace fs = std::filesystem;
@@ -49,7 +50,21 @@ std::vector<fs::path> results_in(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder / files::kRenders, none)) {
     if (is_picture(entry.path().filename().string())) found.push_back(entry.path());
   }
+  for (fs::path& part : checkpoints_in(folder)) found.push_back(std::move(part));
   return found;
+}
+
+Status remove_all(const std::vector<fs::path>& paths) {
+  for (const fs::path& old : paths) {
+    std::error_code error;
+    fs::remove(old, error);
+    if (error) {
+      return fail(ErrorCode::kIo,
+                  fmt::format("cannot remove {}: {}", old.string(), error.message()),
+                  "it belongs to an earlier run: choose another folder");
+    }
+  }
+  return {};
 }
 
 /// A folder of recorded images has files of the same names, and they are not ours to remove.
@@ -84,6 +99,29 @@ Result<RunFolder> RunFolder::create_below(const fs::path& parent, const std::str
   return create(path);
 }
 
+Result<RunFolder> RunFolder::resume(const fs::path& path) {
+  SGS_ASSIGN_OR_RETURN(RunFolder folder, open(path));
+  SGS_ASSIGN_OR_RETURN(folder.lock_, FolderLock::take(path));
+  folder.resumed_ = true;
+  return folder;
+}
+
+Status RunFolder::go_on() {
+  SGS_RETURN_IF_ERROR(io::write_file(path_ / files::kState, state_text(beginning())));
+  std::vector<fs::path> ends = {path_ / files::kMetrics, path_ / files::kReport,
+                                path_ / files::kTimings, path_ / files::kPictures};
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(path_ / files::kRenders, none)) {
+    if (is_picture(entry.path().filename().string())) ends.push_back(entry.path());
+  }
+  return remove_all(ends);
+}
+
+Status RunFolder::mark_live() {
+  live_ = true;
+  return io::write_file(path_ / files::kState, state_text(beginning()));
+}
+
 Result<RunFolder> RunFolder::open(const fs::path& path) {
   std::error_code error;
   if (!fs::is_directory(path, error)) {
@@ -97,15 +135,7 @@ Status RunFolder::begin() {
   // Marked before anything is removed, and anything new is written after that: at no moment do old
   // and new files look like one run.
   SGS_RETURN_IF_ERROR(io::write_file(path_ / files::kState, state_text(beginning())));
-  for (const fs::path& old : results_in(path_)) {
-    std::error_code error;
-    fs::remove(old, error);
-    if (error) {
-      return fail(ErrorCode::kIo,
-                  fmt::format("cannot remove {}: {}", old.string(), error.message()),
-                  "it belongs to an earlier run: choose another folder");
-    }
-  }
+  SGS_RETURN_IF_ERROR(remove_all(results_in(path_)));
   // Finding out now that nothing can be written here beats finding out after the run.
   SGS_RETURN_IF_ERROR(io::write_file(path_ / files::kLog, ""));
   return io::make_folder(path_ / files::kRenders);
@@ -115,6 +145,7 @@ RunState RunFolder::beginning() const {
   RunState state;
   state.stage = Stage::kRunning;
   if (lock_) state.owner = lock_->owner();
+  state.live = live_;
   return state;
 }
 
@@ -135,6 +166,10 @@ void RunFolder::end(Stage stage, std::size_t frames, const std::string& reason) 
                                        : "what did not fit here is in " + rescued_to_.string();
   }
   save_text(files::kState, state_text(state));
+  if (state.stage != Stage::kFinished) return;
+  if (const auto removed = remove_all(checkpoints_in(path_)); !removed) {
+    log().warn("{}", removed.error().text());  // the results are there all the same
+  }
 }
 
 void RunFolder::save_text(const std::string& name, std::string_view text) {

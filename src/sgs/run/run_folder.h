@@ -11,15 +11,10 @@
 
 #include "sgs/core/error.h"
 #include "sgs/run/folder_lock.h"
+#include "sgs/run/named_writer.h"
 #include "sgs/run/run_state.h"
 
 namespace sgs::run {
-
-/// A file of a run folder by its name there, and how to write it.
-struct NamedWriter {
-  std::string name;
-  std::function<Status(const std::filesystem::path& path)> write;
-};
 
 /// The folder that keeps everything about one run. What cannot be written there (full disk,
 /// permissions lost on the way) goes to a rescue folder instead, so that nothing computed is lost.
@@ -34,6 +29,9 @@ class RunFolder {
   static Result<RunFolder> create_below(const std::filesystem::path& parent,
                                         const std::string& name);
 
+  /// The folder of a run that was killed or interrupted, to go on with it. It is held as by
+  /// create(), and stays as it is until go_on().
+  static Result<RunFolder> resume(const std::filesystem::path& path);
   /// An existing run folder, to add to.
   static Result<RunFolder> open(const std::filesystem::path& path);
 
@@ -74,6 +72,14 @@ class RunFolder {
   /// interruption, too.
   void end(Stage stage, std::size_t frames, const std::string& reason);
 
+  /// Says that the run is going on again. What was made of its end is removed, which is what the
+  /// first end of the interrupted run made beside its results: scores, pictures, the report.
+  Status go_on();
+  /// Whether the folder is from resume().
+  bool resumed() const { return resumed_; }
+  /// The run goes on at the camera's rate: state.toml says so from now on.
+  Status mark_live();
+
   /// The state with which the folder began.
   RunState beginning() const;
   /// Null for a folder that was only opened.
@@ -90,6 +96,7 @@ class RunFolder {
   Status begin();
 
   std::shared_ptr<FolderLock> lock_;
+  bool resumed_ = false, live_ = false;
   std::filesystem::path path_;
   std::filesystem::path rescue_;      // empty until it is needed
   std::filesystem::path rescued_to_;  // the same, once something went there

@@ -20,6 +20,7 @@ void declare_state(RunState& state, ParameterList& list) {
   list.add("owner", state.owner, "Process, machine and time of its start.", {});
   list.add("frames", state.frames, "Frames handled, once it has ended.", "", {0, kMostFrames});
   list.add("reason", state.reason, "Why it was interrupted.", {});
+  list.add("live", state.live, "Frames came at the camera's rate, or from a stream: not again.");
   list.add("input", state.input, "While it runs: what a live input suffers from.", {});
 }
 
@@ -29,19 +30,22 @@ std::string RunState::word() const { return unfinished() && !held ? "killed" : t
 
 std::string RunState::sentence(const fs::path& folder) const {
   const std::string who = owner.empty() ? "an unknown process" : owner;
+  const std::string remedy =
+      live ? "" : fmt::format("; `sgs run --resume {}` goes on with it", folder.string());
   switch (stage) {
     case Stage::kFinished:
       return "";
     case Stage::kInterrupted:
-      return fmt::format("{} was interrupted after {} frames: {}", folder.string(), frames, reason);
+      return fmt::format("{} was interrupted after {} frames: {}{}", folder.string(), frames,
+                         reason, remedy);
     case Stage::kRunning:
       break;
   }
   const std::string trouble = input.empty() ? "" : fmt::format(" ({})", input);
   return held ? fmt::format("{} is still being written by {}{}: this is what is there so far",
                             folder.string(), who, trouble)
-              : fmt::format("{} is unfinished, {} was killed: this is what it had written",
-                            folder.string(), who);
+              : fmt::format("{} is unfinished, {} was killed: this is what it had written{}",
+                            folder.string(), who, remedy);
 }
 
 std::string state_text(const RunState& state) {

@@ -29,6 +29,7 @@ struct RunState {
   int frames = 0;          ///< handled, bad ones included; known once the run has ended
   std::string reason;      ///< why it was interrupted
   bool held = false;       ///< a process has the folder's lock; not in the file
+  bool live = false;       ///< frames came at the camera's rate or from a stream: not again
   std::string input = {};  ///< while it runs: what the input suffers from, or nothing
 
   /// The run was killed, or is still going on: its files are journals and checkpoints.

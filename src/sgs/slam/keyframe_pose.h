@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "sgs/geometry/archive_se3.h"
 #include "sgs/geometry/pose_correction.h"
 
 namespace sgs::slam {
@@ -17,6 +18,11 @@ struct KeyframePose {
   double timestamp_s = 0;
   SE3 T_odom_camera;   ///< as the tracker saw it
   SE3 T_world_camera;  ///< as the mapper has it now
+
+  template <class Archive>
+  void archive(Archive& a) {
+    a(frame_index, timestamp_s, T_odom_camera, T_world_camera);
+  }
 };
 
 /// Where the tracker's world lies in the map's, as a keyframe shows it.

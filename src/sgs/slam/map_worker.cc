@@ -74,14 +74,33 @@ void MapWorker::process(const MapJob& job) {
 
 void MapWorker::publish() {
   jobs_since_snapshot_ = 0;
-  newest_ = {mapper_.snapshot(), mapper_.iterations()};
+  newest_.snapshot = mapper_.snapshot();
+  newest_.gaussians = static_cast<std::int64_t>(newest_.snapshot->gaussians.size());
+  newest_.iterations = mapper_.iterations();
   const auto& refined = newest_.snapshot->T_world_keyframe;
   for (std::size_t i = 0; i < std::min(refined.size(), keyframes_.size()); ++i) {
     keyframes_[i].T_world_camera = refined[i];
   }
 }
 
+void MapWorker::process(Order& order) {
+  if (order.state) {
+    order.state->set_value(state(std::move(order.before)));
+  } else {
+    process(order.job);
+  }
+}
+
+// The job of a frame is done. Needs the lock.
+void MapWorker::note_done() {
+  sizes_.push_back({newest_.gaussians, newest_.iterations});
+  views_.push_back(newest_);
+  ++jobs_done_;
+}
+
 void MapWorker::submit(MapJob job) {
+  if (left_to_replay() > 0) return replay(job);
+  ++submitted_;
   if (mode_ == Mode::kInline) {
     try {
       process(job);
@@ -91,17 +110,72 @@ void MapWorker::submit(MapJob job) {
     }
     const std::scoped_lock lock(mutex_);
     live_view_ = newest_;
-    views_.push_back(newest_);
-    ++jobs_done_;
+    note_done();
     return;
   }
   {
     const std::scoped_lock lock(mutex_);
     if (failure_) std::rethrow_exception(failure_);
     if (mode_ == Mode::kLive && !job.keyframe && job.corrections.empty()) return;
-    queue_.push_back(std::move(job));
+    queue_.push_back({.job = std::move(job)});
   }
   changed_.notify_all();
+}
+
+std::string MapWorker::state(std::string before) {
+  ArchiveWriter bytes(std::move(before));
+  mapper_.save(bytes);
+  archive(bytes);
+  return bytes.take();
+}
+
+std::future<std::string> MapWorker::save(std::string before) {
+  SGS_CHECK(mode_ != Mode::kLive && left_to_replay() <= 0, "nothing that could be gone on from");
+  Order order{{}, std::promise<std::string>(), std::move(before)};
+  auto future = order.state->get_future();
+  if (mode_ == Mode::kInline) {
+    if (!failure_) process(order);
+    return future;
+  }
+  {
+    const std::scoped_lock lock(mutex_);
+    if (!failure_) queue_.push_back(std::move(order));
+  }
+  changed_.notify_all();
+  return future;
+}
+
+// The thread has nothing to do before the replay is over, so its state is free to be set here.
+Status MapWorker::restore(ArchiveReader& bytes) {
+  SGS_CHECK(mode_ != Mode::kLive && submitted_ == 0, "to be called before anything else");
+  SGS_RETURN_IF_ERROR(mapper_.restore(bytes));
+  archive(bytes);
+  if (bytes.failed() || !(budget_ >= 0 && budget_ < 1)) {
+    return fail(ErrorCode::kInvalidFormat, "the state of the mapping makes no sense");
+  }
+  const std::scoped_lock lock(mutex_);
+  for (const ViewSize& size : sizes_) {
+    newest_ = {nullptr, size.gaussians, size.iterations};
+    views_.push_back(newest_);
+  }
+  jobs_done_ = replayed_until_ = std::ssize(sizes_);
+  return {};
+}
+
+void MapWorker::replay(const MapJob& job) {
+  ++submitted_;
+  for (const auto& correction : job.corrections) {
+    if (correction->depth) mapper_.restore_depth_change(correction->depth);
+  }
+  if (job.keyframe && mapper_.awaited_frame() == job.keyframe->index) {
+    mapper_.restore_keyframe(*job.keyframe);
+  }
+  if (left_to_replay() > 0) return;
+  SGS_CHECK(!mapper_.awaited_frame(), "not all keyframes came again");
+  // For those who watch; which map a frame was tracked against is another matter.
+  if (newest_.gaussians > 0) newest_.snapshot = mapper_.snapshot();
+  const std::scoped_lock lock(mutex_);
+  live_view_ = newest_;
 }
 
 MapView MapWorker::view_for(std::int64_t n) {
@@ -133,16 +207,16 @@ void MapWorker::loop() {
     const bool idle_work = mode_ == Mode::kLive && !keyframes_.empty();
     if (!idle_work) changed_.wait(lock, [&] { return stop_ || !queue_.empty(); });
     if (queue_.empty() && stop_) return;
-    std::optional<MapJob> job;
+    std::optional<Order> order;
     if (!queue_.empty()) {
-      job = std::move(queue_.front());
+      order = std::move(queue_.front());
       queue_.pop_front();
     }
     busy_since_s_ = wall_time_s();
     lock.unlock();
     try {
-      if (job) {
-        process(*job);
+      if (order) {
+        process(*order);
       } else {
         mapper_.iterate(1);
         if (++live_iterations % kLiveIterationsPerSnapshot == 0) publish();
@@ -151,6 +225,7 @@ void MapWorker::loop() {
       lock.lock();
       failure_ = std::current_exception();
       ++jobs_done_;
+      queue_.clear();  // breaks promises
       changed_.notify_all();
       return;
     }
@@ -158,9 +233,8 @@ void MapWorker::loop() {
     busy_s_ += wall_time_s() - busy_since_s_;
     busy_since_s_ = -1;
     live_view_ = newest_;
-    if (job && mode_ == Mode::kThread) {
-      views_.push_back(newest_);
-      ++jobs_done_;
+    if (order && !order->state && mode_ == Mode::kThread) {
+      note_done();
       changed_.notify_all();
     }
   }

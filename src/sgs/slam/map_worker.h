@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <deque>
 #include <exception>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -31,7 +33,8 @@ struct MapJob {
 
 /// Map state that one frame may see.
 struct MapView {
-  map::SnapshotPtr snapshot;    ///< null before the first keyframe
+  map::SnapshotPtr snapshot;    ///< null before the first keyframe, and in a replay
+  std::int64_t gaussians = 0;   ///< in it
   std::int64_t iterations = 0;  ///< mapping iterations behind it
 };
 
@@ -61,6 +64,16 @@ class MapWorker {
   /// Finishes all queued jobs and stops; the map is final afterwards.
   void finish();
 
+  /// The state behind the jobs submitted so far, appended to `before`, as soon as they are done;
+  /// not live. Where the mapper fails before that the promise is broken.
+  std::future<std::string> save(std::string before);
+  /// Goes on from what save() appended, for the same configuration; to be called before anything
+  /// else, not live. The jobs that were behind it have to be submitted again (replay): they only
+  /// bring back the pictures of keyframes, nothing is computed.
+  Status restore(ArchiveReader& archive);
+  /// How many jobs of the replay are still to come.
+  std::int64_t left_to_replay() const { return replayed_until_ - submitted_; }
+
   /// Seconds this worker has been busy so far (thread-safe).
   double busy_s() const;
   /// Newest published snapshot (thread-safe); null before the first keyframe.
@@ -72,7 +85,32 @@ class MapWorker {
   const StageTimes& times() const { return mapper_.times(); }
 
  private:
+  /// What the thread is asked for: the job of a frame, or the state behind those before.
+  struct Order {
+    MapJob job;
+    std::optional<std::promise<std::string>> state = {};
+    std::string before = {};  // goes before the state
+  };
+  /// Sizes of the view behind a job.
+  struct ViewSize {
+    std::int64_t gaussians = 0, iterations = 0;
+
+    template <class Archive>
+    void archive(Archive& a) {
+      a(gaussians, iterations);
+    }
+  };
+  /// Everything but the mapper.
+  template <class Archive>
+  void archive(Archive& a) {
+    a(keyframes_, budget_, jobs_since_snapshot_, sizes_);
+  }
+
   void process(const MapJob& job);
+  void process(Order& order);
+  void note_done();
+  void replay(const MapJob& job);
+  std::string state(std::string before);
   void correct(const PastCorrection& correction);
   void publish();
   void loop();
@@ -87,11 +125,14 @@ class MapWorker {
   std::int64_t jobs_since_snapshot_ = 0;
   MapView newest_;
   map::SnapshotPtr final_snapshot_;
+  std::vector<ViewSize> sizes_;  // behind each job
+  std::int64_t submitted_ = 0;   // jobs; of the submitting thread, and so is:
+  std::int64_t replayed_until_ = 0;
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   // Guarded by mutex_:
-  std::deque<MapJob> queue_;
+  std::deque<Order> queue_;
   std::deque<MapView> views_;  // views_[i] is the state after job first_view_ + i
   std::int64_t first_view_ = 0;
   std::int64_t jobs_done_ = 0;

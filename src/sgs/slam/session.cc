@@ -26,6 +26,17 @@ Status check_arguments(const SessionConfig& config, const PinholeCamera& camera,
   return check(config);
 }
 
+/// Of what the tracker said about a frame.
+std::uint64_t hash_of(const FrameRecord& record) {
+  ArchiveWriter bytes;
+  std::int64_t index = record.index;
+  bool bad = record.bad;
+  tracker::TrackingStatus status = record.status;
+  SE3 T = record.T_online_camera;
+  bytes(index, bad, status, T);
+  return std::hash<std::string>{}(bytes.take());
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Session>> Session::create(const SessionConfig& config,
@@ -86,7 +97,7 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& raw) {
   FrameRecord record = make_record(*frame, view, result);
   record.track_ms = cpu_ms;
   estimate_past(raw, frame, result, record);
-  hand_to_mapper(frame, record);
+  if (comes_as_before(record)) hand_to_mapper(frame, record);
   report_loss(record);
   records_.push_back(std::move(record));
   if (on_frame_) on_frame_(records_.back());
@@ -170,7 +181,7 @@ FrameRecord Session::make_record(const RgbdFrame& frame, const MapView& view,
   record.index = frame.index;
   record.timestamp_s = frame.timestamp_s;
   record.heldout = is_heldout(frame.index, config_.heldout_interval);
-  record.gaussians = view.snapshot ? static_cast<std::int64_t>(view.snapshot->gaussians.size()) : 0;
+  record.gaussians = view.gaussians;
   record.iterations = view.iterations;
   record.T_odom_camera = record.T_online_camera = result.T_world_camera;
   for (const auto& correction : corrections_) {
@@ -219,6 +230,34 @@ void Session::hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame, Fram
   ++frames_fed_;
 }
 
+// Notes what became of an item; false where that is not what became of it before (replay).
+bool Session::comes_as_before(const FrameRecord& record) {
+  const std::uint64_t hash = hash_of(record);
+  if (left_to_replay() == 0) {
+    hashes_.push_back(hash);
+  } else if (hash != hashes_[records_.size()] && !differs_at_) {
+    differs_at_ = records_.size();
+  }
+  return !differs_at_;
+}
+
+std::future<std::string> Session::save() {
+  SGS_CHECK(can_be_saved() && left_to_replay() == 0, "nothing that could be gone on from");
+  ArchiveWriter own;
+  own(hashes_);
+  return worker_->save(own.take());
+}
+
+Status Session::restore(std::string_view state) {
+  SGS_CHECK(can_be_saved() && records_.empty(), "to be called before the first frame");
+  ArchiveReader archive(state);
+  archive(hashes_);
+  SGS_RETURN_IF_ERROR(worker_->restore(archive));
+  const auto jobs = static_cast<std::size_t>(worker_->left_to_replay());
+  if (archive.complete() && jobs <= hashes_.size()) return {};
+  return fail(ErrorCode::kInvalidFormat, "the state of the frames makes no sense");
+}
+
 // One line when tracking is lost and one when it is back, however long that takes.
 void Session::report_loss(const FrameRecord& record) {
   if (record.status != tracker::TrackingStatus::kLost) {
@@ -239,6 +278,7 @@ void Session::feed_bad(std::int64_t index, double timestamp_s, const std::string
   record.timestamp_s = timestamp_s;
   record.bad = true;
   record.bad_reason = reason;
+  comes_as_before(record);
   records_.push_back(std::move(record));
 }
 

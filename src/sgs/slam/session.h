@@ -4,7 +4,11 @@
 
 #include <deque>
 #include <functional>
+#include <future>
 #include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "sgs/camera/rgbd_frame.h"
@@ -62,6 +66,26 @@ class Session {
   /// Waits for the mapper to complete what was fed. Call once, then read the results below.
   void finish();
 
+  /// Whether save() works: not live, where everything depends on time, and not with a tracker that
+  /// follows the map.
+  bool can_be_saved() const { return !live_ && !tracker_->follows_map(); }
+  /// What restore() needs, behind the frames fed so far; ready as soon as the mapper is there, and
+  /// a broken promise where it fails before that.
+  std::future<std::string> save();
+  /// Goes on from what save() gave for the same configuration and camera, with any number of
+  /// threads; to be called before the first frame. The items fed before that have to be fed again:
+  /// the tracker and the search for loops do their work anew, the mapper does not, so this takes a
+  /// fraction of the time. From then on everything is as it would have been, to the bit. Fails
+  /// where `state` is not such a state; the session is of no use then.
+  Status restore(std::string_view state);
+  /// How many items have to be fed again.
+  std::size_t left_to_replay() const {
+    return hashes_.size() > records_.size() ? hashes_.size() - records_.size() : 0;
+  }
+  /// Position of the first item that came to something else than before: the input has changed, or
+  /// the processor. Empty where all is well.
+  std::optional<std::size_t> replay_differs_at() const { return differs_at_; }
+
   /// Newest published map; null before the first keyframe.
   map::SnapshotPtr snapshot();
   /// The finished map (after finish()); null where no keyframe was mapped.
@@ -108,6 +132,7 @@ class Session {
   bool wants_mapping_keyframe(const FrameRecord& record) const;
   void hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame, FrameRecord& record);
   void report_loss(const FrameRecord& record);
+  bool comes_as_before(const FrameRecord& record);
 
   SessionConfig config_;
   PinholeCamera camera_;
@@ -126,6 +151,8 @@ class Session {
   double last_mapping_keyframe_ = -1;  // as video_time_
   bool keyframe_pending_ = true;       // a tracking keyframe waits for a frame the mapper may use
   std::int64_t frames_lost_ = 0;       // in a row, up to the last frame
+  std::vector<std::uint64_t> hashes_;  // of each item's pose; of all there were, in a replay
+  std::optional<std::size_t> differs_at_;
   StageTimes track_times_{"tracking"};
   FrameEvent on_frame_;
 };
