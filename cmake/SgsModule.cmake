@@ -17,13 +17,14 @@ function(sgs_unite target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${SGS_UNITE})
 endfunction()
 
-# sgs_add_module(NAME [DEPS sgs modules...] [LIBS third-party...] [PRIVATE_LIBS third-party...])
+# sgs_add_module(NAME [HARDENED] [DEPS sgs modules...] [LIBS third-party...] [PRIVATE_LIBS third-party...])
 #
 # One module = one static library `sgs_NAME` made of every *.cc below the module's folder, and one
 # test executable `sgs_NAME_test` made of every *_test.cc. DEPS is the module's row of the layer
-# table in docs/architecture.md; scripts/check_layers.py holds the #includes to it.
+# table in docs/architecture.md; scripts/check_layers.py holds the #includes to it. HARDENED: it meets
+# what others have made (SgsToolchain.cmake).
 function(sgs_add_module name)
-  cmake_parse_arguments(ARG "" "" "DEPS;LIBS;PRIVATE_LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "HARDENED" "" "DEPS;LIBS;PRIVATE_LIBS" ${ARGN})
   set(dir "${CMAKE_CURRENT_SOURCE_DIR}/${name}")
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${dir}/*.cc")
   set(tests ${sources})
@@ -37,6 +38,9 @@ function(sgs_add_module name)
     target_include_directories(sgs_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>)
     target_link_libraries(sgs_${name} PUBLIC ${ARG_DEPS} ${ARG_LIBS} sgs_options
                           PRIVATE $<BUILD_INTERFACE:sgs_warnings> ${ARG_PRIVATE_LIBS})
+    if(ARG_HARDENED)
+      target_link_libraries(sgs_${name} PRIVATE $<BUILD_INTERFACE:sgs_hardened>)
+    endif()
   else()
     add_library(sgs_${name} INTERFACE)
     target_include_directories(sgs_${name} INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>)

@@ -35,11 +35,16 @@ add_library(sgs_options INTERFACE)
 # compilers that would fuse differently; the dispatched kernels ask for FMA explicitly.
 target_compile_options(sgs_options INTERFACE -ffp-contract=off -fno-math-errno)
 target_compile_features(sgs_options INTERFACE cxx_std_20)
-# What the linker can do about the faults that nobody has found yet; a test looks for it in the program
-# (tests/house/hardening_test.py).
+# What compiler and linker can do about the faults that nobody has found yet; a test looks for it in the
+# program (tests/house/hardening_test.py). The compiler's part goes to what meets files, sockets and
+# command lines (sgs_hardened); the kernels see numbers only and stay as fast as they are.
 include(CheckPIESupported)
 check_pie_supported()
+add_library(sgs_hardened INTERFACE)
 if(NOT SGS_SANITIZE)
+  target_compile_options(
+    sgs_hardened INTERFACE -fstack-protector-strong
+                           "$<$<CONFIG:Release,RelWithDebInfo>:-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=2>")
   target_link_options(sgs_options INTERFACE
                       "$<BUILD_INTERFACE:-Wl,-z,relro,-z,now,-z,noexecstack>")
 endif()
