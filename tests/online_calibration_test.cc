@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
-#include <future>
 
 #include "recording.h"
 #include "sgs/slam/session.h"
@@ -81,47 +80,6 @@ TEST(OnlineCalibration, GivesTheSameBitsForAnyNumberOfThreads) {
               0)
         << threads;
     ASSERT_EQ(*one.calibration, *other.calibration);
-  }
-}
-
-// Saved before anything was learned and after it; at the end it is learned again.
-TEST(OnlineCalibration, IsThereAgainWhereASessionGoesOn) {
-  const Recording& recording = corridor();
-  auto config = config_with_calibration(true);
-  config.mapper.memory_mb = 1;  // pictures that are on the disk change, too
-  slam::SessionOptions options;
-  options.threads = 2;
-  auto whole = slam::Session::create(config, recording.camera, options);
-  ASSERT_TRUE(whole) << whole.error().text();
-  std::vector<std::future<std::string>> states;
-  std::vector<int> learned;
-  for (std::size_t i = 0; i < recording.frames.size(); ++i) {
-    learned.push_back((*whole)->feed(recording.frames[i]).calibrations);
-    if (i == 60 || i == 220) states.push_back((*whole)->save());
-  }
-  (*whole)->finish();
-  ASSERT_GE(learned[220], 1);
-  const auto expected = (*whole)->final_snapshot();
-  for (auto& state : states) {
-    options.threads = 1;
-    auto again = slam::Session::create(config, recording.camera, options);
-    ASSERT_TRUE(again) << again.error().text();
-    const auto restored = (*again)->restore(state.get());
-    ASSERT_TRUE(restored) << restored.error().text();
-    for (const auto& frame : recording.frames) (*again)->feed(frame);
-    EXPECT_FALSE((*again)->replay_differs_at());
-    (*again)->finish();
-    const auto actual = (*again)->final_snapshot();
-    ASSERT_EQ(actual->gaussians.size(), expected->gaussians.size());
-    EXPECT_EQ(std::memcmp(actual->gaussians.data(), expected->gaussians.data(),
-                          expected->gaussians.size() * sizeof(map::Gaussian)),
-              0);
-    EXPECT_TRUE((*again)->calibration() == (*whole)->calibration());
-    const Trajectory poses = (*again)->trajectory(), wanted = (*whole)->trajectory();
-    ASSERT_EQ(poses.size(), wanted.size());
-    for (std::size_t i = 0; i < wanted.size(); ++i) {
-      ASSERT_TRUE(poses.poses()[i].T_world_camera.t == wanted.poses()[i].T_world_camera.t) << i;
-    }
   }
 }
 

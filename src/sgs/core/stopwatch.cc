@@ -7,6 +7,7 @@
 #include <cmath>
 #include <ctime>
 #include <limits>
+#include <new>
 
 namespace sgs {
 
@@ -25,8 +26,11 @@ void StageTimes::add(const std::string& name, double milliseconds) {
 }
 
 void StageTimes::add_interval(const std::string& name, double start_s, double milliseconds) {
-  add(name, milliseconds);
-  add_trace_only(name, start_s, milliseconds);
+  try {
+    add(name, milliseconds);
+    add_trace_only(name, start_s, milliseconds);
+  } catch (const std::bad_alloc&) {  // a missing time is better than the end of the run
+  }
 }
 
 void StageTimes::add_trace_only(const std::string& name, double start_s, double milliseconds) {

@@ -77,7 +77,8 @@ class Keeper {
  public:
   Keeper(const RunFolder& folder, const std::vector<NamedWriter>& opening, slam::Session& session,
          double checkpoint_s, bool live)
-      : journal_(folder.resumed() ? Journal::go_on(folder.lock(), opening)
+      : session_(session),
+        journal_(folder.resumed() ? Journal::go_on(folder.lock(), opening)
                                   : std::make_unique<Journal>(folder.lock(), opening)) {
     if (checkpoint_s > 0) {
       CheckpointSource source;
@@ -89,7 +90,7 @@ class Keeper {
   }
   void add(const slam::FrameRecord& record) {
     journal_->add(record);
-    if (checkpoints_) checkpoints_->add(record);
+    if (checkpoints_) checkpoints_->add(record, session_.calibration());
   }
   /// Makes a checkpoint of what there is: the run is asked to stop.
   void add_last() {
@@ -97,6 +98,7 @@ class Keeper {
   }
 
  private:
+  const slam::Session& session_;
   std::unique_ptr<Journal> journal_;
   std::optional<MapCheckpoints> checkpoints_;
 };
@@ -152,7 +154,7 @@ Status go_on(const ResumePoint& point, Input& input, slam::Session& session, Run
     SGS_RETURN_IF_ERROR(replay(*input.source, session, watched(spectator, session, folder), stop));
   }
   log().info("the run goes on at frame {}", session.records().size());
-  return folder.go_on();
+  return folder.go_on(input.calibration.has_value());
 }
 
 /// How the run ended.

@@ -11,6 +11,7 @@
 #include "sgs/core/log.h"
 #include "sgs/core/low_priority.h"
 #include "sgs/core/stopwatch.h"
+#include "sgs/io/depth_calibration_io.h"
 #include "sgs/io/ply.h"
 #include "sgs/io/trajectory_io.h"
 #include "sgs/run/resume_file.h"
@@ -32,6 +33,13 @@ void CheckpointSchedule::written(double now_s, std::size_t gaussians, double cpu
   last_s_ = now_s;
   gaussians_ = gaussians;
   rest_s_ = kRest * cpu_s;
+}
+
+void CheckpointSchedule::failed(double now_s) {
+  constexpr double kMoment_s = 1;
+  first_ = false;
+  last_s_ = now_s;
+  rest_s_ = std::max(rest_s_, kMoment_s);
 }
 
 MapCheckpoints::MapCheckpoints(std::shared_ptr<FolderLock> lock, double interval_s,
@@ -58,8 +66,10 @@ void MapCheckpoints::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-void MapCheckpoints::add(const slam::FrameRecord& record) {
+void MapCheckpoints::add(const slam::FrameRecord& record,
+                         const std::optional<DepthCalibration>& learned) {
   const std::scoped_lock lock(mutex_);
+  if (learned != learned_) learned_ = learned;
   if (record.mapping_keyframe) keyframe_times_s_.emplace(record.index, record.timestamp_s);
   if (!std::exchange(state_wanted_, false)) return;
   try {
@@ -82,7 +92,9 @@ void MapCheckpoints::add_last() {
 }
 
 void MapCheckpoints::loop() {
-  constexpr int kNice = 19;
+  // Polite, but not starved where other programs keep all cores busy: at nice 19 a checkpoint could
+  // take minutes there. What it costs is bounded by CheckpointSchedule.
+  constexpr int kNice = 5;
   constexpr std::chrono::milliseconds kLookEvery{250};
   lower_thread_priority(kNice);
   std::unique_lock lock(mutex_);
@@ -97,6 +109,7 @@ void MapCheckpoints::look() {
   try {
     report(look_closely());
   } catch (...) {
+    schedule_.failed(wall_time_s());
     report(tl::unexpected(current_error()));
   }
 }
@@ -164,6 +177,16 @@ Status MapCheckpoints::write(const map::Snapshot& snapshot, std::optional<std::s
   parts.push_back({files::kKeyframes, [&](const std::filesystem::path& path) {
                      return io::save_trajectory(path, Trajectory(keyframes_of(snapshot)));
                    }});
+  std::optional<DepthCalibration> learned;
+  {
+    const std::scoped_lock lock(mutex_);
+    learned = learned_;
+  }
+  if (learned) {
+    parts.push_back({files::kCalibration, [&](const std::filesystem::path& path) {
+                       return io::save_depth_calibration(path, *learned);
+                     }});
+  }
   if (state) {
     parts.push_back({files::kResume, [&](const std::filesystem::path& path) {
                        return save_resume_file(path, std::move(*state));

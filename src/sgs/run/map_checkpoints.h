@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "sgs/camera/depth_calibration.h"
 #include "sgs/geometry/trajectory.h"
 #include "sgs/map/gaussian.h"
 #include "sgs/run/checkpoint_folders.h"
@@ -32,6 +33,8 @@ class CheckpointSchedule {
   bool due(double now_s, std::size_t gaussians) const;
   /// A map of that size was written at `now_s`, which took `cpu_s` of a core.
   void written(double now_s, std::size_t gaussians, double cpu_s);
+  /// None could be made at `now_s`: the next attempt waits for a moment.
+  void failed(double now_s);
 
  private:
   double interval_s_;
@@ -49,9 +52,10 @@ struct CheckpointSource {
   std::function<std::future<std::string>()> state;
 };
 
-/// Keeps map.ply, keyframes.txt and resume.sgs of a run that is going on as checkpoints
-/// (CheckpointFolders), on a thread of low priority that reads published snapshots: neither tracker
-/// nor mapper wait for it. The state is copied by the mapper between two frames.
+/// Keeps map.ply, keyframes.txt, resume.sgs and, once depth is calibrated, calibration.toml of a
+/// run that is going on as checkpoints (CheckpointFolders), on a thread of its own that reads
+/// published snapshots: neither tracker nor mapper wait for it. The state is copied by the mapper
+/// between two frames.
 class MapCheckpoints {
  public:
   MapCheckpoints(std::shared_ptr<FolderLock> lock, double interval_s, CheckpointSource source);
@@ -59,8 +63,10 @@ class MapCheckpoints {
   MapCheckpoints(const MapCheckpoints&) = delete;
   MapCheckpoints& operator=(const MapCheckpoints&) = delete;
 
-  /// Notes a frame that the session has been fed; add() and add_last() belong to one thread.
-  void add(const slam::FrameRecord& record);
+  /// Notes a frame that the session has been fed, and what the run has learned of its depth camera;
+  /// add() and add_last() belong to one thread.
+  void add(const slam::FrameRecord& record,
+           const std::optional<DepthCalibration>& learned = std::nullopt);
   /// The run is asked to stop: makes a checkpoint of all frames so far and returns when it is
   /// there. No more frames may come.
   void add_last();
@@ -85,6 +91,7 @@ class MapCheckpoints {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::map<std::int64_t, double> keyframe_times_s_;  // by frame; guarded by mutex_, and so is:
+  std::optional<DepthCalibration> learned_;
   std::future<std::string> state_;
   bool state_wanted_ = false;
   bool stop_ = false;

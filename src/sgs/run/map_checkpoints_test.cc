@@ -40,6 +40,9 @@ TEST(CheckpointSchedule, ByTimeAndBySizeButNeverTooOften) {
   schedule.written(10, 100, 1);
   EXPECT_FALSE(schedule.due(59, 1000));
   EXPECT_TRUE(schedule.due(61, 100));
+  schedule.failed(61);
+  EXPECT_FALSE(schedule.due(61.5, 1000)) << "not again at once";
+  EXPECT_TRUE(schedule.due(112, 1000));
 }
 
 /// The newest snapshot, for checkpoints that ask for it; tells when it was asked.

@@ -147,6 +147,16 @@ Status load_part(const PartFile& file, const fs::path& folder, const fs::path& c
   return tl::unexpected(problem);
 }
 
+/// What was known of the depth camera: given with the input, or learned and kept beside the map.
+Result<std::optional<DepthCalibration>> load_calibration_of(const InputSpec& input,
+                                                            const fs::path& map_folder) {
+  const fs::path learned = map_folder / files::kCalibration;
+  std::error_code unreadable;
+  if (input.calibration.empty() && !fs::exists(learned, unreadable)) return std::nullopt;
+  return io::load_depth_calibration(input.calibration.empty() ? learned
+                                                              : fs::path(input.calibration));
+}
+
 /// Where the map of a run lies: with the results, or in the last checkpoint.
 fs::path folder_of_map(const fs::path& folder, const RunState& state) {
   return state.unfinished() ? newest_checkpoint(folder) : folder;
@@ -195,12 +205,8 @@ Result<Run> load_run(const fs::path& folder, unsigned parts) {
   run.config = std::move(saved.config);
   run.name = fs::path(run.input.input).filename().string();
   SGS_ASSIGN_OR_RETURN(run.config_toml, io::read_file(folder / files::kConfig));
-  if (!run.input.calibration.empty()) {
-    SGS_ASSIGN_OR_RETURN(run.calibration, io::load_depth_calibration(run.input.calibration));
-  } else if (fs::exists(folder / files::kCalibration, error)) {
-    SGS_ASSIGN_OR_RETURN(run.calibration, io::load_depth_calibration(folder / files::kCalibration));
-  }
   const auto load_parts = [&](const fs::path& map_folder) -> Status {
+    SGS_ASSIGN_OR_RETURN(run.calibration, load_calibration_of(run.input, map_folder));
     for (const PartFile& file : kPartFiles) {
       if ((parts & file.part) != 0) SGS_RETURN_IF_ERROR(load_part(file, folder, map_folder, run));
     }

@@ -29,7 +29,8 @@ inline constexpr const char* kRenders = "renders";  ///< folder
 inline constexpr const char* kPictures = "renders/pictures.csv";
 
 /// What a checkpoint may hold.
-inline constexpr std::array<const char*, 3> kOfCheckpoint = {kMap, kKeyframes, kResume};
+inline constexpr std::array<const char*, 4> kOfCheckpoint = {kMap, kKeyframes, kCalibration,
+                                                             kResume};
 
 /// What a run makes, checkpoints apart: a new run into the same folder begins by removing these.
 inline constexpr std::array<const char*, 14> kResults = {

@@ -73,8 +73,9 @@ class RunFolder {
   void end(Stage stage, std::size_t frames, const std::string& reason);
 
   /// Says that the run is going on again. What was made of its end is removed, which is what the
-  /// first end of the interrupted run made beside its results: scores, pictures, the report.
-  Status go_on();
+  /// first end of the interrupted run made beside its results: scores, pictures, the report, and
+  /// the calibration unless it was given with the input.
+  Status go_on(bool calibration_given);
   /// Whether the folder is from resume().
   bool resumed() const { return resumed_; }
   /// The run goes on at the camera's rate: state.toml says so from now on.

@@ -83,11 +83,13 @@ void MapWorker::publish() {
   }
 }
 
+// A state that there is no memory for is the concern of who asked for it.
 void MapWorker::process(Order& order) {
-  if (order.state) {
+  if (!order.state) return process(order.job);
+  try {
     order.state->set_value(state(std::move(order.before)));
-  } else {
-    process(order.job);
+  } catch (...) {
+    order.state->set_exception(std::current_exception());
   }
 }
 
@@ -221,22 +223,20 @@ void MapWorker::loop() {
         mapper_.iterate(1);
         if (++live_iterations % kLiveIterationsPerSnapshot == 0) publish();
       }
-    } catch (...) {
       lock.lock();
+      if (order && !order->state && mode_ == Mode::kThread) note_done();
+    } catch (...) {
+      if (!lock.owns_lock()) lock.lock();
       failure_ = std::current_exception();
       ++jobs_done_;
       queue_.clear();  // breaks promises
       changed_.notify_all();
       return;
     }
-    lock.lock();
     busy_s_ += wall_time_s() - busy_since_s_;
     busy_since_s_ = -1;
     live_view_ = newest_;
-    if (order && !order->state && mode_ == Mode::kThread) {
-      note_done();
-      changed_.notify_all();
-    }
+    changed_.notify_all();
   }
 }
 

@@ -65,7 +65,8 @@ class MapWorker {
   void finish();
 
   /// The state behind the jobs submitted so far, appended to `before`, as soon as they are done;
-  /// not live. Where the mapper fails before that the promise is broken.
+  /// not live. Where the mapper fails before that the promise is broken; where the memory does not
+  /// suffice the future says so, and the worker goes on.
   std::future<std::string> save(std::string before);
   /// Goes on from what save() appended, for the same configuration; to be called before anything
   /// else, not live. The jobs that were behind it have to be submitted again (replay): they only

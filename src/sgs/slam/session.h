@@ -70,7 +70,7 @@ class Session {
   /// follows the map.
   bool can_be_saved() const { return !live_ && !tracker_->follows_map(); }
   /// What restore() needs, behind the frames fed so far; ready as soon as the mapper is there, and
-  /// a broken promise where it fails before that.
+  /// an exception where it fails before that or where the memory does not suffice.
   std::future<std::string> save();
   /// Goes on from what save() gave for the same configuration and camera, with any number of
   /// threads; to be called before the first frame. The items fed before that have to be fed again:
@@ -132,7 +132,7 @@ class Session {
   bool wants_mapping_keyframe(const FrameRecord& record) const;
   void hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame, FrameRecord& record);
   void report_loss(const FrameRecord& record);
-  bool comes_as_before(const FrameRecord& record);
+  bool comes_as_before(const FrameRecord& record, const RgbdFrame* raw);
 
   SessionConfig config_;
   PinholeCamera camera_;
@@ -151,7 +151,7 @@ class Session {
   double last_mapping_keyframe_ = -1;  // as video_time_
   bool keyframe_pending_ = true;       // a tracking keyframe waits for a frame the mapper may use
   std::int64_t frames_lost_ = 0;       // in a row, up to the last frame
-  std::vector<std::uint64_t> hashes_;  // of each item's pose; of all there were, in a replay
+  std::vector<std::uint64_t> hashes_;  // of each item; of all there were, in a replay
   std::optional<std::size_t> differs_at_;
   StageTimes track_times_{"tracking"};
   FrameEvent on_frame_;
