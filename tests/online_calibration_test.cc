@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "recording.h"
+#include "sgs/camera/fingerprint.h"
 #include "sgs/slam/session.h"
 #include "sgs/synthetic/sensor.h"
 
@@ -81,6 +82,18 @@ TEST(OnlineCalibration, GivesTheSameBitsForAnyNumberOfThreads) {
         << threads;
     ASSERT_EQ(*one.calibration, *other.calibration);
   }
+}
+
+TEST(OnlineCalibration, FingerprintsAreOfFramesAsRecorded) {
+  auto session = slam::Session::create(config_with_calibration(true), corridor().camera, {});
+  ASSERT_TRUE(session) << session.error().text();
+  int learned = 0;
+  for (const auto& frame : corridor().frames) {
+    const slam::FrameRecord& record = (*session)->feed(frame);
+    learned = record.calibrations;
+    ASSERT_EQ(record.fingerprint, fingerprint(*frame)) << record.index;
+  }
+  EXPECT_GE(learned, 1);
 }
 
 TEST(OnlineCalibration, LosesNoFrameAndNoMapLive) {

@@ -27,6 +27,7 @@ using Action = std::function<int()>;
 
 // Each adds one subcommand; `action` is set when the user chose it.
 void add_run(CLI::App& app, Action& action);
+void add_refine(CLI::App& app, Action& action);
 void add_calibrate(CLI::App& app, Action& action);
 void add_eval(CLI::App& app, Action& action);
 void add_render(CLI::App& app, Action& action);

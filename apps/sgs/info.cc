@@ -12,6 +12,7 @@
 #include "sgs/core/print.h"
 #include "sgs/dataset/bag_source.h"
 #include "sgs/eval/metrics.h"
+#include "sgs/refine/refine_config.h"
 #include "sgs/run/input.h"
 #include "sgs/slam/frame_record.h"
 #include "sgs/slam/session_config.h"
@@ -32,6 +33,8 @@ int print_config(const InfoOptions& options) {
   if (!config) return report(config.error());
   ParameterList list;
   config->declare(list);
+  refine::RefineConfig refine;
+  list.add_group("refine", refine);
   print("{}", options.markdown ? list.to_markdown() : list.to_toml());
   return kExitDone;
 }
@@ -151,7 +154,7 @@ void add_info(CLI::App& app, Action& action) {
   auto* sub = app.add_subcommand("info", "Describe a sequence, the parameters or the scenes");
   sub->add_option("INPUT", options->input.input, "Sequence folder, bag, or synth:NAME[:LEVEL]");
   add_recording_options(*sub, options->input);
-  sub->add_option("--preset", options->preset, "default or paper (with --config)");
+  sub->add_option("--preset", options->preset, "default, paper or quality (with --config)");
   sub->add_flag("--config", options->config, "Print all parameters as TOML");
   sub->add_flag("--markdown", options->markdown, "With --config: the table of docs/parameters.md");
   sub->add_flag("--columns", options->columns, "Print what frames.csv holds, as Markdown");

@@ -22,7 +22,7 @@ void add_recording_options(CLI::App& app, run::InputSpec& input) {
 
 void add_tracking_options(CLI::App& app, run::InputSpec& input, run::ConfigSources& config) {
   app.add_option("--config", config.file, "TOML file, e.g. a run's config.toml");
-  app.add_option("--tracker", config.tracker, "spectral, paper, gicp, orb, cvm or given");
+  app.add_option("--tracker", config.tracker, "spectral, paper, gicp, orb, cvm, given or render");
   app.add_option("--set", config.assignments, "key=value, see `sgs info --config`")
       ->take_all()
       ->allow_extra_args(false);

@@ -57,6 +57,7 @@ int parse_and_run(int argc, char** argv) {
   app.fallthrough(false);
   Action action;
   add_run(app, action);
+  add_refine(app, action);
   add_calibrate(app, action);
   add_eval(app, action);
   add_render(app, action);

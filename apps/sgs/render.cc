@@ -14,7 +14,10 @@
 #include "sgs/io/image_io.h"
 #include "sgs/io/ply.h"
 #include "sgs/io/trajectory_io.h"
+#include "sgs/io/video_file.h"
 #include "sgs/render/rendered_images.h"
+#include "sgs/report/report_data.h"
+#include "sgs/run/camera_path.h"
 #include "sgs/run/run.h"
 #include "sgs/run/run_files.h"
 
@@ -25,7 +28,9 @@ namespace fs = std::filesystem;
 
 struct RenderCommand {
   std::string run, map, trajectory, output, camera;
-  std::string size;
+  std::string size, video;
+  double seconds = 12, fps = 30;
+  bool turntable = false;
   int every = 30, threads = 2;
   bool depth = false, quiet = false;
 };
@@ -48,6 +53,36 @@ Result<Trajectory> trajectory_for(const RenderCommand& command) {
   return std::move(loaded.trajectory);
 }
 
+/// --video: the way of the camera without its shake, or once around.
+Status render_video(const RenderCommand& command, const PinholeCamera& camera,
+                    std::span<const map::Gaussian> gaussians, const Trajectory& trajectory) {
+  const int count = std::max(1, static_cast<int>(std::lround(command.seconds * command.fps)));
+  const std::vector<SE3> views =
+      command.turntable
+          ? run::turntable(trajectory, gaussians, report::likely_up(trajectory), count)
+          : run::smooth_path(trajectory, count);
+  if (views.empty()) {
+    return fail(ErrorCode::kInvalidArgument, fmt::format("{} has no poses or no map", command.run),
+                "name a run that mapped something");
+  }
+  SGS_ASSIGN_OR_RETURN(
+      auto video, io::VideoFile::create(command.video, camera.width, camera.height, command.fps));
+  ThreadPool pool(command.threads);
+  const auto rasterizer = render::make_cpu_rasterizer(&pool);
+  render::Rendering rendering;
+  Progress progress("pictures", static_cast<std::int64_t>(views.size()), command.quiet);
+  for (const SE3& view : views) {
+    if (interrupted()) return {};
+    rasterizer->render(gaussians, camera, view, rendering);
+    video.add(render::to_color_image(rendering.color));
+    progress.step("");
+  }
+  progress.finish();
+  SGS_RETURN_IF_ERROR(video.finish());
+  print("{}\n", command.video);
+  return {};
+}
+
 Status render_all(const RenderCommand& command) {
   const fs::path folder = command.run;
   note_state(command.run);
@@ -61,6 +96,7 @@ Status render_all(const RenderCommand& command) {
   SGS_ASSIGN_OR_RETURN(const auto gaussians, command.map.empty() ? run::load_run_map(folder)
                                                                  : io::load_splats(command.map));
   SGS_ASSIGN_OR_RETURN(const auto trajectory, trajectory_for(command));
+  if (!command.video.empty()) return render_video(command, camera, gaussians, trajectory);
   const fs::path output =
       command.output.empty() ? folder / run::files::kRenders : fs::path(command.output);
   SGS_RETURN_IF_ERROR(io::make_folder(output));
@@ -102,6 +138,19 @@ void add_render(CLI::App& app, Action& action) {
   sub->add_option("--size", command->size, "WxH of the pictures (with --camera)")->needs(camera);
   sub->add_option("--every", command->every, "Every n-th pose")->check(CLI::PositiveNumber);
   sub->add_option("--threads", command->threads, "Threads")->check(CLI::Range(1, 256));
+  auto* video = sub->add_option("--video", command->video,
+                                "One video instead of pictures (.mp4, .webm or .avi): the way of "
+                                "the camera without its shake");
+  sub->add_flag("--turntable", command->turntable, "With --video: once around what was seen")
+      ->needs(video);
+  sub->add_option("--seconds", command->seconds, "Length of the video")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str()
+      ->needs(video);
+  sub->add_option("--fps", command->fps, "Pictures per second of the video")
+      ->check(CLI::Range(1.0, 240.0))
+      ->capture_default_str()
+      ->needs(video);
   sub->add_flag("--depth", command->depth, "Also write depth (16-bit PNG, 5000 units per metre)");
   sub->add_flag("--quiet", command->quiet, "No progress");
   sub->callback([command, &action] {

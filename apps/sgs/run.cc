@@ -18,6 +18,7 @@
 #include "sgs/report/save_scores.h"
 #include "sgs/run/calibrate.h"
 #include "sgs/run/execute.h"
+#include "sgs/run/refine.h"
 #include "sgs/run/resume.h"
 #include "sgs/run/run_config.h"
 #include "sgs/run/run_files.h"
@@ -40,14 +41,6 @@ struct RunCommand {
   bool preload = false, no_eval = false, quiet = false, json = false;
   ViewerRequest viewer;
 };
-
-int report_failures(const run::RunFolder& folder) {
-  for (const Error& error : folder.failures()) report(error);
-  if (!folder.rescued_to().empty()) {
-    say("sgs: what did not fit there was kept in {}\n", folder.rescued_to().string());
-  }
-  return folder.failures().empty() ? kExitDone : kExitFailed;
-}
 
 /// Callbacks that show the run in the terminal and in browsers.
 run::Spectator spectator(Progress& progress, ViewerLink* viewer) {
@@ -76,15 +69,38 @@ void print_result(const RunCommand& command, const eval::Metrics& metrics,
         (folder / run::files::kReport).string());
 }
 
+/// What the preset `quality` adds: the finished map is learnt on, in the folder of the run.
+Status learn_on(const RunCommand& command, run::RunFolder& folder, run::Outcome& outcome) {
+  constexpr std::int64_t kStepsPerFrame = 15;
+  run::RefineOptions options;
+  options.threads = command.options.threads;
+  options.effort.steps = kStepsPerFrame * static_cast<std::int64_t>(outcome.run.frames.size());
+  Progress progress("refinement", options.config.checks, command.quiet);
+  run::RefineWatch watch;
+  watch.checked = [&](const refine::Judgement& now) {
+    if (now.steps > 0) progress.step(fmt::format("{:.2f} dB", now.psnr_db));
+  };
+  SGS_ASSIGN_OR_RETURN(auto refined,
+                       run::refine_run(outcome.run, options, folder, watch, stop_token()));
+  progress.finish();
+  outcome.stopped = refined.refined.stopped;
+  outcome.run = std::move(refined.run);
+  return {};
+}
+
 /// Everything between an open input and the exit code.
 Result<int> run_sequence(const RunCommand& command, const slam::SessionConfig& config,
                          run::Input& input, run::RunFolder& folder) {
   SGS_ASSIGN_OR_RETURN(const auto viewer, ViewerLink::open(command.viewer, input, config));
   Progress progress("frames", input.source->size(), command.quiet);
-  SGS_ASSIGN_OR_RETURN(const auto outcome,
+  SGS_ASSIGN_OR_RETURN(auto outcome,
                        run::execute(input, command.input, config, command.options, folder,
                                     spectator(progress, viewer.get()), stop_token()));
   progress.finish();
+  const bool whole = !outcome.stopped && outcome.input && !outcome.run.gaussians.empty();
+  if (config.preset == slam::Preset::kQuality && whole) {
+    SGS_RETURN_IF_ERROR(learn_on(command, folder, outcome));
+  }
   // What a stream has sent is gone.
   const bool draw_pictures =
       !command.no_eval && !outcome.stopped && !stream::is_stream(command.input.input);
@@ -160,6 +176,15 @@ int run_command(RunCommand command) {
     return report({ErrorCode::kInvalidArgument, "no input given",
                    "give a sequence folder or synth:NAME (see `sgs info --scenes`)"});
   }
+  if (config->preset == slam::Preset::kQuality && command.options.realtime) {
+    return report({ErrorCode::kInvalidArgument,
+                   "--preset quality is for recordings, not --realtime",
+                   "run live, then `sgs refine RUN`"});
+  }
+  if (config->preset == slam::Preset::kQuality && stream::is_stream(command.input.input)) {
+    return report({ErrorCode::kInvalidArgument, "--preset quality goes through the frames twice",
+                   "keep the stream (--record FOLDER), then `sgs run FOLDER --preset quality`"});
+  }
   const bool calibrate = command.input.calibration == kCalibrateFirst;
   if (calibrate && stream::is_stream(command.input.input)) {
     return report({ErrorCode::kInvalidArgument, "a stream comes only once",
@@ -203,7 +228,8 @@ void add_run(CLI::App& app, Action& action) {
   auto* resume = sub->add_option("--resume", command->resume,
                                  "Go on with the run of this folder, which was killed or stopped: "
                                  "from its last checkpoint, to the same result to the bit");
-  sub->add_option("--preset", command->config.preset, "default (ours) or paper");
+  sub->add_option("--preset", command->config.preset,
+                  "default (ours), paper, or quality (slow, offline)");
   add_tracking_options(*sub, command->input, command->config);
   sub->add_option("--calibration", command->input.calibration,
                   "Correct the depths by this file of `sgs calibrate`; auto: calibrate first");

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scoring.h"
 
+#include "commands.h"
 #include "interrupt.h"
 #include "progress.h"
+#include "sgs/core/print.h"
 
 namespace sgs::app {
 
@@ -25,6 +27,14 @@ Result<run::Scores> score_with_progress(const run::Run& run, const run::ScoreOpt
       stop_token());
   progress.finish();
   return scores;
+}
+
+int report_failures(const run::RunFolder& folder) {
+  for (const Error& error : folder.failures()) report(error);
+  if (!folder.rescued_to().empty()) {
+    say("sgs: what did not fit there was kept in {}\n", folder.rescued_to().string());
+  }
+  return folder.failures().empty() ? kExitDone : kExitFailed;
 }
 
 }  // namespace sgs::app

@@ -14,4 +14,7 @@ void add_score_options(CLI::App& sub, run::ScoreOptions& options);
 Result<run::Scores> score_with_progress(const run::Run& run, const run::ScoreOptions& options,
                                         bool quiet);
 
+/// Says what could not be written where it belongs, and where it went; the exit code.
+int report_failures(const run::RunFolder& folder);
+
 }  // namespace sgs::app

@@ -37,7 +37,7 @@ struct SuiteCommand {
 
 struct BenchCommand : SuiteCommand {
   std::vector<std::string> variants = {"spectral"};
-  bool markdown = false, times = false;
+  bool markdown = false, times = false, published = false;
 };
 
 struct SweepCommand : SuiteCommand {
@@ -154,6 +154,11 @@ Result<int> run_bench(const BenchCommand& command) {
       "ATE RMSE in cm, mean (worst) over seeds; share of frames within 1 m where below 100 %");
   suite::add_publications(suite.publications, table);
   std::vector<suite::Table> tables = {std::move(table)};
+  if (command.published) {
+    for (suite::Table& more : suite::published_tables(grid, suite.publications)) {
+      tables.push_back(std::move(more));
+    }
+  }
   if (command.times) {
     tables.push_back(suite::times_table(
         grid, "frames per second / 95th percentile of tracking in ms, mean over seeds"));
@@ -242,6 +247,8 @@ void add_bench(CLI::App& app, Action& action) {
   sub->add_option("SUITE", command->suite, "tum-synth, or a FILE.toml (docs/suites.md)");
   sub->add_option("--variants", command->variants, "Trackers and ablations (docs/suites.md)")
       ->delimiter(',');
+  sub->add_flag("--published", command->published,
+                "Also tables of picture quality and speed beside what others published");
   sub->add_flag("--markdown", command->markdown,
                 "Print Markdown, with command, version, machine and date");
   sub->add_flag("--times", command->times, "Also a table of times, by processor");

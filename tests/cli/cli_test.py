@@ -496,6 +496,31 @@ class Contract(Case):
         self.assertIn("depth is used as it is", done.stderr)
         self.assertFalse((self.folder / "short" / "calibration.toml").exists())
 
+    def test_a_finished_map_is_refined(self):
+        sequence = self.sequence()
+        out, _ = self.run_folder(sequence)
+        before = {p: p.read_bytes() for p in sorted(out.rglob("*")) if p.is_file()}
+        refined = self.folder / "refined"
+        done = self.sgs("refine", out, "--steps", "30", "-o", refined, "--quiet", "--json")
+        self.assertIsNotNone(json.loads(done.stdout)["psnr_db_train"])
+        for name in (*RUN_FILES, "refine.toml"):
+            self.assertTrue((refined / name).exists(), name)
+        self.assertTrue(list((refined / "renders").glob("*_before.png")))
+        self.assertEqual(before, {p: p.read_bytes() for p in before})
+        self.sgs("eval", refined)
+        picture = sorted((sequence / "rgb").iterdir())[4]
+        shutil.copy(sorted((sequence / "rgb").iterdir())[9], picture)
+        done = self.sgs("refine", out, "--steps", "30", "-o", self.folder / "again", code=2)
+        self.assertIn("frame 4 of", done.stderr)
+        self.assertFalse((self.folder / "again" / "map.ply").exists())
+
+    def test_the_preset_quality_refines_and_is_for_recordings(self):
+        out, _ = self.run_folder(self.master, "--preset", "quality", "--frames", "0:6")
+        self.assertIn("quality", (out / "config.toml").read_text())
+        for live in (["--realtime", self.master], ["live:tcp://127.0.0.1:1"]):
+            done = self.sgs("run", *live, "--preset", "quality", "-o", self.folder / "no", code=2)
+            self.assertIn("--preset quality", done.stderr)
+
     def test_record_can_be_run_again(self):
         self.sgs(
             "run",

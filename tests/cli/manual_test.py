@@ -69,7 +69,7 @@ class Completion(unittest.TestCase):
         return set(run("bash", "--norc", text=script).split())
 
     def test_commands_options_words_and_keys(self):
-        self.assertEqual(self.complete("re"), {"render"})
+        self.assertEqual(self.complete("re"), {"refine", "render"})
         self.assertEqual(set(commands()) - self.complete(""), set())
         self.assertIn("--tracker", self.complete("run", "--tra"))
         self.assertNotIn("--voxel", self.complete("run", "--"))

@@ -29,7 +29,8 @@ class SGS_API Config {
  public:
   using Value = std::variant<bool, std::int64_t, double, std::string>;
 
-  /// Starts from a preset: "default" (ours) or "paper". Throws kInvalidArgument for others.
+  /// Starts from a preset: "default" (ours), "paper", or "quality" (more mapping; refinement
+  /// is the program's). Throws kInvalidArgument for others.
   explicit Config(const std::string& preset = "default");
   /// The default preset with what a TOML file says, e.g. a run's config.toml.
   static Config load(const std::string& path);

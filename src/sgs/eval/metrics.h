@@ -27,10 +27,10 @@ struct Metrics {
   Real scale_error_percent, tracked_percent;
   Count frames, frames_tracked, frames_lost;
   Real degenerate_percent, prior_percent;
-  Real psnr_db, psnr_db_full, psnr_db_heldout;
-  Real ssim, ssim_full, ssim_heldout;
-  Real lpips, lpips_full, lpips_heldout;
-  Real depth_l1_m;
+  Real psnr_db, psnr_db_full, psnr_db_train, psnr_db_heldout, psnr_db_novel;
+  Real ssim, ssim_full, ssim_train, ssim_heldout, ssim_novel;
+  Real lpips, lpips_full, lpips_train, lpips_heldout, lpips_novel;
+  Real depth_l1_m, depth_l1_novel_m;
   Count gaussians, map_bytes, keyframes, mapping_iterations;
   Count loops_accepted, loops_rejected, corrections;
   Real fps_system, fps_wall;
@@ -125,27 +125,52 @@ void visit_metrics(M&& m, Visitor&& visit) {
   visit(I{"psnr_db_full", r, "PSNR (full)", "dB", 1, 2, kMore, kDetail,
           "Mean PSNR over all frames and all pixels."},
         m.psnr_db_full);
+  visit(
+      I{"psnr_db_train", r, "PSNR (training)", "dB", 1, 2, kMore, kDetail,
+        "Mean PSNR over the frames that are not held out, all pixels; much above the held-out one "
+        "means learnt by heart."},
+      m.psnr_db_train);
   visit(I{"psnr_db_heldout", r, "PSNR (held out)", "dB", 1, 2, kMore, kTile,
           "Mean PSNR over the frames that the mapper never saw, all pixels."},
         m.psnr_db_heldout);
+  visit(
+      I{"psnr_db_novel", r, "PSNR (novel views)", "dB", 1, 2, kMore, kMain,
+        "Mean PSNR of views off the path against the generator's truth (synthetic input only), up "
+        "to one gain per channel of the whole map."},
+      m.psnr_db_novel);
   visit(I{"ssim", r, "SSIM (gsicp)", "", 1, 4, kMore, kDetail, "Mean SSIM, pixels as for psnr_db."},
         m.ssim);
   visit(I{"ssim_full", r, "SSIM (full)", "", 1, 4, kMore, kDetail, "Mean SSIM, all pixels."},
         m.ssim_full);
+  visit(I{"ssim_train", r, "SSIM (training)", "", 1, 4, kMore, kDetail,
+          "Mean SSIM over the frames that are not held out."},
+        m.ssim_train);
   visit(I{"ssim_heldout", r, "SSIM (held out)", "", 1, 4, kMore, kDetail,
           "Mean SSIM over the frames that the mapper never saw."},
         m.ssim_heldout);
+  visit(I{"ssim_novel", r, "SSIM (novel views)", "", 1, 4, kMore, kDetail,
+          "Mean SSIM, views as for psnr_db_novel."},
+        m.ssim_novel);
   visit(I{"lpips", r, "LPIPS (gsicp)", "", 1, 4, kLess, kMain,
           "Mean LPIPS (AlexNet, v0.1), pixels as for psnr_db; needs --lpips-weights."},
         m.lpips);
   visit(I{"lpips_full", r, "LPIPS (full)", "", 1, 4, kLess, kDetail, "Mean LPIPS, all pixels."},
         m.lpips_full);
+  visit(I{"lpips_train", r, "LPIPS (training)", "", 1, 4, kLess, kDetail,
+          "Mean LPIPS over the frames that are not held out."},
+        m.lpips_train);
   visit(I{"lpips_heldout", r, "LPIPS (held out)", "", 1, 4, kLess, kDetail,
           "Mean LPIPS over the frames that the mapper never saw."},
         m.lpips_heldout);
+  visit(I{"lpips_novel", r, "LPIPS (novel views)", "", 1, 4, kLess, kDetail,
+          "Mean LPIPS, views as for psnr_db_novel."},
+        m.lpips_novel);
   visit(I{"depth_l1_m", r, "Depth L1", "cm", kCm, 2, kLess, kMain,
           "Mean absolute difference of rendered and measured depth where both exist."},
         m.depth_l1_m);
+  visit(I{"depth_l1_novel_m", r, "Depth L1 (novel views)", "cm", kCm, 2, kLess, kDetail,
+          "Mean absolute difference of rendered and true depth, views as for psnr_db_novel."},
+        m.depth_l1_novel_m);
   visit(I{"gaussians", p, "Gaussians", "", 1, 0, kNeither, kTile, "Gaussians of the final map."},
         m.gaussians);
   visit(I{"map_bytes", p, "Map size", "MiB", kMiB, 2, kNeither, kDetail,

@@ -111,7 +111,8 @@ JobResult compare(const Job& job, const Lpips* lpips, const RunEvaluatorConfig& 
                                     *result.scores.psnr_full_db,
                                     resized(job.frame.color, width),
                                     resized(to_8bit(image), width),
-                                    resized(error_map(truth, image), width)};
+                                    resized(error_map(truth, image), width),
+                                    {}};
   }
   return result;
 }
@@ -124,6 +125,9 @@ Metrics scores_of(const RunEvaluation& r) {
   scores.psnr_db_full = r.full.psnr_db;
   scores.ssim_full = r.full.ssim;
   scores.lpips_full = r.full.lpips;
+  scores.psnr_db_train = r.train.psnr_db;
+  scores.ssim_train = r.train.ssim;
+  scores.lpips_train = r.train.lpips;
   scores.psnr_db_heldout = r.heldout.psnr_db;
   scores.ssim_heldout = r.heldout.ssim;
   scores.lpips_heldout = r.heldout.lpips;
@@ -147,6 +151,11 @@ class Totals {
         coverage_.add(result.depth->coverage);
       }
     }
+    if (job.regular && !job.heldout) {
+      train_.psnr.add(result.scores.psnr_full_db);
+      train_.ssim.add(result.scores.ssim_full);
+      train_.lpips.add(result.lpips_full);
+    }
     if (job.heldout) {
       heldout_.psnr.add(result.scores.psnr_full_db);
       heldout_.ssim.add(result.scores.ssim_full);
@@ -159,6 +168,7 @@ class Totals {
   void store(RunEvaluation& out) const {
     out.gsicp = gsicp_.scores();
     out.full = full_.scores();
+    out.train = train_.scores();
     out.heldout = heldout_.scores();
     out.depth_l1_m = depth_.value();
     out.depth_coverage = coverage_.value();
@@ -166,7 +176,7 @@ class Totals {
   }
 
  private:
-  RuleMeans gsicp_, full_, heldout_;
+  RuleMeans gsicp_, full_, train_, heldout_;
   Mean depth_, coverage_;
 };
 

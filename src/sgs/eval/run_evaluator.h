@@ -48,13 +48,15 @@ struct FramePictures {
   bool heldout = false;
   double psnr_full_db = 0;
   ColorImage truth, rendering;
-  ColorImage error;  ///< mean absolute colour error, black 0 to yellow >= 0.25
+  ColorImage error;   ///< mean absolute colour error, black 0 to yellow >= 0.25
+  ColorImage before;  ///< the rendering of the map that was refined since; may be empty
 };
 
 struct RunEvaluation {
   /// `gsicp`: every frame; pixels without measured depth are zeroed in both pictures and counted.
   RuleScores gsicp;
   RuleScores full;                       ///< every frame, all pixels
+  RuleScores train;                      ///< all pixels of the other frames
   RuleScores heldout;                    ///< all pixels of the frames that the mapper never saw
   std::optional<double> depth_l1_m;      ///< mean over frames of DepthError::l1_m
   std::optional<double> depth_coverage;  ///< mean over frames of DepthError::coverage

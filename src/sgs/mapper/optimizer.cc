@@ -18,19 +18,9 @@ float log_limit(double ratio) {
 }  // namespace
 
 Optimizer::Optimizer(const OptimizerConfig& config) {
-  const auto fill = [this](std::size_t from, std::size_t count, double rate) {
-    std::fill_n(settings_.rate + from, count, static_cast<float>(rate));
-  };
-  fill(0, 3, config.rate_mean_m);
-  fill(3, 3, config.rate_log_scale);
-  fill(6, 4, config.rate_rotation);
-  fill(10, 1, config.rate_opacity);
-  fill(11, 3, config.rate_color);
-  fill(14, 2, 0);
+  set_rates(config);
   settings_.beta1 = static_cast<float>(config.beta1);
   settings_.beta2 = static_cast<float>(config.beta2);
-  settings_.log_axis_ratio = log_limit(config.max_axis_ratio);
-  settings_.log_flatness = log_limit(config.max_flatness);
   // Beyond the table both corrections are 1 to float precision for the usual betas.
   constexpr int kTable = 8192;
   constexpr int kEveryStep = 16;  // before this the average follows every step
@@ -47,6 +37,20 @@ Optimizer::Optimizer(const OptimizerConfig& config) {
   settings_.correction2 = correction2_.data();
   settings_.average_share = average_share_.data();
   settings_.table_size = kTable;
+}
+
+void Optimizer::set_rates(const OptimizerConfig& config) {
+  const auto fill = [this](std::size_t from, std::size_t count, double rate) {
+    std::fill_n(settings_.rate + from, count, static_cast<float>(rate));
+  };
+  fill(0, 3, config.rate_mean_m);
+  fill(3, 3, config.rate_log_scale);
+  fill(6, 4, config.rate_rotation);
+  fill(10, 1, config.rate_opacity);
+  fill(11, 3, config.rate_color);
+  fill(14, 2, 0);
+  settings_.log_axis_ratio = log_limit(config.max_axis_ratio);
+  settings_.log_flatness = log_limit(config.max_flatness);
 }
 
 void Optimizer::step(std::span<const std::uint32_t> indices, const map::Gaussian* rows,

@@ -26,6 +26,8 @@ class Optimizer {
   Optimizer(const Optimizer&) = delete;
   Optimizer& operator=(const Optimizer&) = delete;
 
+  /// Other rates and caps from now on; `beta1`, `beta2` and `average` stay as they were.
+  void set_rates(const OptimizerConfig& config);
   /// One step of the Gaussians `indices` of `store` along `rows`, one gradient each.
   void step(std::span<const std::uint32_t> indices, const map::Gaussian* rows,
             map::GaussianStore& store) const;

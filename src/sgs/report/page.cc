@@ -46,6 +46,17 @@ std::string slider_html(const eval::FramePictures& p) {
       p.heldout ? " (held out)" : "", p.psnr_full_db);
 }
 
+std::string before_after_html(const eval::FramePictures& p) {
+  if (p.before.empty()) return {};
+  return fmt::format(
+      "<div class='shot'><div class='slide'><img alt='before refinement, frame {0}' "
+      "src='{1}'><div class='over'><img alt='after refinement, frame {0}' src='{2}'></div>"
+      "<div class='bar-line'></div><span class='tip l'>before</span><span class='tip r'>after"
+      "</span><input type='range' min='0' max='100' value='50' aria-label='before refinement to "
+      "the left, after it to the right, frame {0}'></div><p class='sub'>Frame {0}{3}</p></div>\n",
+      p.index, jpeg_data_uri(p.before), jpeg_data_uri(p.rendering), p.heldout ? " (held out)" : "");
+}
+
 std::string page_head(std::string_view title, std::string_view style) {
   std::string html =
       "<!DOCTYPE html>\n<html lang='en'><head><meta charset='utf-8'><meta name='viewport' "

@@ -21,6 +21,8 @@ std::string figures_html(const std::vector<Drawing>& drawings, bool side_by_side
 
 /// Truth against rendering with a slider between them, the error on request.
 std::string slider_html(const eval::FramePictures& pictures);
+/// The map before and after it was refined; empty where it was not.
+std::string before_after_html(const eval::FramePictures& pictures);
 
 /// A document from its start to the end of its head: title, `style` after the palette, and a
 /// content security policy that lets nothing in from outside.

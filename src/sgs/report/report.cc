@@ -68,6 +68,16 @@ std::string picture_section(const ReportData& data) {
       "<div class='pair'>" + html + "</div>");
 }
 
+std::string refinement_section(const ReportData& data) {
+  std::string html;
+  for (const eval::FramePictures& p : data.pictures) html += before_after_html(p);
+  if (html.empty()) return {};
+  return section_html("Before and after refinement",
+                      "Drag across a picture: left, the map of the run; right, the same map after "
+                      "`sgs refine`, from the same frame's pose.",
+                      "<div class='pair'>" + html + "</div>");
+}
+
 std::string map_section(const ReportData& data) {
   const std::vector<Drawing> drawings = map_drawings(data);
   std::vector<Drawing> wide, narrow;
@@ -132,7 +142,7 @@ std::string report_html(const ReportData& data) {
                        "What geometry alone could not observe, and where vision filled it in.",
                        figures_html(degeneracy_drawings(data)));
   body += section_html("Depth calibration", "", figures_html(calibration_drawings(data), true));
-  body += picture_section(data) + map_section(data);
+  body += refinement_section(data) + picture_section(data) + map_section(data);
   body += section_html("Timing", "", figures_html(timing_drawings(data)));
   body += score_section(data, lines) + value_section(data) + config_section(data);
   return page_html(data.title, body);

@@ -51,18 +51,11 @@ class RangeSource : public dataset::FrameSource {
 };
 
 Result<Input> open_synthetic(const InputSpec& spec, const FrameRange& range, int threads) {
-  SGS_ASSIGN_OR_RETURN(auto options, synthetic::parse_synth_spec(spec.input));
-  options.seed = spec.synth_seed;
-  options.threads = threads;
-  if (!spec.trajectory.empty()) {
-    SGS_ASSIGN_OR_RETURN(auto loaded, io::load_trajectory(spec.trajectory));
-    options.trajectory = std::move(loaded.trajectory);
-  }
+  SGS_ASSIGN_OR_RETURN(const auto options, synth_options(spec, threads));
   if (!spec.camera.empty()) {
     return fail(ErrorCode::kInvalidArgument, "--camera does not apply to a synthetic sequence",
                 "leave it out");
   }
-  if (range.last < std::numeric_limits<int>::max()) options.frames = static_cast<int>(range.last);
   SGS_ASSIGN_OR_RETURN(auto source, synthetic::make_synthetic_source(options));
   Input input;
   input.info.layout = "synthetic";
@@ -224,6 +217,19 @@ Result<FrameRange> parse_frame_range(const std::string& text) {
                 "write a:b with a < b, for example 0:100, 50: or :200");
   }
   return range;
+}
+
+Result<synthetic::SynthOptions> synth_options(const InputSpec& spec, int threads) {
+  SGS_ASSIGN_OR_RETURN(auto options, synthetic::parse_synth_spec(spec.input));
+  SGS_ASSIGN_OR_RETURN(const auto range, parse_frame_range(spec.frames));
+  options.seed = spec.synth_seed;
+  options.threads = threads;
+  if (!spec.trajectory.empty()) {
+    SGS_ASSIGN_OR_RETURN(auto loaded, io::load_trajectory(spec.trajectory));
+    options.trajectory = std::move(loaded.trajectory);
+  }
+  if (range.last < std::numeric_limits<int>::max()) options.frames = static_cast<int>(range.last);
+  return options;
 }
 
 Result<Input> open_input(const InputSpec& spec, int threads, const std::stop_token& stop) {

@@ -15,6 +15,7 @@
 #include "sgs/core/error.h"
 #include "sgs/dataset/frame_source.h"
 #include "sgs/dataset/open.h"
+#include "sgs/synthetic/source.h"
 
 namespace sgs::run {
 
@@ -44,6 +45,9 @@ struct Input {
   dataset::SequenceInfo info;
   std::optional<DepthCalibration> calibration;  ///< that the source applies
 };
+
+/// What the generator is asked for where `spec` names a synthetic sequence: its scene follows.
+Result<synthetic::SynthOptions> synth_options(const InputSpec& spec, int threads);
 
 /// Opens a recorded folder, a synthetic sequence or a stream; `threads` render synthetic frames. A
 /// stream is waited for, until a stop is requested.

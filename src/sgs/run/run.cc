@@ -328,6 +328,7 @@ void save_pictures(const std::vector<eval::FramePictures>& pictures, RunFolder& 
     save("truth", p.truth);
     save("render", p.rendering);
     save("error", p.error);
+    if (!p.before.empty()) save("before", p.before);
     list += fmt::format("{},{:d},{:.6g}\n", p.index, p.heldout, p.psnr_full_db);
   }
   if (!pictures.empty()) folder.save_text(files::kPictures, list);
@@ -353,8 +354,9 @@ std::vector<eval::FramePictures> load_pictures(const fs::path& folder) {
       log().warn("a picture of frame {} is missing in {}", index, folder.string());
       continue;
     }
+    auto before = load("before");
     pictures.push_back({index, number(1) == 1, number(2), std::move(*truth), std::move(*rendering),
-                        std::move(*error)});
+                        std::move(*error), before ? std::move(*before) : ColorImage()});
   }
   return pictures;
 }

@@ -19,8 +19,9 @@ inline constexpr const char* kMap = "map.ply";
 inline constexpr const char* kTimings = "timings.json";
 inline constexpr const char* kMetrics = "metrics.json";
 inline constexpr const char* kReport = "report.html";
-inline constexpr const char* kState = "state.toml";  ///< running, finished or interrupted
-inline constexpr const char* kLock = "lock.txt";     ///< who writes the folder, while they do
+inline constexpr const char* kState = "state.toml";    ///< running, finished or interrupted
+inline constexpr const char* kLock = "lock.txt";       ///< who writes the folder, while they do
+inline constexpr const char* kRefine = "refine.toml";  ///< how the map was learnt on, if it was
 inline constexpr const char* kCheckpoint = "checkpoint.txt";     ///< name of the newest checkpoint
 inline constexpr const char* kCheckpointFolder = "checkpoint.";  ///< and a number
 inline constexpr const char* kResume = "resume.sgs";  ///< in there: what --resume goes on from
@@ -33,8 +34,8 @@ inline constexpr std::array<const char*, 4> kOfCheckpoint = {kMap, kKeyframes, k
                                                              kResume};
 
 /// What a run makes, checkpoints apart: a new run into the same folder begins by removing these.
-inline constexpr std::array<const char*, 14> kResults = {
-    kConfig, kCamera, kCalibration, kTrajectory, kOnline, kKeyframes, kTruth,
-    kFrames, kMap,    kTimings,     kMetrics,    kReport, kLog,       kPictures};
+inline constexpr std::array<const char*, 15> kResults = {
+    kConfig, kCamera,  kCalibration, kTrajectory, kOnline, kKeyframes, kTruth, kFrames,
+    kMap,    kTimings, kMetrics,     kReport,     kLog,    kPictures,  kRefine};
 
 }  // namespace sgs::run::files

@@ -36,7 +36,8 @@ bool is_there(const fs::path& path) {
 
 /// Pictures of `sgs run` and `sgs render`; nothing else in renders/ is touched.
 bool is_picture(const std::string& name) {
-  static const std::regex pattern(R"(\d{6,}_(truth|render|error)\.png|(render|depth)_\d{6,}\.png)");
+  static const std::regex pattern(
+      R"(\d{6,}_(truth|render|error|before)\.png|(render|depth)_\d{6,}\.png)");
   return std::regex_match(name, pattern);
 }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "sgs/core/stopwatch.h"
+#include "sgs/run/novel_views.h"
 
 namespace sgs::run {
 namespace {
@@ -85,6 +86,23 @@ Result<eval::RunEvaluation> score_rendering(const Run& run, const ScoreOptions& 
   return eval::evaluate_run(evaluation, config);
 }
 
+/// Judges views off the path where the truth of any view is known.
+Status add_novel_views(const Run& run, const ScoreOptions& options, eval::Metrics& scores) {
+  if (options.novel_views <= 0 || !synthetic::is_synth_spec(run.input.input)) return {};
+  std::optional<eval::Lpips> lpips;
+  if (!options.lpips_weights.empty()) {
+    SGS_ASSIGN_OR_RETURN(lpips, eval::Lpips::load(options.lpips_weights));
+  }
+  SGS_ASSIGN_OR_RETURN(
+      const auto novel,
+      score_novel_views(run, options.novel_views, lpips ? &*lpips : nullptr, options.threads));
+  scores.psnr_db_novel = novel.psnr_db;
+  scores.ssim_novel = novel.ssim;
+  scores.lpips_novel = novel.lpips;
+  scores.depth_l1_novel_m = novel.depth_l1_m;
+  return {};
+}
+
 }  // namespace
 
 Scores score_trajectory(const Run& run, eval::Association association) {
@@ -111,6 +129,7 @@ Result<Scores> score_run(const Run& run, const ScoreOptions& options,
   if (run.gaussians.empty()) return scores;
   SGS_ASSIGN_OR_RETURN(scores.rendering, score_rendering(run, options, progress, stop));
   const bool whole = !scores.rendering->cancelled;
+  if (whole) SGS_RETURN_IF_ERROR(add_novel_views(run, options, scores.rendering->scores));
   eval::replace_group(scores.metrics, eval::kRenderingGroup,
                       whole ? scores.rendering->scores : eval::Metrics{});
   return scores;

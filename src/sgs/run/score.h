@@ -16,6 +16,7 @@ namespace sgs::run {
 
 /// How to score.
 struct ScoreOptions {
+  int novel_views = 24;  ///< of a synthetic input, off the path; 0 = none
   eval::Association association = eval::Association::kInterpolate;
   eval::RunEvaluatorConfig rendering;  ///< heldout_interval is the run's, whatever stands here
   std::string lpips_weights;           ///< file; empty = LPIPS is not measured

@@ -33,9 +33,10 @@ struct FrameRecord {
   double track_ms = 0;
   std::int64_t gaussians = 0;
   std::int64_t iterations = 0;
-  int loops = 0;            ///< closed so far
-  int calibrations = 0;     ///< of depth, learned so far
-  double correction_m = 0;  ///< by how much the past was moved just before this frame
+  int loops = 0;                 ///< closed so far
+  int calibrations = 0;          ///< of depth, learned so far
+  double correction_m = 0;       ///< by how much the past was moved just before this frame
+  std::int64_t fingerprint = 0;  ///< of the frame (camera/fingerprint.h); 0 = not known
 };
 
 /// A per-frame value: its key in frames.csv and in the viewer's messages, its unit ("" = none) and
@@ -115,6 +116,11 @@ void visit_columns(Record& r, Visitor&& visit) {
   visit(C{"correction_m", "m", "By how much the past was moved just before this frame."},
         r.correction_m);
   visit(C{"calibrations", "", "Calibrations of depth learned so far."}, r.calibrations);
+  visit(
+      C{"fingerprint", "",
+        "A number from the frame's pixels: `sgs refine` sees by it whether the recording is still "
+        "the same. 0: not known."},
+      r.fingerprint);
 }
 
 /// The first line of frames.csv, with its line feed.

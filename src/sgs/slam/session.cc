@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <exception>
 
+#include "sgs/camera/fingerprint.h"
 #include "sgs/core/log.h"
 #include "sgs/slam/calibration_estimator.h"
 #include "sgs/slam/loop_estimator.h"
@@ -115,6 +116,7 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& raw) {
   const tracker::TrackResult result = track(*frame, view.snapshot, cpu_ms);
   FrameRecord record = make_record(*frame, view, result);
   record.track_ms = cpu_ms;
+  record.fingerprint = fingerprint(*raw);  // as the recording has it
   estimate_past(raw, frame, result, record);
   if (comes_as_before(record, raw.get())) hand_to_mapper(frame, record);
   report_loss(record);

@@ -14,6 +14,10 @@ SessionConfig make_session_config(Preset preset) {
     config.loops.enabled = false;
     config.backend.calibration.online = false;
   }
+  if (preset == Preset::kQuality) {
+    config.mapper.iterations_per_frame = 4;
+    config.mapper.schedule.half_resolution_share = 0.7;
+  }
   return config;
 }
 

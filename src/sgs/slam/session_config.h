@@ -14,12 +14,14 @@
 
 namespace sgs::slam {
 
-/// Where the values of a configuration start from: ours, or the paper as we read it.
-enum class Preset { kDefault, kPaper };
+/// Where the values of a configuration start from: ours, the paper as we read it, or ours for
+/// recordings where nobody waits (offline only; docs/refine.md).
+enum class Preset { kDefault, kPaper, kQuality };
 
 constexpr auto enum_names(Preset) {
   using enum Preset;
-  return std::to_array<EnumName<Preset>>({{kDefault, "default"}, {kPaper, "paper"}});
+  return std::to_array<EnumName<Preset>>(
+      {{kDefault, "default"}, {kPaper, "paper"}, {kQuality, "quality"}});
 }
 
 /// Everything that decides what a run computes. Same input, config and seed: same bits.

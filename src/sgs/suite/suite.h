@@ -31,7 +31,10 @@ struct Publication {
   struct Row {
     std::string system;
     /// Absolute trajectory error in cm by sequence name; empty: lost. Not reported: not in here.
-    std::map<std::string, std::optional<double>> ate_cm;
+    std::map<std::string, std::optional<double>> ate_cm = {};
+    /// Pictures of the map against the camera's, by sequence name.
+    std::map<std::string, double> psnr_db = {}, ssim = {}, lpips = {};
+    std::optional<double> fps = {};  ///< frames per second, over all sequences
   };
   std::string source;  ///< who, where, which table
   std::vector<Row> results;

@@ -31,7 +31,7 @@ TEST(Suite, BuiltInSuiteHasSequencesVariantsAliasesAndPublications) {
   EXPECT_EQ(suite->aliases.at("tau_deg"), "tracker.degeneracy.condition_threshold");
   ASSERT_TRUE(suite->variant("gicp"));
   EXPECT_THAT(suite->variant("gicp")->arguments, ElementsAre("--tracker", "gicp"));
-  ASSERT_EQ(suite->publications.size(), 1u);
+  ASSERT_EQ(suite->publications.size(), 2u);
   const Publication::Row& lost = suite->publications[0].results[2];
   EXPECT_EQ(lost.system, "Photo-SLAM");
   EXPECT_FALSE(lost.ate_cm.at("notex_near"));

@@ -38,6 +38,13 @@ Status read(const toml::node& node, const Source& source, std::optional<double>&
   return source.wrong(node, "this must be an error in cm or \"lost\"");
 }
 
+/// A score, 0 or more.
+Status read(const toml::node& node, const Source& source, double& out) {
+  out = node.value<double>().value_or(-1);
+  if (std::isfinite(out) && out >= 0) return {};
+  return source.wrong(node, "this must be a number, 0 or more");
+}
+
 /// A list, of texts or of tables.
 template <class Row>
 Status read(const toml::node& node, const Source& source, std::vector<Row>& out) {
@@ -125,8 +132,16 @@ Status read(const toml::node& node, const Source& source, Variant& out) {
 }
 
 Status read(const toml::node& node, const Source& source, Publication::Row& out) {
-  SGS_RETURN_IF_ERROR(
-      Fields(node, source).take("system", out.system).take("ate_cm", out.ate_cm).status());
+  double fps = 0;
+  SGS_RETURN_IF_ERROR(Fields(node, source)
+                          .take("system", out.system)
+                          .take("ate_cm", out.ate_cm)
+                          .take("psnr_db", out.psnr_db)
+                          .take("ssim", out.ssim)
+                          .take("lpips", out.lpips)
+                          .take("fps", fps)
+                          .status());
+  if (fps > 0) out.fps = fps;
   return out.system.empty() ? source.wrong(node, "'system' is missing") : Status();
 }
 
@@ -156,7 +171,12 @@ Result<std::vector<std::string_view>> names_of(const std::vector<Row>& rows,
 Status check_results(const Publication& publication, std::string_view source,
                      const std::vector<std::string_view>& sequences) {
   for (const Publication::Row& row : publication.results) {
-    for (const auto& [name, error] : row.ate_cm) {
+    std::vector<std::string> reported;
+    for (const auto& [name, error] : row.ate_cm) reported.push_back(name);
+    for (const auto* scores : {&row.psnr_db, &row.ssim, &row.lpips}) {
+      for (const auto& [name, score] : *scores) reported.push_back(name);
+    }
+    for (const std::string& name : reported) {
       if (std::find(sequences.begin(), sequences.end(), name) != sequences.end()) continue;
       return fail(ErrorCode::kInvalidFormat,
                   fmt::format("{}: '{}' reports of '{}'", source, row.system, name),

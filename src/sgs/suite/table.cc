@@ -3,6 +3,7 @@
 #include "sgs/suite/table.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 
 namespace sgs::suite {
@@ -73,6 +74,82 @@ std::map<std::string, int> processors_of(const Grid& grid) {
     for (const eval::Metrics& m : runs) ++counts[processor_of(m)];
   }
   return counts;
+}
+
+/// A score of pictures, ours and others'.
+struct PictureScore {
+  const char* title;
+  eval::Metrics::Real eval::Metrics::*ours;
+  std::map<std::string, double> Publication::Row::*theirs;
+  int digits;
+};
+
+const std::array<PictureScore, 3> kPictureScores = {{
+    {"PSNR in dB (rule gsicp), mean over seeds", &eval::Metrics::psnr_db,
+     &Publication::Row::psnr_db, 2},
+    {"SSIM (rule gsicp), mean over seeds", &eval::Metrics::ssim, &Publication::Row::ssim, 3},
+    {"LPIPS (rule gsicp), mean over seeds", &eval::Metrics::lpips, &Publication::Row::lpips, 3},
+}};
+
+/// Mean over runs; "-" where none measured it.
+std::string mean_cell(std::span<const eval::Metrics> runs,
+                      eval::Metrics::Real eval::Metrics::*value, int digits) {
+  const auto mean = mean_of(runs, value);
+  return mean ? fmt::format("{:.{}f}", *mean, digits) : "-";
+}
+
+/// Adds a published row where any of its cells says something.
+void add_published(Table::Row row, const std::string& source, Table& table) {
+  const bool any = std::any_of(row.cells.begin(), row.cells.end(),
+                               [](const std::string& cell) { return !cell.empty(); });
+  if (!any) return;
+  if (table.sources.empty() || table.sources.back() != source) table.sources.push_back(source);
+  row.name += fmt::format(" [{}]", table.sources.size());
+  table.published.push_back(std::move(row));
+}
+
+Table picture_table(const PictureScore& score, const Grid& grid,
+                    const std::vector<Publication>& publications) {
+  Table table{score.title, grid.columns, {}, {}, {}};
+  for (const std::string& name : grid.rows) {
+    Table::Row& row = table.rows.emplace_back(Table::Row{name, {}});
+    for (const std::string& column : grid.columns) {
+      row.cells.push_back(mean_cell(grid.at(name, column), score.ours, score.digits));
+    }
+  }
+  for (const Publication& publication : publications) {
+    for (const Publication::Row& result : publication.results) {
+      Table::Row row{result.system, {}};
+      for (const std::string& column : grid.columns) {
+        const auto found = (result.*score.theirs).find(column);
+        row.cells.push_back(found == (result.*score.theirs).end()
+                                ? ""
+                                : fmt::format("{:.{}f}", found->second, score.digits));
+      }
+      add_published(std::move(row), publication.source, table);
+    }
+  }
+  return table;
+}
+
+/// Theirs is one number over all sequences, so ours is, too.
+Table speed_table(const Grid& grid, const std::vector<Publication>& publications) {
+  Table table{"Frames per second, mean over sequences and seeds", {"all"}, {}, {}, {}};
+  for (const std::string& name : grid.rows) {
+    std::vector<eval::Metrics> all;
+    for (const std::string& column : grid.columns) {
+      const auto runs = grid.at(name, column);
+      all.insert(all.end(), runs.begin(), runs.end());
+    }
+    table.rows.push_back({name, {mean_cell(all, &eval::Metrics::fps_system, 1)}});
+  }
+  for (const Publication& publication : publications) {
+    for (const Publication::Row& result : publication.results) {
+      add_published({result.system, {result.fps ? fmt::format("{:.2f}", *result.fps) : ""}},
+                    publication.source, table);
+    }
+  }
+  return table;
 }
 
 std::string source_lines(const Table& table, std::string_view bullet) {
@@ -153,6 +230,17 @@ void add_publications(const std::vector<Publication>& publications, Table& table
     }
     if (table.published.size() > before) table.sources.push_back(publication.source);
   }
+}
+
+std::vector<Table> published_tables(const Grid& grid,
+                                    const std::vector<Publication>& publications) {
+  std::vector<Table> tables;
+  for (const PictureScore& score : kPictureScores) {
+    tables.push_back(picture_table(score, grid, publications));
+  }
+  tables.push_back(speed_table(grid, publications));
+  std::erase_if(tables, [](const Table& table) { return table.published.empty(); });
+  return tables;
 }
 
 std::string ate_cell(std::span<const eval::Metrics> runs) {

@@ -48,6 +48,9 @@ void add_publications(const std::vector<Publication>& publications, Table& table
 Table times_table(const Grid& grid, std::string title);
 /// How many runs were made on which processor, as a line; "" where it was one.
 std::string processors_line(const Grid& grid);
+/// PSNR, SSIM and LPIPS (rule gsicp) and frames per second beside what others published of them: a
+/// table for each of which anybody published anything. Published columns are of real recordings.
+std::vector<Table> published_tables(const Grid& grid, const std::vector<Publication>& publications);
 
 /// "mean (worst)" of the trajectory error in cm over seeds, with the lowest share of frames with a
 /// pose within 1 m of the truth when it is not all of them; "-" without runs.

@@ -78,6 +78,31 @@ TEST_F(Tables, OfAccuracyShowWhatIsDoneAndWhatOthersPublished) {
   EXPECT_THAT(as_markdown(table), HasSubstr("\n- [1] paper, table 1\n"));
 }
 
+TEST_F(Tables, OfPicturesAndSpeedStandBesideWhatOthersPublished) {
+  options_.variants = {{"orb", {}}};
+  Publication::Row& other = suite_.publications[0].results[0];
+  other.psnr_db = {{"near", 22.61}};
+  other.fps = 40.0;
+  auto jobs = jobs_with_scores_of_the_first(0.01);
+  eval::Metrics metrics = scores(0.01);
+  metrics.psnr_db = 28.4;
+  metrics.fps_system = 90;
+  ASSERT_TRUE(eval::save_metrics(jobs[0].folder / "metrics.json", metrics));
+  const Grid grid = collect(
+      jobs, [](const Job& job) { return job.variant; },
+      [](const Job& job) { return job.sequence; });
+  const auto tables = published_tables(grid, suite_.publications);
+  ASSERT_EQ(tables.size(), 2u);  // nobody published SSIM or LPIPS
+  EXPECT_THAT(tables[0].title, HasSubstr("PSNR"));
+  EXPECT_THAT(tables[0].rows[0].cells, ElementsAre("28.40", "-"));
+  ASSERT_EQ(tables[0].published.size(), 1u);
+  EXPECT_EQ(tables[0].published[0].name, "Other [1]");
+  EXPECT_THAT(tables[0].published[0].cells, ElementsAre("22.61", ""));
+  EXPECT_THAT(tables[1].rows[0].cells, ElementsAre("90.0"));
+  EXPECT_THAT(tables[1].published[0].cells, ElementsAre("40.00"));
+  EXPECT_THAT(as_text(tables[0]), HasSubstr("real sequences"));
+}
+
 TEST_F(Tables, OfASweepHaveARowForEachValue) {
   const auto range = parse_range("tau=1:4", 1, {{"tau", "tracker.tau"}});
   ASSERT_TRUE(range) << range.error().text();

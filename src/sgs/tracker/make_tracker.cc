@@ -5,6 +5,7 @@
 #include "sgs/tracker/given_tracker.h"
 #include "sgs/tracker/orb_tracker.h"
 #include "sgs/tracker/paper_tracker.h"
+#include "sgs/tracker/render_tracker.h"
 #include "sgs/tracker/spectral_tracker.h"
 #include "sgs/tracker/tracker.h"
 
@@ -31,6 +32,8 @@ Result<std::unique_ptr<Tracker>> make_tracker(const TrackerConfig& config,
       return std::make_unique<CvmTracker>(config.motion, T_world_first);
     case TrackerType::kGiven:
       return std::make_unique<GivenTracker>(config.given);
+    case TrackerType::kRender:
+      return std::make_unique<RenderTracker>(RenderTrackerConfig(config), camera, T_world_first);
   }
   return fail(ErrorCode::kInvalidArgument, "the tracker's type is none of those there are");
 }

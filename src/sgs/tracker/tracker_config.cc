@@ -7,7 +7,8 @@ namespace sgs::tracker {
 void TrackerConfig::declare(ParameterList& p) {
   p.add("type", type,
         "Tracker: geometry and pictures jointly, the paper's, registration of depth alone, "
-        "features alone, constant velocity, or poses that are given.");
+        "features alone, constant velocity, poses that are given, or alignment to the map as it "
+        "would look.");
   p.add("fusion", fusion,
         "How `spectral` joins geometry and vision: geometry removed from its unseen axes, or plain "
         "sum.");
@@ -31,6 +32,7 @@ void TrackerConfig::declare(ParameterList& p) {
   p.add_group("prior", prior);
   p.add_group("orb_tracking", orb_tracking);
   p.add_group("given", given);
+  p.add_group("render", rendering);
 }
 
 TrackerConfig paper_tracker_config() {
@@ -97,5 +99,8 @@ PaperConfig::PaperConfig(const TrackerConfig& all)
 
 OrbTrackerConfig::OrbTrackerConfig(const TrackerConfig& all)
     : motion(all.motion), orb(all.orb), visual_pose(all.visual_pose), tracking(all.orb_tracking) {}
+
+RenderTrackerConfig::RenderTrackerConfig(const TrackerConfig& all)
+    : alignment(all), rendering(all.rendering) {}
 
 }  // namespace sgs::tracker

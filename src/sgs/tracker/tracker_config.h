@@ -10,7 +10,7 @@
 
 namespace sgs::tracker {
 
-enum class TrackerType { kSpectral, kPaper, kGicp, kOrb, kCvm, kGiven };
+enum class TrackerType { kSpectral, kPaper, kGicp, kOrb, kCvm, kGiven, kRender };
 constexpr auto enum_names(TrackerType) {
   using enum TrackerType;
   return std::to_array<EnumName<TrackerType>>({{kSpectral, "spectral"},
@@ -18,7 +18,8 @@ constexpr auto enum_names(TrackerType) {
                                                {kGicp, "gicp"},
                                                {kOrb, "orb"},
                                                {kCvm, "cvm"},
-                                               {kGiven, "given"}});
+                                               {kGiven, "given"},
+                                               {kRender, "render"}});
 }
 
 enum class Fusion { kRemove, kJoint };
@@ -268,6 +269,18 @@ struct GivenConfig {
   }
 };
 
+/// What `render` aligns frames to: the map, drawn from where the camera probably is.
+struct RenderingConfig {
+  int rounds = 2;
+  double min_alpha = 0.95;
+
+  void declare(ParameterList& p) {
+    p.add("rounds", rounds, "How often the map is drawn and the frame aligned to it.", "", {1, 10});
+    p.add("min_alpha", min_alpha, "Depth is used where the drawing is at least this opaque.", "",
+          {0, 1});
+  }
+};
+
 /// Settings of all trackers, as they stand in a config file. Each tracker is given its own part.
 struct TrackerConfig {
   TrackerType type = TrackerType::kSpectral;
@@ -291,6 +304,7 @@ struct TrackerConfig {
   PriorConfig prior;
   OrbTrackingConfig orb_tracking;
   GivenConfig given;
+  RenderingConfig rendering;
 
   void declare(ParameterList& p);
 };
@@ -371,6 +385,14 @@ struct OrbTrackerConfig {
   OrbTrackingConfig tracking;
 
   explicit OrbTrackerConfig(const TrackerConfig& all);
+};
+
+/// The part of RenderTracker.
+struct RenderTrackerConfig {
+  SpectralConfig alignment;
+  RenderingConfig rendering;
+
+  explicit RenderTrackerConfig(const TrackerConfig& all);
 };
 
 }  // namespace sgs::tracker

@@ -1,0 +1,316 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/refine/refiner.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sgs/core/stopwatch.h"
+#include "sgs/mapper/insertion.h"
+#include "sgs/mapper/keyframe_refinement.h"
+#include "sgs/mapper/optimizer.h"
+#include "sgs/refine/densify.h"
+#include "sgs/refine/heldout_judge.h"
+#include "sgs/refine/learning_sink.h"
+#include "sgs/refine/shutter.h"
+#include "sgs/refine/visit_order.h"
+
+namespace sgs::refine {
+namespace {
+
+/// The optimiser's settings when `share` of the effort is spent: rates fall exponentially.
+mapper::OptimizerConfig optimizer_config(const RefineConfig& config, double share) {
+  const double left = std::pow(config.rate_end, share);
+  mapper::OptimizerConfig optimizer;
+  optimizer.rate_mean_m = left * config.rate_mean_m;
+  optimizer.rate_log_scale = left * config.rate_log_scale;
+  optimizer.rate_rotation = left * config.rate_rotation;
+  optimizer.rate_opacity = left * config.rate_opacity;
+  optimizer.rate_color = left * config.rate_color;
+  optimizer.beta2 = config.beta2;
+  optimizer.max_axis_ratio = config.max_axis_ratio;
+  optimizer.max_flatness = config.max_flatness;
+  return optimizer;
+}
+
+mapper::KeyframeRefinementConfig pose_config(const RefineConfig& config) {
+  mapper::KeyframeRefinementConfig refinement;
+  refinement.pose_share = config.pose_share;
+  refinement.pose_prior_rotation *= config.pose_prior;
+  refinement.pose_prior_translation *= config.pose_prior;
+  return refinement;
+}
+
+render::LossConfig refine_loss(const RefineConfig& config) {
+  render::LossConfig loss;
+  loss.color_weight = static_cast<float>(config.color_weight);
+  loss.color_knee = static_cast<float>(config.color_knee);
+  loss.depth_weight = static_cast<float>(config.depth_weight);
+  return loss;
+}
+
+std::vector<double> weights_of(const std::vector<RefineFrame>& frames) {
+  std::vector<double> weights;
+  for (const RefineFrame& frame : frames) weights.push_back(frame.weight);
+  return weights;
+}
+
+/// A few of many, spread evenly.
+std::vector<RefineFrame> spread(const std::vector<RefineFrame>& frames, std::size_t count) {
+  if (frames.size() <= count) return frames;
+  std::vector<RefineFrame> chosen;
+  for (std::size_t i = 0; i < count; ++i) {
+    chosen.push_back(frames[(2 * i + 1) * frames.size() / (2 * count)]);
+  }
+  return chosen;
+}
+
+std::size_t full_views_within(const PinholeCamera& camera, std::size_t bytes) {
+  constexpr std::size_t kBytesPerPixel = 4 * sizeof(float);
+  const std::size_t pixels =
+      static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+  return std::max<std::size_t>(1, bytes / (kBytesPerPixel * pixels));
+}
+
+}  // namespace
+
+struct Refiner::Impl {
+  Impl(const RefineConfig& c, std::uint64_t seed, std::vector<RefineFrame> training,
+       std::vector<RefineFrame> heldout, std::span<const map::Gaussian> gaussians,
+       ThreadPool* threads)
+      : config(c),
+        frames(std::move(training)),
+        judged_by_heldout(!heldout.empty()),
+        judge(judged_by_heldout ? std::move(heldout) : spread(frames, kJudgesFromTraining),
+              threads),
+        rasterizer(render::make_cpu_rasterizer(threads)),
+        views(*rasterizer, full_views_within(frames.front().keyframe.camera(),
+                                             (static_cast<std::size_t>(c.memory_mb) << 20) / 2)),
+        optimizer(optimizer_config(c, 0)),
+        order(weights_of(frames), seed),
+        loss(refine_loss(c)),
+        pose_refinement(pose_config(c)),
+        pool(threads) {
+    for (const map::Gaussian& g : gaussians) {
+      const float largest = std::max({g.log_scale[0], g.log_scale[1], g.log_scale[2]});
+      store.append(g, {}, largest + kMostGrowth);
+    }
+    notes.begin(store.size());
+    bounds.assign(store.raw, store.average);
+  }
+
+  static constexpr std::size_t kJudgesFromTraining = 24;
+  static constexpr float kMostGrowth = 1.4f;  // logarithm: four times the size it came with
+
+  void fit_exposures();
+  void fill_holes();
+  void step(double share);
+  void learn_frame(RefineFrame& frame, bool first, const PinholeCamera& view);
+  void densify(double share);
+  PoseCorrection correction() const;
+  Judgement check(double share);
+
+  RefineConfig config;
+  std::vector<RefineFrame> frames;
+  bool judged_by_heldout;
+  HeldoutJudge judge;
+  std::unique_ptr<render::Rasterizer> rasterizer;
+  mapper::TrainingViewCache views;
+  mapper::Optimizer optimizer;
+  VisitOrder order;
+  render::LossConfig loss;
+  mapper::KeyframeRefinementConfig pose_refinement;
+  map::GaussianStore store;
+  map::MeanBounds bounds;
+  GaussianNotes notes;
+  render::Gradients gradients;
+  render::Rendering rendering;
+  std::vector<map::Gaussian> shifted;  // scratch
+  ThreadPool* pool;
+  std::int64_t steps = 0;
+  std::size_t first_count = 0;  // Gaussians when splitting begins
+  Refined result;
+};
+
+/// Gains from how bright the map is in each frame: the run does not keep them.
+void Refiner::Impl::fit_exposures() {
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    mapper::MapKeyframe& keyframe = frames[i].keyframe;
+    rasterizer->render(store.average, keyframe.camera().halved(1), keyframe.T_world_camera,
+                       rendering);
+    const auto sums = mapper::exposure_sums(keyframe, rendering);
+    mapper::update_gain(keyframe, sums.measured, sums.rendered, config.exposure_prior, 1);
+  }
+}
+
+/// New Gaussians where the map is open or lies behind what was measured.
+void Refiner::Impl::fill_holes() {
+  const mapper::InsertionConfig insertion;
+  const auto count = std::min(frames.size(), static_cast<std::size_t>(config.hole_views));
+  for (std::size_t k = 0; k < count; ++k) {
+    const mapper::MapKeyframe& keyframe =
+        frames[(2 * k + 1) * frames.size() / (2 * count)].keyframe;
+    rasterizer->render(store.average, keyframe.camera().halved(insertion.rendering_level),
+                       keyframe.T_world_camera, rendering);
+    mapper::insert_quadtree(keyframe, static_cast<int>(k), &rendering, insertion,
+                            std::exp(kMostGrowth), store);
+  }
+  notes.begin(store.size());
+  bounds.assign(store.raw, store.average);
+}
+
+void Refiner::Impl::step(double share) {
+  const std::size_t index = order.next();
+  RefineFrame& frame = frames[index];
+  mapper::MapKeyframe& keyframe = frame.keyframe;
+  const int level = share < config.half_resolution_until && steps % 2 == 1 ? 1 : 0;
+  loss.dssim_weight = level == 0 ? static_cast<float>(config.dssim_weight) : 0.0f;
+  loss.gain = keyframe.gain;
+  const auto training = views.get(keyframe, index, level);
+  const PinholeCamera& view = training->camera();
+  LearningSink sink(optimizer, store, bounds, notes, view, keyframe.T_world_camera,
+                    config.least_sigma_px);
+  render::EvaluateOptions options;
+  options.scope.bounds = &bounds;
+  options.scope.min_transmittance = 2e-3f;
+  options.sink = &sink;
+  std::span<const map::Gaussian> seen = store.raw;
+  if (!frame.readout.isZero(0)) {
+    shift_by_shutter(store.raw, view, keyframe.T_world_camera, frame.readout, shifted, pool);
+    seen = shifted;
+    options.scope.bounds = nullptr;  // they bound the Gaussians where they really are
+  }
+  rasterizer->evaluate(seen, *training, keyframe.T_world_camera, loss, gradients, options);
+  learn_frame(frame, index == 0, view);
+  ++keyframe.visits;
+  ++steps;
+}
+
+/// Exposure and pose of the frame just visited. The first one fixes both for the map.
+void Refiner::Impl::learn_frame(RefineFrame& frame, bool first, const PinholeCamera& view) {
+  if (first) return;
+  mapper::MapKeyframe& keyframe = frame.keyframe;
+  if (config.exposure) {
+    constexpr double kExposureStep = 0.5;
+    mapper::update_gain(keyframe, gradients.exposure_measured, gradients.exposure_rendered,
+                        config.exposure_prior, kExposureStep);
+  }
+  if (!config.poses) return;
+  if (!keyframe.pose_information) {
+    keyframe.pose_information = mapper::pose_information(keyframe.training_image(1), loss);
+  }
+  const PinholeCamera half = keyframe.camera().halved(1);
+  const double pixels = static_cast<double>(half.width) * half.height;
+  const double share = pixels / (static_cast<double>(view.width) * view.height);
+  mapper::refine_pose(keyframe, share * gradients.camera_twist, pixels, pose_refinement);
+}
+
+void Refiner::Impl::densify(double share) {
+  remove_useless(config.prune_opacity, store, notes);
+  const auto limit = static_cast<std::size_t>(config.max_gaussians);
+  if (share >= config.densify_from && share < config.densify_until && store.size() < limit) {
+    if (first_count == 0) first_count = store.size();
+    const double way = (share - config.densify_from) / (config.densify_until - config.densify_from);
+    const double grown = static_cast<double>(first_count) *
+                         std::pow(static_cast<double>(limit) / static_cast<double>(first_count),
+                                  std::min(1.0, 1.25 * way));
+    const auto wanted = static_cast<std::size_t>(std::min(grown, static_cast<double>(limit)));
+    const auto most =
+        static_cast<std::size_t>(std::ceil(config.split_share * static_cast<double>(store.size())));
+    constexpr double kLeastSigma_px = 0.6;  // what is smaller does not split
+    if (wanted > store.size()) {
+      split_most_pulled(std::min(most, wanted - store.size()), config.split_size_power,
+                        kLeastSigma_px, store, notes);
+    }
+    if (config.opacity_decay > 0) {
+      for (map::Gaussian& g : store.raw)
+        g.opacity_logit -= static_cast<float>(config.opacity_decay);
+    }
+  }
+  notes.fade();
+  notes.begin(store.size());
+  bounds.assign(store.raw, store.average);
+}
+
+PoseCorrection Refiner::Impl::correction() const {
+  std::vector<MovedPose> moved;
+  for (const RefineFrame& frame : frames) {
+    moved.push_back(
+        {frame.timestamp_s, frame.keyframe.T_odom_camera, frame.keyframe.T_world_camera});
+  }
+  return PoseCorrection(std::move(moved));
+}
+
+Judgement Refiner::Impl::check(double share) {
+  Judgement now;
+  now.steps = steps;
+  now.share = share;
+  now.gaussians = store.size();
+  now.heldout = judged_by_heldout;
+  const PoseCorrection moved = judged_by_heldout ? correction() : PoseCorrection();
+  now.psnr_db = judge.psnr_db(store.average, moved);
+  now.best = result.gaussians.empty() || now.psnr_db > result.best.psnr_db;
+  if (now.best) {
+    result.gaussians = store.average;
+    result.correction = correction();
+    result.best = now;
+  }
+  result.last = now;
+  return now;
+}
+
+Refiner::Refiner(const RefineConfig& config, std::uint64_t seed, std::vector<RefineFrame> training,
+                 std::vector<RefineFrame> heldout, std::span<const map::Gaussian> gaussians,
+                 ThreadPool* pool) {
+  SGS_CHECK(!training.empty(), "refinement needs at least one frame");
+  impl_ = std::make_unique<Impl>(config, seed, std::move(training), std::move(heldout), gaussians,
+                                 pool);
+}
+
+Refiner::~Refiner() = default;
+
+const std::vector<map::Gaussian>& Refiner::best_gaussians() const {
+  return impl_->result.gaussians;
+}
+const PoseCorrection& Refiner::best_correction() const { return impl_->result.correction; }
+
+Refined Refiner::run(const Effort& effort, const Watch& watch, const std::stop_token& stop) {
+  Impl& m = *impl_;
+  const double begin_s = wall_time_s();
+  const auto spent = [&] {
+    if (effort.steps > 0) {
+      return static_cast<double>(m.steps) / static_cast<double>(effort.steps);
+    }
+    return effort.seconds > 0 ? (wall_time_s() - begin_s) / effort.seconds : 1.0;
+  };
+  const auto look = [&](double share) {
+    const Judgement now = m.check(share);
+    if (watch) watch(now);
+  };
+  m.result.heldout = m.judged_by_heldout;
+  look(0);
+  m.result.start = m.result.best;
+  double share = spent();
+  if (share < 1) {
+    if (m.config.exposure) m.fit_exposures();
+    m.fill_holes();
+  }
+  int checks = 1, without_gain = 0;
+  while ((share = spent()) < 1 && !stop.stop_requested()) {
+    constexpr int kRatesFor = 50;  // steps
+    if (m.steps % kRatesFor == 0) m.optimizer.set_rates(optimizer_config(m.config, share));
+    m.step(share);
+    if (m.steps % m.config.densify_interval == 0) m.densify(share);
+    if (share * m.config.checks < checks) continue;
+    checks = static_cast<int>(share * m.config.checks) + 1;
+    look(share);
+    without_gain = m.result.last.best ? 0 : without_gain + 1;
+    m.result.exhausted = m.config.patience > 0 && without_gain >= m.config.patience;
+    if (m.result.exhausted) break;
+  }
+  if (m.steps > m.result.last.steps) look(std::min(share, 1.0));
+  m.result.stopped = stop.stop_requested();
+  return std::move(m.result);
+}
+
+}  // namespace sgs::refine

@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "sgs/core/thread_pool.h"
+#include "sgs/geometry/pose_correction.h"
+#include "sgs/map/gaussian.h"
+#include "sgs/refine/refine_config.h"
+#include "sgs/refine/training_frames.h"
+
+namespace sgs::refine {
+
+/// How long to learn: one of the two, the other 0.
+struct Effort {
+  std::int64_t steps = 0;
+  double seconds = 0;  ///< wall time, judging included
+};
+
+/// A state of the map, judged.
+struct Judgement {
+  std::int64_t steps = 0;  ///< so far
+  double share = 0;        ///< of the effort, 0..1
+  std::size_t gaussians = 0;
+  double psnr_db = 0;   ///< of held-out frames; of training frames where nothing is held out
+  bool heldout = true;  ///< which of the two
+  bool best = false;    ///< better than all before
+};
+
+/// What came of it: the best state by the held-out frames, the beginning included.
+struct Refined {
+  std::vector<map::Gaussian> gaussians;
+  PoseCorrection correction;  ///< how the training frames moved; what lies between moves along
+  Judgement start, best, last;
+  bool heldout = true;     ///< false: nothing was held out, training frames judged
+  bool stopped = false;    ///< by request
+  bool exhausted = false;  ///< ended early: nothing improved any more
+};
+
+/// Learns a map on from pictures with poses, at full resolution: Gaussians, the poses and
+/// exposures of the frames, and more Gaussians where the pictures pull at them (docs/refine.md).
+/// With Effort::steps the result is the same to the bit for any number of threads.
+class Refiner {
+ public:
+  /// `training` must not be empty. `pool` may be null (one thread) and must outlive it.
+  Refiner(const RefineConfig& config, std::uint64_t seed, std::vector<RefineFrame> training,
+          std::vector<RefineFrame> heldout, std::span<const map::Gaussian> gaussians,
+          ThreadPool* pool);
+  ~Refiner();
+
+  /// Called after each check, with the state as judged; `state` of a best one is what would be
+  /// kept.
+  using Watch = std::function<void(const Judgement& now)>;
+  /// Learns until the effort is spent, nothing improves or a stop is asked for. Call once.
+  Refined run(const Effort& effort, const Watch& watch = {}, const std::stop_token& stop = {});
+  /// The best state so far; to be called from Watch.
+  const std::vector<map::Gaussian>& best_gaussians() const;
+  const PoseCorrection& best_correction() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace sgs::refine

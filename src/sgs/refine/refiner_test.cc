@@ -1,0 +1,135 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/refine/refiner.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "sgs/mapper/mapper.h"
+#include "sgs/mapper/wall_scene.h"
+
+namespace sgs::refine {
+namespace {
+
+SE3 viewpoint(int i) { return mapper::translated(0.04 * i, 0.01 * (i % 3), 0); }
+
+/// A map as a few steps of mapping leave it.
+std::vector<map::Gaussian> rough_map() {
+  mapper::MapperConfig config;
+  config.first_keyframe_iterations = 5;
+  mapper::Mapper mapper(config, mapper::small_camera(), 1, nullptr);
+  mapper.add_keyframe(mapper::wall_frame(mapper::small_camera(), viewpoint(0)), viewpoint(0));
+  return mapper.snapshot()->gaussians;
+}
+
+std::vector<RefineFrame> frames(int first, int end, int stride, const SE3& error = {}) {
+  std::vector<RefineFrame> out;
+  for (int i = first; i < end; i += stride) {
+    const auto frame = mapper::wall_frame(mapper::small_camera(), viewpoint(i), i);
+    const SE3 pose = i == 0 ? viewpoint(i) : viewpoint(i) * error;
+    out.push_back({mapper::MapKeyframe(*frame, pose, 10), frame->timestamp_s, 1, 1});
+  }
+  return out;
+}
+
+RefineConfig small_config() {
+  RefineConfig config;
+  config.max_gaussians = 3000;
+  config.densify_interval = 20;
+  config.checks = 6;
+  return config;
+}
+
+Refined refine(const RefineConfig& config, const Effort& effort, int threads = 1) {
+  ThreadPool pool(threads);
+  Refiner refiner(config, 1, frames(0, 6, 2), frames(1, 6, 2), rough_map(), &pool);
+  return refiner.run(effort);
+}
+
+TEST(Refiner, MakesHeldoutPicturesBetter) {
+  const Refined refined = refine(small_config(), {150, 0});
+  EXPECT_TRUE(refined.heldout);
+  EXPECT_GT(refined.best.psnr_db, refined.start.psnr_db + 3);
+  EXPECT_EQ(refined.best.gaussians, refined.gaussians.size());
+  EXPECT_GT(refined.gaussians.size(), rough_map().size());
+}
+
+TEST(Refiner, SameBitsForAnyNumberOfThreads) {
+  const Refined one = refine(small_config(), {60, 0}, 1),
+                three = refine(small_config(), {60, 0}, 3);
+  ASSERT_EQ(one.gaussians.size(), three.gaussians.size());
+  EXPECT_EQ(std::memcmp(one.gaussians.data(), three.gaussians.data(),
+                        one.gaussians.size() * sizeof(map::Gaussian)),
+            0);
+  EXPECT_EQ(one.best.psnr_db, three.best.psnr_db);
+}
+
+// Rates that destroy the map: what comes out is what went in.
+TEST(Refiner, NeverWorseThanWhatItStartedFrom) {
+  RefineConfig config = small_config();
+  config.rate_mean_m = 0.5;
+  config.rate_color = 1;
+  config.rate_end = 1;
+  const auto before = rough_map();
+  const Refined refined = refine(config, {40, 0});
+  EXPECT_EQ(refined.best.steps, 0);
+  ASSERT_EQ(refined.gaussians.size(), before.size());
+  EXPECT_EQ(
+      std::memcmp(refined.gaussians.data(), before.data(), before.size() * sizeof(map::Gaussian)),
+      0);
+}
+
+TEST(Refiner, EndsWhenNothingImproves) {
+  RefineConfig config = small_config();
+  config.rate_mean_m = 0.5;
+  config.rate_end = 1;
+  config.checks = 100;
+  config.patience = 3;
+  const Refined refined = refine(config, {2000, 0});
+  EXPECT_TRUE(refined.exhausted);
+  EXPECT_LT(refined.last.steps, 2000);
+}
+
+TEST(Refiner, NoEffortChangesNothing) {
+  const Refined refined = refine(small_config(), {0, 0});
+  EXPECT_EQ(refined.last.steps, 0);
+  EXPECT_EQ(refined.gaussians.size(), rough_map().size());
+}
+
+TEST(Refiner, AStopKeepsTheBestSoFar) {
+  RefineConfig config = small_config();
+  config.checks = 1000;
+  Refiner refiner(config, 1, frames(0, 6, 2), frames(1, 6, 2), rough_map(), nullptr);
+  std::stop_source stop;
+  const auto watch = [&](const Judgement& now) {
+    if (now.steps > 0) stop.request_stop();
+  };
+  const Refined refined = refiner.run({10000, 0}, watch, stop.get_token());
+  EXPECT_TRUE(refined.stopped);
+  EXPECT_LT(refined.last.steps, 10000);
+  EXPECT_GE(refined.best.psnr_db, refined.start.psnr_db);
+  EXPECT_FALSE(refined.gaussians.empty());
+}
+
+TEST(Refiner, WithNothingHeldOutTrainingFramesJudge) {
+  Refiner refiner(small_config(), 1, frames(0, 1, 1), {}, rough_map(), nullptr);
+  const Refined refined = refiner.run({50, 0});
+  EXPECT_FALSE(refined.heldout);
+  EXPECT_GE(refined.best.psnr_db, refined.start.psnr_db);
+}
+
+// Poses that are wrong come right, and what lies between them moves along.
+TEST(Refiner, MovesPosesToWhereThePicturesFit) {
+  RefineConfig config = small_config();
+  config.pose_prior = 0.01;
+  const SE3 error = mapper::translated(0.008, 0, 0);
+  const auto distance = [](const SE3& pose, int i) { return (pose.t - viewpoint(i).t).norm(); };
+  Refiner refiner(config, 1, frames(0, 6, 2, error), frames(1, 6, 2, error), rough_map(), nullptr);
+  const Refined refined = refiner.run({200, 0});
+  const SE3 wrong = viewpoint(3) * error;
+  EXPECT_LT(distance(refined.correction.corrected(wrong, 0.3), 3), 0.6 * distance(wrong, 3));
+}
+
+}  // namespace
+}  // namespace sgs::refine

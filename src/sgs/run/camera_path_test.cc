@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/run/camera_path.h"
+
+#include <gtest/gtest.h>
+
+namespace sgs::run {
+namespace {
+
+/// A walk along x with a hand that shakes up and down.
+Trajectory shaking_walk() {
+  Trajectory walk;
+  for (int i = 0; i < 90; ++i) {
+    const double shake = i % 2 == 0 ? 0.01 : -0.01;
+    walk.push_back({i / 30.0, {Eigen::Matrix3d::Identity(), Eigen::Vector3d(0.01 * i, shake, 0)}});
+  }
+  return walk;
+}
+
+TEST(SmoothPath, FollowsTheWayWithoutTheShake) {
+  const auto views = smooth_path(shaking_walk(), 31);
+  ASSERT_EQ(views.size(), 31u);
+  for (std::size_t i = 5; i < 26; ++i) {
+    EXPECT_NEAR(views[i].t.x(), 0.89 * static_cast<double>(i) / 30, 0.01);
+    EXPECT_LT(std::abs(views[i].t.y()), 0.002);
+    EXPECT_TRUE(views[i].R.isApprox(Eigen::Matrix3d::Identity(), 1e-6));
+  }
+  EXPECT_TRUE(smooth_path({}, 10).empty());
+}
+
+TEST(Turntable, GoesOnceAroundTheMiddleOfTheMap) {
+  std::vector<map::Gaussian> gaussians(3);
+  for (std::size_t i = 0; i < 3; ++i) gaussians[i].mean[2] = 2.0f + 0.1f * static_cast<float>(i);
+  const Eigen::Vector3d up(0, -1, 0), middle(0, 0, 2.1f);
+  const auto views = turntable(shaking_walk(), gaussians, up, 8);
+  ASSERT_EQ(views.size(), 8u);
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const SE3& view : views) {
+    const Eigen::Vector3d in_view = view.inverse() * middle;
+    EXPECT_NEAR(in_view.x(), 0, 1e-9);
+    EXPECT_NEAR(in_view.y(), 0, 1e-9);
+    EXPECT_GT(in_view.z(), 2);
+    EXPECT_LT(view.R.col(1).dot(up), -0.9);  // upright
+    EXPECT_NEAR(view.R.determinant(), 1, 1e-9);
+    mean += view.t / 8;
+  }
+  EXPECT_NEAR((mean - middle).norm(), 0, 0.02);
+  EXPECT_TRUE(turntable({}, gaussians, up, 8).empty());
+}
+
+}  // namespace
+}  // namespace sgs::run

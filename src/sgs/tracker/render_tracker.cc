@@ -1,0 +1,145 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/tracker/render_tracker.h"
+
+#include "sgs/render/rendered_images.h"
+#include "sgs/tracker/describe.h"
+#include "sgs/tracker/loss_checks.h"
+
+namespace sgs::tracker {
+namespace {
+
+/// The map's drawing plays the part of the tracker's own last keyframe.
+SpectralConfig to_drawing(SpectralConfig config) {
+  config.geometry.target.source = TargetSource::kGrid;
+  return config;
+}
+
+/// The map has no shutter of its own, and an unknown more would be one that a soft picture has to
+/// tell.
+ReadoutEstimator::Belief no_motion_during_readout() {
+  constexpr double kCertain = 1e12;  // 1/rad^2
+  return {Vector6d::Zero(), kCertain * Eigen::Matrix3d::Identity()};
+}
+
+}  // namespace
+
+RenderTracker::RenderTracker(const RenderTrackerConfig& config, const PinholeCamera& camera,
+                             const SE3& T_world_first)
+    : config_(config),
+      camera_(camera),
+      rasterizer_(render::make_cpu_rasterizer(nullptr)),
+      motion_(config.alignment.motion, T_world_first) {
+  config_.alignment = to_drawing(config.alignment);
+}
+
+TrackResult RenderTracker::track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) {
+  if (!reference_) return begin(frame);
+  const bool has_map = snapshot && !snapshot->gaussians.empty();
+  Alignment a;
+  SE3 T_start = motion_.predict(frame.timestamp_s);
+  const int rounds = has_map ? config_.rendering.rounds : 1;
+  for (int round = 0; round < rounds; ++round) {
+    if (has_map) draw(*snapshot, T_start);
+    a = align(frame, T_start);
+    if (!a.trusted()) break;
+    T_start = a.T_local_camera;
+  }
+  if (a.trusted()) a.lost_reason = motion_.judge(a.T_local_camera);
+  if (!a.trusted()) return lost(a);
+  motion_.accept(a.T_local_camera, frame.timestamp_s);
+  if (!has_map) reference_ = Reference{frame, a.T_local_camera};
+  return tracked(a);
+}
+
+// The first frame is where the tracker was told it is; all it needs is depth.
+TrackResult RenderTracker::begin(const RgbdFrame& frame) {
+  aligner_.emplace(config_.alignment, camera_, SE3{});
+  aligner_->look_at(frame, nullptr);
+  Alignment a;
+  a.T_local_camera = motion_.pose();
+  a.lost_reason = aligner_->check_frame();
+  if (!a.trusted()) return lost(a);
+  reference_ = Reference{frame, a.T_local_camera};
+  motion_.accept(a.T_local_camera, frame.timestamp_s);
+  TrackResult result = tracked(a);
+  result.keyframe = true;
+  return result;
+}
+
+void RenderTracker::draw(const map::Snapshot& snapshot, const SE3& T_world_camera) {
+  rasterizer_->render(snapshot.gaussians, camera_, T_world_camera, rendering_);
+  RgbdFrame& drawing = reference_->frame;
+  drawing.camera = camera_;
+  drawing.color = render::to_color_image(rendering_.color);
+  drawing.depth = render::mean_depth(rendering_, static_cast<float>(config_.rendering.min_alpha));
+  reference_->T_world_camera = T_world_camera;
+}
+
+// The aligner's local frame is the camera that the reference was seen from; what comes back is in
+// the world.
+Alignment RenderTracker::align(const RgbdFrame& frame, const SE3& T_world_start) {
+  const SE3& T_world_local = reference_->T_world_camera;
+  aligner_.emplace(config_.alignment, camera_, T_world_local.inverse());
+  aligner_->look_at(reference_->frame, nullptr);
+  aligner_->extend(Alignment{}, Vector6d::Zero());
+  aligner_->look_at(frame, nullptr);
+  Alignment a;
+  a.lost_reason = aligner_->check_frame();
+  const bool something_to_see = aligner_->has_map();
+  if (a.trusted() && !something_to_see) a.lost_reason = LostReason::kTooFewMatches;
+  if (a.trusted()) {
+    const ReadoutModel global_shutter = {
+        [](const SE3&) { return no_motion_during_readout(); },
+        [](const Vector6d&) { return Vector6d(Vector6d::Zero()); }};
+    a = aligner_->align(T_world_local.inverse() * T_world_start, global_shutter);
+  }
+  a.T_local_camera = (T_world_local * a.T_local_camera).normalized();
+  return a;
+}
+
+TrackResult RenderTracker::tracked(const Alignment& a) const {
+  TrackResult result;
+  result.T_world_camera = a.T_local_camera;
+  result.status =
+      aligner_->observability().mask != 0 ? TrackingStatus::kDegenerate : TrackingStatus::kOk;
+  const double min_overlap = config_.alignment.geometry.keyframe.min_overlap;
+  result.keyframe = a.geometry && a.geometry->overlap < min_overlap;
+  result.diagnostics = describe(a);
+  return result;
+}
+
+TrackResult RenderTracker::lost(const Alignment& a) {
+  motion_.hold();
+  TrackResult result;
+  result.status = TrackingStatus::kLost;
+  result.lost_reason = a.lost_reason;
+  result.T_world_camera = motion_.pose();
+  result.diagnostics = describe(a);
+  return result;
+}
+
+Diagnostics RenderTracker::describe(const Alignment& a) const {
+  Diagnostics d;
+  aligner_->times().write_to(d);
+  d.source_points = aligner_->source_points();
+  d.targets = static_cast<int>(aligner_->geometry().targets().cloud().points.size());
+  d.planarity = aligner_->planarity();
+  note_observability(aligner_->observability(), d);
+  d.iterations = a.iterations;
+  if (a.geometry) {
+    d.inliers = a.geometry->inliers;
+    d.cost = a.geometry->cost;
+    d.overlap = a.geometry->overlap;
+    note_spectrum(a.geometry->spectrum, d);
+  }
+  if (a.picture) {
+    d.visual_inliers = a.picture->pixels;
+    d.visual_cost = a.picture->mean_cost;
+  }
+  if (a.picture_holds()) d.prior_source = PriorSource::kPhotometric;
+  d.prior_active = d.degenerate_mask != 0 && a.picture_holds();
+  return d;
+}
+
+}  // namespace sgs::tracker

@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "sgs/render/rasterizer.h"
+#include "sgs/tracker/joint_aligner.h"
+#include "sgs/tracker/motion_model.h"
+#include "sgs/tracker/tracker.h"
+
+namespace sgs::tracker {
+
+/// Tracks against the picture of the map: the newest snapshot is drawn, colour and depth, from
+/// where the camera probably is, and the frame is aligned to that drawing by a JointAligner; drawn
+/// again from there, and once more (projective alignment to a predicted view, as in Newcombe et
+/// al., KinectFusion, 2011, with a Gaussian map as the model). What frees an axis or loses a frame
+/// are the rules of `spectral`: directions that neither depth nor picture see are reported, not
+/// slid along. Until there is a map the last frame that was tracked takes its place.
+class RenderTracker : public Tracker {
+ public:
+  RenderTracker(const RenderTrackerConfig& config, const PinholeCamera& camera,
+                const SE3& T_world_first);
+
+  TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) override;
+  bool follows_map() const override { return true; }
+
+ private:
+  /// A picture with depth and where it was seen from: what a frame is aligned to.
+  struct Reference {
+    RgbdFrame frame;
+    SE3 T_world_camera;
+  };
+  TrackResult begin(const RgbdFrame& frame);
+  /// Draws the map as seen from a pose.
+  void draw(const map::Snapshot& snapshot, const SE3& T_world_camera);
+  /// Aligns a frame to the reference; the aligner is kept for what it tells about the frame.
+  Alignment align(const RgbdFrame& frame, const SE3& T_world_start);
+  TrackResult tracked(const Alignment& a) const;
+  TrackResult lost(const Alignment& a);
+  Diagnostics describe(const Alignment& a) const;
+
+  RenderTrackerConfig config_;
+  PinholeCamera camera_;
+  std::unique_ptr<render::Rasterizer> rasterizer_;
+  render::Rendering rendering_;
+  std::optional<Reference> reference_;
+  std::optional<JointAligner> aligner_;  // of the last alignment
+  MotionModel motion_;                   // camera to world
+};
+
+}  // namespace sgs::tracker
