@@ -131,6 +131,33 @@ class Eval:
             json.loads(scores.read_text())
 
 
+class Refine:
+    """Learning a map on: the run is untouched, and the best map is somewhere."""
+
+    start = "lock.txt"
+
+    def __init__(self, sgs, recording, source, out):
+        self.sgs, self.source, self.out = sgs, source, out
+        code, said, _ = sgs("run", recording, "-o", source, "--max-width", 160, "--no-eval")
+        check(code in (0, 3), said)
+        self.arguments = ["refine", source, "-o", out, "--steps", 20, "--no-eval", "--quiet"]
+        self.before = self.results()
+
+    def results(self):
+        return {path: path.read_bytes() for path in sorted(self.source.iterdir()) if path.is_file()}
+
+    def prepare(self):
+        subprocess.run(["rm", "-rf", self.out], check=True)
+
+    def verify(self, code, said):
+        check(self.results() == self.before, "the run that was refined has changed")
+        state = self.out / "state.toml"
+        ended = state.exists() and "frames = 0" not in state.read_text()
+        if code == 0 or (ended and 'state = "running"' not in state.read_text()):
+            for name in ("map.ply", "trajectory.txt", "frames.csv"):
+                check(there(name, places(self.out, said)), f"{name} is nowhere\n{said}")
+
+
 def try_point(scenario, kind, number, stays):
     scenario.prepare()
     code, said, _ = scenario.sgs(
@@ -157,6 +184,7 @@ def main():
         for scenario in (
             Run(sgs, recording, scratch / "out"),
             Eval(sgs, recording, scratch / "old"),
+            Refine(sgs, recording, scratch / "source", scratch / "refined"),
         ):
             name = type(scenario).__name__.lower()
             for kind in kinds:
