@@ -10,7 +10,7 @@ find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(fmt REQUIRED)
 find_package(spdlog REQUIRED)
 find_package(tl-expected REQUIRED)
-find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc imgcodecs features2d calib3d videoio)
+find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc features2d calib3d videoio)
 find_package(nlohmann_json REQUIRED)
 find_package(nanoflann REQUIRED)
 find_package(tomlplusplus REQUIRED)
@@ -25,8 +25,8 @@ find_package(yaml-cpp REQUIRED)
 if(NOT TARGET sgs_opencv)
   add_library(sgs_opencv INTERFACE IMPORTED)
   target_include_directories(sgs_opencv INTERFACE ${OpenCV_INCLUDE_DIRS})
-  target_link_libraries(sgs_opencv INTERFACE opencv_core opencv_imgproc opencv_imgcodecs
-                                             opencv_features2d opencv_calib3d)
+  target_link_libraries(sgs_opencv INTERFACE opencv_core opencv_imgproc opencv_features2d
+                                             opencv_calib3d)
 endif()
 
 # Chunks of recordings: bz2, lz4 and zstd; the latter two come without CMake packages in Debian 12.

@@ -7,6 +7,7 @@
 
 #include <cstring>
 #include <future>
+#include <iterator>
 #include <map>
 
 #include "recording.h"
@@ -56,8 +57,8 @@ std::unique_ptr<slam::Session> new_session(const Recording& recording, int threa
   return std::move(*session);
 }
 
-/// A session that was not stopped, and its states behind some frames (by their number): around each
-/// correction of the past, and early.
+/// A session that was not stopped, and its states behind some frames (by their number): early, and
+/// around the first and the last correction of the past.
 struct Whole {
   std::unique_ptr<slam::Session> session;
   std::map<std::size_t, std::string> states;
@@ -84,6 +85,8 @@ Whole run_whole(const Recording& recording, int threads) {
     }
   }
   session.finish();
+  constexpr std::size_t kFirst = 3, kMost = 5;
+  while (whole.states.size() > kMost) whole.states.erase(std::next(whole.states.begin(), kFirst));
   return whole;
 }
 

@@ -9,6 +9,8 @@
 #include <csignal>
 #include <thread>
 
+#include "sgs/core/memory_reserve.h"
+
 namespace sgs::app {
 namespace {
 
@@ -20,15 +22,19 @@ std::stop_source& stop_source() {
   return source;
 }
 
-// A handler may not lock, and a stop request may: it only wakes the thread that makes the request.
+// Handlers may not lock, and a stop request may: they only wake the thread that makes the request.
+void ask_to_stop() {
+  interrupt_requested = 1;
+  const char byte = 0;
+  [[maybe_unused]] const auto written = write(wake_pipe[1], &byte, 1);
+}
+
 extern "C" void on_signal(int signal) {
   if (interrupt_requested) {
     std::signal(signal, SIG_DFL);
     std::raise(signal);
   }
-  interrupt_requested = 1;
-  const char byte = 0;
-  [[maybe_unused]] const auto written = write(wake_pipe[1], &byte, 1);
+  ask_to_stop();
 }
 
 void wait_for_signal() {
@@ -46,6 +52,7 @@ void install_interrupt_handler() {
   if (pipe2(wake_pipe.data(), O_CLOEXEC) != 0) return;
   stop_source();  // made before, and so destroyed after, the thread could ask for it
   std::thread(wait_for_signal).detach();
+  keep_memory_reserve(ask_to_stop);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, on_signal);
 }
 

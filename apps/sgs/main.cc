@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "interrupt.h"
 #include "manual.h"
+#include "sgs/core/memory_reserve.h"
 #include "sgs/core/print.h"
 #include "sgs/run/run_state.h"
 #include "sgs/run/version.h"
@@ -45,6 +46,15 @@ int close_stdout(int code) {
   if (reason == 0 || reason == EPIPE) return code;
   say("sgs: cannot write to standard output: {}\n", std::strerror(reason));
   return code == kExitDone ? kExitFailed : code;
+}
+
+/// A stop that nobody asked for is a failure.
+int explain_shortage(int code) {
+  if (code != kExitInterrupted || !memory_ran_short()) return code;
+  say("sgs: the memory was used up, so the work was ended early; what was done is kept (use fewer "
+      "or "
+      "smaller frames, or lower mapper.memory_mb)\n");
+  return kExitFailed;
 }
 
 int parse_and_run(int argc, char** argv) {
@@ -86,5 +96,5 @@ int parse_and_run(int argc, char** argv) {
 }  // namespace sgs::app
 
 int main(int argc, char** argv) {
-  return sgs::app::close_stdout(sgs::app::parse_and_run(argc, argv));
+  return sgs::app::close_stdout(sgs::app::explain_shortage(sgs::app::parse_and_run(argc, argv)));
 }

@@ -4,9 +4,9 @@
 // Makes the n-th call of one kind fail, as SQLite's tests do: to be loaded before a program
 // (LD_PRELOAD). Calls count from the first opening of a file whose name ends in $SGS_FAULT_FROM.
 //
-//   SGS_FAULT=KIND:N    the N-th call of KIND fails: memory, write, sync, rename, read or thread; N
-//   = 0:
-//                       none
+//   SGS_FAULT=KIND:N    the N-th call of KIND fails: memory, large (memory of 64 KiB or more),
+//   write,
+//                       sync, rename, read or thread; N = 0: none
 //   SGS_FAULT_STAYS=1   all later ones of the kind fail, too (a full disk stays full)
 //   SGS_FAULT_COUNT=F   at the end the number of calls of KIND goes to file F
 #include <dlfcn.h>
@@ -31,7 +31,7 @@ void* __libc_memalign(std::size_t alignment, std::size_t size);
 
 namespace {
 
-enum Kind { kNone, kMemory, kWrite, kSync, kRename, kRead, kThread };
+enum Kind { kNone, kMemory, kLarge, kWrite, kSync, kRename, kRead, kThread };
 
 struct Plan {
   Kind kind = kNone;
@@ -46,7 +46,7 @@ std::atomic<bool> begun = false;
 std::atomic<long> calls = 0;
 
 Kind kind_of(const char* text) {
-  const char* const names[] = {"", "memory", "write", "sync", "rename", "read", "thread"};
+  const char* const names[] = {"", "memory", "large", "write", "sync", "rename", "read", "thread"};
   for (int k = kMemory; k <= kThread; ++k) {
     const std::size_t length = std::strlen(names[k]);
     if (std::strncmp(text, names[k], length) == 0 && text[length] == ':') return Kind(k);
@@ -80,6 +80,12 @@ bool fails(Kind kind) {
   return plan.at > 0 && (call == plan.at || (plan.stays && call > plan.at));
 }
 
+/// Of an allocation.
+bool memory_fails(std::size_t size) {
+  constexpr std::size_t kLarge_bytes = 64 << 10;
+  return fails(kMemory) || (size >= kLarge_bytes && fails(kLarge));
+}
+
 void look_at(const char* path) {
   if (begun || plan.from == nullptr || path == nullptr) return;
   const std::size_t length = std::strlen(path), wanted = std::strlen(plan.from);
@@ -107,31 +113,31 @@ int refuse(int code) {
 extern "C" {
 
 void* malloc(std::size_t size) {
-  if (!fails(kMemory)) return __libc_malloc(size);
+  if (!memory_fails(size)) return __libc_malloc(size);
   errno = ENOMEM;
   return nullptr;
 }
 
 void* calloc(std::size_t count, std::size_t size) {
-  if (!fails(kMemory)) return __libc_calloc(count, size);
+  if (!memory_fails(count * size)) return __libc_calloc(count, size);
   errno = ENOMEM;
   return nullptr;
 }
 
 void* realloc(void* block, std::size_t size) {
-  if (!fails(kMemory)) return __libc_realloc(block, size);
+  if (!memory_fails(size)) return __libc_realloc(block, size);
   errno = ENOMEM;
   return nullptr;
 }
 
 void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  if (!fails(kMemory)) return __libc_memalign(alignment, size);
+  if (!memory_fails(size)) return __libc_memalign(alignment, size);
   errno = ENOMEM;
   return nullptr;
 }
 
 int posix_memalign(void** block, std::size_t alignment, std::size_t size) {
-  if (fails(kMemory)) return ENOMEM;
+  if (memory_fails(size)) return ENOMEM;
   *block = __libc_memalign(alignment, size);
   return *block == nullptr ? ENOMEM : 0;
 }

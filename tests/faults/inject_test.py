@@ -4,9 +4,9 @@
 
 Usage: inject_test.py SGS_EXECUTABLE INJECT_LIBRARY [POINTS [KIND ...]]
 
-Kinds: memory, write, sync, rename, read (comes back with half), thread. Of kinds with more calls than
-POINTS (default 20) as many are taken, evenly spread. Each fault comes once and, but for memory and
-read, also for good. Whatever fails: no crash, no hang, a message, and what was computed or on the disk
+Kinds: memory, large (memory of 64 KiB or more), write, sync, rename, read (comes back with half),
+thread. Of kinds with more calls than POINTS (default 20) as many are taken, evenly spread. Each fault
+comes once and, but for memory and read, also for good. Whatever fails: no crash, no hang, a message, and what was computed or on the disk
 before is there, in the run folder or where the message says.
 """
 import json
@@ -17,7 +17,7 @@ import subprocess
 import sys
 import tempfile
 
-KINDS = ("memory", "write", "sync", "rename", "read", "thread")
+KINDS = ("memory", "large", "write", "sync", "rename", "read", "thread")
 FRAMES = 8
 LONGEST_S = 120
 

@@ -4,10 +4,10 @@
 
 #include <condition_variable>
 #include <cstddef>
-#include <deque>
 #include <mutex>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace sgs {
 
@@ -17,24 +17,27 @@ enum class FullPolicy {
   kDropOldest,  ///< discard the oldest element and count it: live runs stay current
 };
 
-/// Bounded multi-producer multi-consumer queue between pipeline stages. Thread-safe.
+/// Bounded multi-producer multi-consumer queue between pipeline stages. Thread-safe. Takes its
+/// memory when it is made: a push() never fails for lack of it, which no thread's loop would
+/// survive.
 template <class T>
 class BoundedQueue {
  public:
-  BoundedQueue(std::size_t capacity, FullPolicy policy) : capacity_(capacity), policy_(policy) {}
+  BoundedQueue(std::size_t capacity, FullPolicy policy) : places_(capacity), policy_(policy) {}
 
   /// Adds an element; returns false when the queue is closed (the element is discarded).
   bool push(T value) {
     std::unique_lock lock(mutex_);
     if (policy_ == FullPolicy::kBlock) {
-      not_full_.wait(lock, [&] { return closed_ || items_.size() < capacity_; });
+      not_full_.wait(lock, [&] { return closed_ || count_ < places_.size(); });
     }
     if (closed_) return false;
-    if (items_.size() >= capacity_) {
-      items_.pop_front();
+    if (count_ == places_.size()) {
+      remove_first();
       ++dropped_;
     }
-    items_.push_back(std::move(value));
+    places_[(first_ + count_) % places_.size()] = std::move(value);
+    ++count_;
     not_empty_.notify_one();
     return true;
   }
@@ -42,7 +45,7 @@ class BoundedQueue {
   /// Takes the oldest element, waiting for one; empty when the queue is closed and drained.
   std::optional<T> pop() {
     std::unique_lock lock(mutex_);
-    not_empty_.wait(lock, [&] { return closed_ || !items_.empty(); });
+    not_empty_.wait(lock, [&] { return closed_ || count_ > 0; });
     return take();
   }
 
@@ -68,22 +71,27 @@ class BoundedQueue {
 
   std::size_t size() const {
     const std::scoped_lock lock(mutex_);
-    return items_.size();
+    return count_;
   }
 
  private:
   std::optional<T> take() {
-    if (items_.empty()) return std::nullopt;
-    std::optional<T> value(std::move(items_.front()));
-    items_.pop_front();
+    if (count_ == 0) return std::nullopt;
+    std::optional<T> value = remove_first();
     not_full_.notify_one();
+    return value;
+  }
+  std::optional<T> remove_first() {
+    std::optional<T> value = std::exchange(places_[first_], std::nullopt);
+    first_ = (first_ + 1) % places_.size();
+    --count_;
     return value;
   }
 
   mutable std::mutex mutex_;
   std::condition_variable not_empty_, not_full_;
-  std::deque<T> items_;
-  std::size_t capacity_;
+  std::vector<std::optional<T>> places_;  // a ring of `count_` elements from `first_` on
+  std::size_t first_ = 0, count_ = 0;
   std::size_t dropped_ = 0;
   FullPolicy policy_;
   bool closed_ = false;

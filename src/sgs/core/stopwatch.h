@@ -30,7 +30,7 @@ class StageTimes {
 
   /// Adds one observation (milliseconds) to stage `name`; '/' in names separates levels of a tree.
   void add(const std::string& name, double milliseconds);
-  /// The same, and remembers when it was.
+  /// The same, and remembers when it was; left out where the memory is used up.
   void add_interval(const std::string& name, double start_s, double milliseconds);
   /// Remembers an interval without counting it as an observation.
   void add_trace_only(const std::string& name, double start_s, double milliseconds);

@@ -5,14 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <opencv2/core/utils/logger.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <string>
-#include <vector>
 
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/image_decoder.h"
+#include "sgs/io/image_encoder.h"
 #include "sgs/io/image_stream.h"
 
 namespace sgs::io {
@@ -24,15 +21,6 @@ constexpr std::uint16_t kRawSaturated = 65535;
 constexpr std::int64_t kLargestImageFile_bytes = std::int64_t{256} << 20;
 // limit: image as its header announces it, pixels
 constexpr std::int64_t kLargestImage_px = 100'000'000;
-
-/// The library never prints; OpenCV's encoders would.
-void silence_opencv() {
-  static const bool done = [] {
-    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-    return true;
-  }();
-  static_cast<void>(done);
-}
 
 struct Encoded {
   std::string bytes;
@@ -67,38 +55,10 @@ tl::unexpected<Error> named(const std::string& name, Error error) {
   return tl::unexpected(std::move(error));
 }
 
-/// Empty when OpenCV cannot encode the image.
-std::vector<unsigned char> encode(const char* extension, const cv::Mat& image,
-                                  const std::vector<int>& parameters) {
-  silence_opencv();
-  std::vector<unsigned char> bytes;
-  try {
-    if (!cv::imencode(extension, image, bytes, parameters)) bytes.clear();
-  } catch (const cv::Exception&) {
-    bytes.clear();
-  }
-  return bytes;
-}
-
-cv::Mat to_bgr(const ColorImage& image) {
-  cv::Mat bgr(image.height(), image.width(), CV_8UC3);
-  for (int y = 0; y < image.height(); ++y) {
-    auto* out = bgr.ptr<cv::Vec3b>(y);
-    const Rgb8* in = image.row(y);
-    for (int x = 0; x < image.width(); ++x) out[x] = {in[x].b, in[x].g, in[x].r};
-  }
-  return bgr;
-}
-
-Status encode_and_write(const fs::path& path, const char* extension, const cv::Mat& image,
-                        const std::vector<int>& parameters) {
-  const auto bytes = encode(extension, image, parameters);
-  if (bytes.empty()) {
-    return fail(ErrorCode::kIo, fmt::format("{}: the image cannot be encoded", path.string()));
-  }
+Status write_encoded(const fs::path& path, const Result<std::string>& bytes) {
+  if (!bytes) return named(path.string(), bytes.error());
   // One of many, written while a camera runs: waiting for the disk would cost frames.
-  return write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()},
-                    Durability::kRelaxed);
+  return write_file(path, *bytes, Durability::kRelaxed);
 }
 
 }  // namespace
@@ -184,33 +144,24 @@ Status save_color(const fs::path& path, const ColorImage& image, int jpeg_qualit
                 fmt::format("{}: unknown image extension '{}'", path.string(), extension),
                 "use .png, .jpg or .jpeg");
   }
-  const cv::Mat bgr = to_bgr(image);
-  return jpeg ? encode_and_write(path, ".jpg", bgr, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality})
-              : encode_and_write(path, ".png", bgr, {cv::IMWRITE_PNG_COMPRESSION, 3});
+  return write_encoded(path,
+                       jpeg ? encode_jpeg_color(image, jpeg_quality) : encode_png_color(image));
 }
 
 Result<std::string> encode_jpeg(const ColorImage& image, int jpeg_quality) {
-  SGS_CHECK(jpeg_quality >= 1 && jpeg_quality <= 100, "JPEG quality must be 1..100");
-  SGS_CHECK(!image.empty(), "an empty image cannot be encoded");
-  const auto bytes = encode(".jpg", to_bgr(image), {cv::IMWRITE_JPEG_QUALITY, jpeg_quality});
-  if (bytes.empty()) return fail(ErrorCode::kIo, "the picture cannot be encoded as JPEG");
-  return std::string(bytes.begin(), bytes.end());
+  return encode_jpeg_color(image, jpeg_quality);
 }
 
 Status save_depth(const fs::path& path, const DepthImage& image, double depth_scale) {
   SGS_CHECK(depth_scale > 0 && std::isfinite(depth_scale), "depth scale must be positive");
   SGS_CHECK(!image.empty(), "an empty image cannot be written");
-  cv::Mat raw(image.height(), image.width(), CV_16UC1);
-  for (int y = 0; y < image.height(); ++y) {
-    auto* out = raw.ptr<std::uint16_t>(y);
-    const float* in = image.row(y);
-    for (int x = 0; x < image.width(); ++x) {
-      const double value = std::round(static_cast<double>(in[x]) * depth_scale);
-      const bool fits = value > 0 && value < kRawSaturated;  // false for NaN too
-      out[x] = fits ? static_cast<std::uint16_t>(value) : std::uint16_t{0};
-    }
-  }
-  return encode_and_write(path, ".png", raw, {cv::IMWRITE_PNG_COMPRESSION, 3});
+  RawDepth raw(image.width(), image.height());
+  std::transform(image.data(), image.data() + image.size(), raw.data(), [&](float z) {
+    const double value = std::round(static_cast<double>(z) * depth_scale);
+    const bool fits = value > 0 && value < kRawSaturated;  // false for NaN too
+    return fits ? static_cast<std::uint16_t>(value) : std::uint16_t{0};
+  });
+  return write_encoded(path, encode_png_grey16(raw));
 }
 
 }  // namespace sgs::io

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/report/html.h"
 
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
+#include <stdexcept>
 
 #include "sgs/core/text.h"
+#include "sgs/io/image_io.h"
 
 namespace sgs::report {
 
@@ -57,13 +57,9 @@ std::string base64(std::string_view bytes) {
 
 std::string jpeg_data_uri(const ColorImage& image, int quality) {
   if (image.empty()) return {};
-  ColorImage copy = image;
-  const cv::Mat rgb(image.height(), image.width(), CV_8UC3, copy.data());
-  cv::Mat bgr;
-  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  std::vector<unsigned char> bytes;
-  cv::imencode(".jpg", bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
-  return "data:image/jpeg;base64," + base64(std::string(bytes.begin(), bytes.end()));
+  const auto bytes = io::encode_jpeg(image, quality);
+  if (!bytes) throw std::runtime_error(bytes.error().text());
+  return "data:image/jpeg;base64," + base64(*bytes);
 }
 
 }  // namespace sgs::report

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sgs/core/log.h"
+#include "sgs/core/memory_reserve.h"
 #include "sgs/core/stopwatch.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/ply.h"
@@ -160,7 +161,8 @@ Status go_on(const ResumePoint& point, Input& input, slam::Session& session, Run
 /// How the run ended.
 RunState state_of(const Outcome& outcome) {
   RunState state;
-  if (outcome.stopped) state = {Stage::kInterrupted, "", 0, "stopped by request", true};
+  const char* why = memory_ran_short() ? "the memory was used up" : "stopped by request";
+  if (outcome.stopped) state = {Stage::kInterrupted, "", 0, why, true};
   if (!outcome.input) state = {Stage::kInterrupted, "", 0, outcome.input.error().message, true};
   return state;
 }

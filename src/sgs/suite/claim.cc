@@ -99,7 +99,12 @@ struct Claim::Beating {
 Claim::Claim(std::unique_ptr<Beating> beating) : beating_(std::move(beating)) {}
 
 Claim::~Claim() {
-  if (!beating_->finished) static_cast<void>(finish(ClaimState::kReleased));
+  if (beating_->finished) return;
+  try {
+    static_cast<void>(finish(ClaimState::kReleased));
+  } catch (...) {  // no memory for the message: the claim runs out by itself
+    beating_->thread = {};
+  }
 }
 
 int Claim::generation() const { return beating_->generation; }
