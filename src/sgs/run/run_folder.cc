@@ -110,7 +110,8 @@ Result<RunFolder> RunFolder::resume(const fs::path& path) {
 Status RunFolder::go_on(bool calibration_given) {
   SGS_RETURN_IF_ERROR(io::write_file(path_ / files::kState, state_text(beginning())));
   std::vector<fs::path> ends = {path_ / files::kMetrics, path_ / files::kReport,
-                                path_ / files::kTimings, path_ / files::kPictures};
+                                path_ / files::kTimings, path_ / files::kPictures,
+                                path_ / files::kRefine};
   if (!calibration_given) ends.push_back(path_ / files::kCalibration);
   std::error_code none;
   for (const auto& entry : fs::directory_iterator(path_ / files::kRenders, none)) {

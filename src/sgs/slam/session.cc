@@ -27,33 +27,16 @@ Status check_arguments(const SessionConfig& config, const PinholeCamera& camera,
   return check(config);
 }
 
-/// Of some rows of a picture: poses that are given do not show that it is another one.
-template <class Pixel>
-std::uint64_t hash_of(const Image<Pixel>& image) {
-  constexpr int kEveryRow = 16;
-  std::uint64_t hash = 0;
-  for (int y = 0; y < image.height(); y += kEveryRow) {
-    const std::string_view row(reinterpret_cast<const char*>(image.row(y)),
-                               sizeof(Pixel) * static_cast<std::size_t>(image.width()));
-    hash = 31 * hash + std::hash<std::string_view>{}(row);
-  }
-  return hash;
-}
-
-/// Of an item and of what became of it; `frame` is null where it could not be read.
-std::uint64_t hash_of(const FrameRecord& record, const RgbdFrame* frame) {
+/// Of an item and of what became of it.
+std::uint64_t hash_of(const FrameRecord& record) {
   ArchiveWriter bytes;
-  auto index = record.index;
+  auto index = record.index, fingerprint = record.fingerprint;
   auto bad = record.bad;
   auto status = record.status;
   auto loops = record.loops, calibrations = record.calibrations;
   auto correction_m = record.correction_m;
   SE3 T = record.T_online_camera;
-  bytes(index, bad, status, loops, calibrations, correction_m, T);
-  if (frame != nullptr) {
-    std::uint64_t color = hash_of(frame->color), depth = hash_of(frame->depth);
-    bytes(color, depth);
-  }
+  bytes(index, fingerprint, bad, status, loops, calibrations, correction_m, T);
   return std::hash<std::string>{}(bytes.take());
 }
 
@@ -118,7 +101,7 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& raw) {
   record.track_ms = cpu_ms;
   record.fingerprint = fingerprint(*raw);  // as the recording has it
   estimate_past(raw, frame, result, record);
-  if (comes_as_before(record, raw.get())) hand_to_mapper(frame, record);
+  if (comes_as_before(record)) hand_to_mapper(frame, record);
   report_loss(record);
   records_.push_back(std::move(record));
   if (on_frame_) on_frame_(records_.back());
@@ -252,8 +235,8 @@ void Session::hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame, Fram
 }
 
 // Notes what became of an item; false where that is not what became of it before (replay).
-bool Session::comes_as_before(const FrameRecord& record, const RgbdFrame* raw) {
-  const std::uint64_t hash = hash_of(record, raw);
+bool Session::comes_as_before(const FrameRecord& record) {
+  const std::uint64_t hash = hash_of(record);
   if (left_to_replay() == 0) {
     hashes_.push_back(hash);
   } else if (hash != hashes_[records_.size()] && !differs_at_) {
@@ -299,7 +282,7 @@ void Session::feed_bad(std::int64_t index, double timestamp_s, const std::string
   record.timestamp_s = timestamp_s;
   record.bad = true;
   record.bad_reason = reason;
-  comes_as_before(record, nullptr);
+  comes_as_before(record);
   records_.push_back(std::move(record));
 }
 

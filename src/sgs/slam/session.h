@@ -132,7 +132,7 @@ class Session {
   bool wants_mapping_keyframe(const FrameRecord& record) const;
   void hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame, FrameRecord& record);
   void report_loss(const FrameRecord& record);
-  bool comes_as_before(const FrameRecord& record, const RgbdFrame* raw);
+  bool comes_as_before(const FrameRecord& record);
 
   SessionConfig config_;
   PinholeCamera camera_;
