@@ -17,9 +17,10 @@ namespace {
 volatile std::sig_atomic_t interrupt_requested = 0;
 std::array<int, 2> wake_pipe = {-1, -1};
 
+// Never destroyed: the thread that waits may be woken while the program exits.
 std::stop_source& stop_source() {
-  static std::stop_source source;
-  return source;
+  static auto* const source = new std::stop_source;
+  return *source;
 }
 
 // Handlers may not lock, and a stop request may: they only wake the thread that makes the request.
@@ -50,7 +51,7 @@ void install_interrupt_handler() {
   std::signal(SIGPIPE, SIG_IGN);  // a closed pipe becomes a write error with a message
   std::signal(SIGXFSZ, SIG_IGN);  // so does a file that may not grow
   if (pipe2(wake_pipe.data(), O_CLOEXEC) != 0) return;
-  stop_source();  // made before, and so destroyed after, the thread could ask for it
+  stop_source();  // made before a signal can come
   std::thread(wait_for_signal).detach();
   keep_memory_reserve(ask_to_stop);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, on_signal);
