@@ -263,6 +263,7 @@ IterationReport Mapper::iterate(int count) {
 void Mapper::save(ArchiveWriter& archive) {
   Impl& m = *impl_;
   SGS_CHECK(m.awaited.empty(), "a mapper is saved once it is restored");
+  const ScopedTimer timer(m.times, "map/save");
   constexpr std::size_t kBytesPerGaussian = 2 * sizeof(map::Gaussian) + sizeof(map::Moments) + 48;
   archive.reserve(m.store.size() * (kBytesPerGaussian + m.keyframes.size() / 8) + (1 << 20));
   std::uint64_t count = m.keyframes.size();
