@@ -131,6 +131,43 @@ class Eval:
             json.loads(scores.read_text())
 
 
+class Resume:
+    """Going on with a run that had stopped: then or later it comes to the bits of a whole one."""
+
+    start = "lock.txt"
+
+    def __init__(self, sgs, recording, scratch):
+        self.sgs, self.out, self.stopped = sgs, scratch / "again", scratch / "stopped"
+        small = ["--max-width", 160, "--no-eval", "--quiet"]
+        code, said, _ = sgs("run", recording, "-o", scratch / "whole", *small)
+        check(code in (0, 3), said)
+        self.whole = self.results(scratch / "whole")
+        # A lack of memory in the middle is a run that stops with a checkpoint.
+        for fault in range(3000, 12000, 500):
+            arguments = ["run", recording, "-o", self.stopped, *small]
+            sgs(*arguments, fault=f"memory:{fault}", start=self.start)
+            if (self.stopped / "checkpoint.txt").exists():
+                break
+        check((self.stopped / "checkpoint.txt").exists(), "no run that can be gone on with")
+        self.arguments = ["run", "--resume", self.out, "--no-eval", "--quiet"]
+
+    @staticmethod
+    def results(out):
+        names = ("trajectory.txt", "map.ply", "keyframes.txt")
+        return {name: (out / name).read_bytes() for name in names}
+
+    def prepare(self):
+        subprocess.run(["rm", "-rf", self.out], check=True)
+        subprocess.run(["cp", "-r", self.stopped, self.out], check=True)
+
+    def verify(self, code, said):
+        if 'state = "finished"' not in (self.out / "state.toml").read_text():
+            check(code != 0, f"exit code 0, and yet not finished\n{said}")
+            code, said, _ = self.sgs(*self.arguments)
+            check(code in (0, 3), f"it cannot be gone on with any more: exit code {code}\n{said}")
+        check(self.results(self.out) == self.whole, "other bits than those of a whole run")
+
+
 class Refine:
     """Learning a map on: the run is untouched, and the best map is somewhere."""
 
@@ -184,6 +221,7 @@ def main():
         for scenario in (
             Run(sgs, recording, scratch / "out"),
             Eval(sgs, recording, scratch / "old"),
+            Resume(sgs, recording, scratch),
             Refine(sgs, recording, scratch / "source", scratch / "refined"),
         ):
             name = type(scenario).__name__.lower()
