@@ -94,6 +94,29 @@ TEST(Session, TracksASyntheticRoom) {
   EXPECT_LT(scores.ate->rmse, 0.01);
 }
 
+// What the mapper moves its keyframes by is for its pictures.
+TEST(Session, SaysTheTrackersPathWhateverTheMapperMakesOfIt) {
+  const auto frames = small_sequence(14);
+  auto config = config_for_test();
+  config.mapper.refinement.pose_first_visit = 0;
+  std::vector<Trajectory> paths, keyframes;
+  for (const bool refine : {true, false}) {
+    config.mapper.refinement.pose = refine;
+    auto session = slam::Session::create(config, frames.front()->camera, {});
+    ASSERT_TRUE(session) << session.error().text();
+    for (const auto& frame : frames) (*session)->feed(frame);
+    (*session)->finish();
+    paths.push_back((*session)->trajectory());
+    keyframes.push_back((*session)->keyframe_trajectory());
+  }
+  const auto distance = [](const std::vector<Trajectory>& two) {
+    const SE3 &a = two[0].poses().back().T_world_camera, &b = two[1].poses().back().T_world_camera;
+    return (a.t - b.t).norm();
+  };
+  EXPECT_EQ(distance(paths), 0);
+  EXPECT_GT(distance(keyframes), 0);
+}
+
 TEST(Session, LiveModeMapsWithoutWaiting) {
   const auto frames = small_sequence(8);
   const Outcome outcome = run(frames, config_for_test(), 2, true);

@@ -48,7 +48,11 @@ Result<PinholeCamera> camera_from_options(const RenderCommand& command) {
 }
 
 Result<Trajectory> trajectory_for(const RenderCommand& command) {
-  if (command.trajectory.empty()) return run::load_run_trajectory(command.run);
+  if (command.trajectory.empty()) {
+    SGS_ASSIGN_OR_RETURN(const auto run,
+                         run::load_run(command.run, run::kTrajectory | run::kKeyframes));
+    return run::view_poses(run);
+  }
   SGS_ASSIGN_OR_RETURN(auto loaded, io::load_trajectory(command.trajectory));
   return std::move(loaded.trajectory);
 }

@@ -25,7 +25,8 @@ void add_truth(const Trajectory& truth, std::vector<viewer::FrameUpdate>& update
 
 Result<Replay> load_replay(const std::filesystem::path& folder) {
   SGS_ASSIGN_OR_RETURN(auto run, run::load_run(folder, run::kCamera | run::kTrajectory |
-                                                           run::kTruth | run::kFrames | run::kMap));
+                                                           run::kKeyframes | run::kTruth |
+                                                           run::kFrames | run::kMap));
   Replay replay;
   replay.input = run.input;
   replay.metrics = run.metrics;
@@ -36,9 +37,10 @@ Result<Replay> load_replay(const std::filesystem::path& folder) {
   replay.info.live = false;
   replay.info.camera = run.camera;
   replay.info.frames_total = static_cast<std::int64_t>(run.frames.size());
+  const Trajectory views = run::view_poses(run);
   const auto map = run::as_snapshot(std::move(run.gaussians));
   for (slam::FrameRecord& record : run.frames) {
-    const auto pose = run.trajectory.at(record.timestamp_s, 0);
+    const auto pose = views.at(record.timestamp_s, 0);
     if (record.bad || !pose) continue;
     viewer::FrameUpdate update;
     update.record = std::move(record);

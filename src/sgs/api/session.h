@@ -88,7 +88,7 @@ class SGS_API Session {
   Camera camera() const;
   /// What became of each frame, with poses as loops have corrected them since.
   std::vector<FrameResult> frames() const;
-  /// Poses of all frames: after finish() in the refined map, before it as known so far.
+  /// Poses of all frames, as loops and calibration have corrected them so far.
   Trajectory trajectory() const;
   /// Poses of all frames as they were said when the frames came.
   Trajectory online_trajectory() const;

@@ -3,8 +3,8 @@
 #include "sgs/backend/bundle.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <iterator>
 
 #include "sgs/core/error.h"
 
@@ -34,10 +34,13 @@ double robust_sigma(std::vector<double>& magnitudes) {
 
 }  // namespace
 
-/// What the points add up to.
-struct Bundle::Sums {
-  BundleEquations equations;
-  std::vector<double> grey, depth;  // magnitudes; depth in units of the sensor's noise
+/// Magnitudes of the residuals: grey, and depth in units of the sensor's noise.
+struct Bundle::Measured {
+  std::vector<double> grey, depth;
+
+  void add(const BundleRow& r) {
+    (r.is_depth ? depth : grey).push_back(std::abs(r.residual) / r.sigma);
+  }
 };
 
 Bundle::Bundle(BundleProblem problem, BundleState start)
@@ -56,135 +59,70 @@ int Bundle::first_global() const {
 }
 
 // A pixel that is seen nowhere but in its own keyframe says nothing: no rows.
-std::vector<BundleRow> Bundle::rows_of(int host, std::size_t pixel, int level) const {
-  const BundleRows residuals(problem_, state_);
+void Bundle::collect_rows(const BundleRows& residuals, int host, std::size_t pixel, int level,
+                          std::vector<BundleRow>& rows) const {
+  rows.clear();
   const auto point = residuals.point(host, pixel, level);
-  if (!point) return {};
-  std::vector<BundleRow> rows;
-  BundleRow own;
-  if (residuals.depth(*point, host, own)) rows.push_back(own);
+  if (!point) return;
+  BundleRow depth, grey;
+  if (residuals.depth(*point, host, depth)) rows.push_back(depth);
   const std::size_t of_host = rows.size();
   for (const int target : problem_.targets[static_cast<std::size_t>(host)]) {
-    BundleRow depth, grey;
     if (!residuals.depth(*point, target, depth)) continue;  // hidden, or not known to be visible
     if (!residuals.grey(*point, target, level, grey)) continue;
     rows.push_back(depth);
     rows.push_back(grey);
   }
   if (rows.size() == of_host) rows.clear();
-  return rows;
 }
 
-// Which unknowns the rows of a pixel touch: those of its keyframe, of the targets that see it, and
-// the nodes of the grid under them.
-void Bundle::start_elimination(int host, const std::vector<BundleRow>& rows, Elimination& e) const {
-  e.H = e.b = 0;
-  e.keyframes.assign(1, host);
-  e.globals.clear();
-  for (const BundleRow& r : rows) {
-    if (!r.is_depth) continue;
-    if (r.target != host) e.keyframes.push_back(r.target);
-    e.globals.insert(e.globals.end(), r.grid.node.begin(), r.grid.node.end());
-  }
-  std::sort(e.keyframes.begin() + 1, e.keyframes.end());
-  std::sort(e.globals.begin(), e.globals.end());
-  e.globals.erase(std::unique(e.globals.begin(), e.globals.end()), e.globals.end());
-  for (int n = 0; n < 3; ++n) e.globals.push_back(grid_size() + n);
-  e.coupling.setZero(kKeyframeUnknowns * static_cast<Eigen::Index>(e.keyframes.size()) +
-                     static_cast<Eigen::Index>(e.globals.size()));
+std::size_t Bundle::block_of(int host, int target) const {
+  if (target == host) return 0;
+  const auto& targets = problem_.targets[static_cast<std::size_t>(host)];
+  const auto place = std::find(targets.begin(), targets.end(), target);
+  return 1 + static_cast<std::size_t>(place - targets.begin());
 }
 
-void Bundle::add_row(int host, const BundleRow& r, const BundleNoise& noise, Elimination& e,
-                     Sums& sums) const {
-  BundleEquations& out = sums.equations;
-  const double share = problem_.config.information;
+WeightedRow Bundle::weighted(int host, const BundleRow& r, const BundleNoise& noise) const {
+  WeightedRow out;
+  out.block = block_of(host, r.target);
   const double sigma = r.sigma * (r.is_depth ? noise.depth : noise.grey);
-  (r.is_depth ? sums.depth : sums.grey).push_back(std::abs(r.residual) / r.sigma);
-  ++(r.is_depth ? out.depth_residuals : out.grey_residuals);
-  const double weight = share * t_weight(r.residual, sigma);
-  out.cost += share * t_cost(r.residual, sigma);
-  e.H += weight * r.by_inverse_depth * r.by_inverse_depth;
-  e.b += weight * r.by_inverse_depth * r.residual;
-  if (r.target != host) add_keyframes(host, r, weight, e, out);
-  if (r.is_depth) add_calibration(host, r, weight, e, out);
+  out.weight = problem_.config.information * t_weight(r.residual, sigma);
+  out.residual = r.residual;
+  out.by_inverse_depth = r.by_inverse_depth;
+  std::copy(r.by_host.begin(), r.by_host.end(), out.by_host.begin());
+  std::copy(r.by_target.begin(), r.by_target.end(), out.by_target.begin());
+  out.is_depth = r.is_depth;
+  for (std::size_t n = 0; r.is_depth && n < kTouchedCalibration; ++n) {
+    const auto after_grid = static_cast<Eigen::Index>(n) - 4;
+    out.calibration[n] = static_cast<std::size_t>(
+        n < 4 ? Eigen::Index{r.grid.node[n]} : Eigen::Index{grid_size()} + after_grid);
+    out.by_calibration[n] = n < 4 ? r.grid.weight[n] : r.by_shift_and_delay[after_grid];
+  }
+  return out;
 }
 
-void Bundle::add_keyframes(int host, const BundleRow& r, double weight, Elimination& e,
-                           BundleEquations& out) const {
+// From the corner of a keyframe and its targets to the place of each in the whole.
+void Bundle::add_host(int host, const BundleSums& sums, BundleEquations& out) const {
   constexpr int kBlock = kKeyframeUnknowns;
-  const int a = kBlock * host, b = kBlock * r.target;
-  out.H.block<kBlock, kBlock>(a, a) += weight * r.by_host * r.by_host.transpose();
-  out.H.block<kBlock, kBlock>(b, b) += weight * r.by_target * r.by_target.transpose();
-  if (a < b) {
-    out.H.block<kBlock, kBlock>(a, b) += weight * r.by_host * r.by_target.transpose();
-  } else {
-    out.H.block<kBlock, kBlock>(b, a) += weight * r.by_target * r.by_host.transpose();
-  }
-  out.b.segment<kBlock>(a) += weight * r.residual * r.by_host;
-  out.b.segment<kBlock>(b) += weight * r.residual * r.by_target;
-  const double coupling = weight * r.by_inverse_depth;
-  e.coupling.segment<kBlock>(0) += coupling * r.by_host;
-  const auto place = std::lower_bound(e.keyframes.begin() + 1, e.keyframes.end(), r.target);
-  e.coupling.segment<kBlock>(kBlock * (place - e.keyframes.begin())) += coupling * r.by_target;
-}
-
-void Bundle::add_calibration(int host, const BundleRow& r, double weight, Elimination& e,
-                             BundleEquations& out) const {
-  constexpr int kBlock = kKeyframeUnknowns;
-  constexpr std::size_t kTouched = 7;  // four nodes, shift, delay
-  std::array<int, kTouched> where;
-  std::array<double, kTouched> by;
-  for (std::size_t n = 0; n < kTouched; ++n) {
-    where[n] = n < 4 ? r.grid.node[n] : grid_size() + static_cast<int>(n) - 4;
-    by[n] = n < 4 ? r.grid.weight[n] : r.by_shift_and_delay[static_cast<int>(n) - 4];
-  }
-  const Eigen::Index first_coupling = kBlock * static_cast<Eigen::Index>(e.keyframes.size());
-  for (std::size_t n = 0; n < kTouched; ++n) {
-    const int g = first_global() + where[n];
-    if (r.target != host) {
-      out.H.block<kBlock, 1>(kBlock * host, g) += weight * by[n] * r.by_host;
-      out.H.block<kBlock, 1>(kBlock * r.target, g) += weight * by[n] * r.by_target;
+  std::vector<int> keyframes{host};
+  const auto& targets = problem_.targets[static_cast<std::size_t>(host)];
+  keyframes.insert(keyframes.end(), targets.begin(), targets.end());
+  for (std::size_t a = 0; a < keyframes.size(); ++a) {
+    const int at_a = kBlock * keyframes[a];
+    for (std::size_t b = a; b < keyframes.size(); ++b) {
+      const int at_b = kBlock * keyframes[b];
+      if (at_a <= at_b) {
+        out.H.block<kBlock, kBlock>(at_a, at_b) += sums.H(a, b);
+      } else {
+        out.H.block<kBlock, kBlock>(at_b, at_a) += sums.H(a, b).transpose();
+      }
     }
-    for (std::size_t m = 0; m < kTouched; ++m) {
-      const int h = first_global() + where[m];
-      if (h >= g) out.H(g, h) += weight * by[n] * by[m];
+    for (int g = 0; g < calibration_size(); ++g) {
+      out.H.block<kBlock, 1>(at_a, first_global() + g) +=
+          sums.cross(a, static_cast<std::size_t>(g));
     }
-    out.b[g] += weight * r.residual * by[n];
-    const auto place = std::lower_bound(e.globals.begin(), e.globals.end(), where[n]);
-    e.coupling[first_coupling + (place - e.globals.begin())] += weight * r.by_inverse_depth * by[n];
-  }
-}
-
-// Schur complement of an inverse depth.
-void Bundle::subtract_eliminated(const Elimination& e, BundleEquations& out) const {
-  const double inverse = 1 / e.H;
-  const Eigen::VectorXd& w = e.coupling;
-  const auto blocks = static_cast<Eigen::Index>(e.keyframes.size());
-  const auto globals = static_cast<Eigen::Index>(e.globals.size());
-  const auto place = [&](Eigen::Index k) {
-    return kKeyframeUnknowns * e.keyframes[static_cast<std::size_t>(k)];
-  };
-  const auto global = [&](Eigen::Index k) {
-    return first_global() + e.globals[static_cast<std::size_t>(k)];
-  };
-  const auto tail = w.tail(globals);
-  for (Eigen::Index x = 0; x < blocks; ++x) {
-    const KeyframeVector wx = inverse * w.segment<kKeyframeUnknowns>(kKeyframeUnknowns * x);
-    for (Eigen::Index y = 0; y < blocks; ++y) {
-      if (place(y) < place(x)) continue;
-      out.H.block<kKeyframeUnknowns, kKeyframeUnknowns>(place(x), place(y)) -=
-          wx * w.segment<kKeyframeUnknowns>(kKeyframeUnknowns * y).transpose();
-    }
-    for (Eigen::Index y = 0; y < globals; ++y) {
-      out.H.block<kKeyframeUnknowns, 1>(place(x), global(y)) -= tail[y] * wx;
-    }
-    out.b.segment<kKeyframeUnknowns>(place(x)) -= e.b * wx;
-  }
-  for (Eigen::Index y = 0; y < globals; ++y) {
-    for (Eigen::Index x = 0; x <= y; ++x) {
-      out.H(global(x), global(y)) -= inverse * tail[x] * tail[y];
-    }
-    out.b[global(y)] -= inverse * e.b * tail[y];
+    out.b.segment<kBlock>(at_a) += sums.b(a);
   }
 }
 
@@ -245,22 +183,38 @@ void Bundle::add_offset_priors(BundleEquations& out) const {
 }
 
 BundleEquations Bundle::linearize(int level, const BundleNoise& noise) {
-  Sums sums;
-  sums.equations.H.setZero(unknowns(), unknowns());
-  sums.equations.b.setZero(unknowns());
-  for (std::size_t i = 0; i < problem_.keyframes.size(); ++i) {
+  BundleEquations out;
+  out.H.setZero(unknowns(), unknowns());
+  out.b.setZero(unknowns());
+  Measured measured;
+  const BundleRows residuals(problem_, state_);
+  BundleSums sums(static_cast<std::size_t>(calibration_size()));
+  std::vector<BundleRow> rows;
+  std::vector<WeightedRow> summed;
+  for (int host = 0; host < std::ssize(problem_.keyframes); ++host) {
+    const auto i = static_cast<std::size_t>(host);
+    sums.begin_host(1 + problem_.targets[i].size());
     eliminated_[i].resize(problem_.keyframes[i]->pixels.size());
-    for (std::size_t p = 0; p < problem_.keyframes[i]->pixels.size(); ++p) {
-      Elimination& e = eliminated_[i][p];
-      const auto rows = rows_of(static_cast<int>(i), p, level);
-      start_elimination(static_cast<int>(i), rows, e);
-      for (const BundleRow& row : rows) add_row(static_cast<int>(i), row, noise, e, sums);
-      if (e.H > 0) subtract_eliminated(e, sums.equations);
+    for (std::size_t p = 0; p < eliminated_[i].size(); ++p) {
+      collect_rows(residuals, host, p, level, rows);
+      summed.clear();
+      for (const BundleRow& r : rows) {
+        measured.add(r);
+        const double sigma = r.sigma * (r.is_depth ? noise.depth : noise.grey);
+        out.cost += problem_.config.information * t_cost(r.residual, sigma);
+        summed.push_back(weighted(host, r, noise));
+      }
+      sums.add_pixel(summed, eliminated_[i][p]);
     }
+    add_host(host, sums, out);
   }
-  add_priors(sums.equations);
-  sums.equations.measured = {robust_sigma(sums.grey), robust_sigma(sums.depth)};
-  return std::move(sums.equations);
+  out.H.bottomRightCorner(calibration_size(), calibration_size()) += sums.calibration_H();
+  out.b.tail(calibration_size()) += sums.calibration_b();
+  add_priors(out);
+  out.grey_residuals = static_cast<int>(measured.grey.size());
+  out.depth_residuals = static_cast<int>(measured.depth.size());
+  out.measured = {robust_sigma(measured.grey), robust_sigma(measured.depth)};
+  return out;
 }
 
 void Bundle::apply(const Eigen::VectorXd& step) {
@@ -270,13 +224,16 @@ void Bundle::apply(const Eigen::VectorXd& step) {
       const Elimination& e = eliminated_[i][p];
       if (e.H <= 0) continue;
       double rhs = e.b;
-      Eigen::Index at = 0;
-      for (const int k : e.keyframes) {
-        rhs += e.coupling.segment<kKeyframeUnknowns>(at).dot(
+      const double* coupling = e.coupling.data();
+      for (const std::size_t block : e.blocks) {
+        const int k = block == 0 ? static_cast<int>(i) : problem_.targets[i][block - 1];
+        rhs += Eigen::Map<const KeyframeVector>(coupling).dot(
             step.segment<kKeyframeUnknowns>(kKeyframeUnknowns * k));
-        at += kKeyframeUnknowns;
+        coupling += kBlockStride;
       }
-      for (const int g : e.globals) rhs += e.coupling[at++] * step[first_global() + g];
+      for (const std::size_t unknown : e.calibration) {
+        rhs += *coupling++ * step[first_global() + static_cast<Eigen::Index>(unknown)];
+      }
       double& q = state_.inverse_depths[i][p];
       q = std::clamp(q - rhs / e.H, 0.5 * q, 2 * q);
     }

@@ -7,6 +7,7 @@
 
 #include "sgs/backend/bundle_problem.h"
 #include "sgs/backend/bundle_rows.h"
+#include "sgs/backend/bundle_sums.h"
 
 namespace sgs::backend {
 
@@ -50,23 +51,13 @@ class Bundle {
   int grid_size() const { return problem_.grid.size(); }
 
  private:
-  struct Sums;
-  // How an eliminated inverse depth follows the other unknowns.
-  struct Elimination {
-    double H = 0, b = 0;
-    std::vector<int> keyframes;  // the blocks of `coupling`: host, then targets, rising
-    std::vector<int> globals;    // what follows them: nodes of the grid, shift, delay
-    Eigen::VectorXd coupling;
-  };
-  std::vector<BundleRow> rows_of(int host, std::size_t pixel, int level) const;
-  void start_elimination(int host, const std::vector<BundleRow>& rows, Elimination& e) const;
-  void add_row(int host, const BundleRow& row, const BundleNoise& noise, Elimination& e,
-               Sums& sums) const;
-  void add_keyframes(int host, const BundleRow& row, double weight, Elimination& e,
-                     BundleEquations& equations) const;
-  void add_calibration(int host, const BundleRow& row, double weight, Elimination& e,
-                       BundleEquations& equations) const;
-  void subtract_eliminated(const Elimination& e, BundleEquations& equations) const;
+  struct Measured;
+  int calibration_size() const { return grid_size() + 3; }
+  std::size_t block_of(int host, int target) const;
+  WeightedRow weighted(int host, const BundleRow& row, const BundleNoise& noise) const;
+  void collect_rows(const BundleRows& residuals, int host, std::size_t pixel, int level,
+                    std::vector<BundleRow>& rows) const;
+  void add_host(int host, const BundleSums& sums, BundleEquations& equations) const;
   void add_priors(BundleEquations& equations) const;
   void add_offset_priors(BundleEquations& equations) const;
 

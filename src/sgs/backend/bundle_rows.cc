@@ -46,17 +46,23 @@ GraySample look_up(const GrayPyramid::Level& level, const Eigen::Vector2d& at) {
 
 }  // namespace
 
+BundleRows::BundleRows(const BundleProblem& problem, const BundleState& state)
+    : problem_(problem), state_(state) {
+  for (std::size_t k = 0; k < problem.keyframes.size(); ++k) {
+    T_camera_world_.push_back(state.T_world_camera[k].inverse());
+    Vector6d& twist = readout_.emplace_back(problem.readout_s * problem.keyframes[k]->velocity);
+    twist.head<3>() += state.readout_turns[k];
+  }
+}
+
 SE3 BundleRows::relative(int target, int host) const {
   if (target == host) return {};
-  return state_.T_world_camera[static_cast<std::size_t>(target)].inverse() *
+  return T_camera_world_[static_cast<std::size_t>(target)] *
          state_.T_world_camera[static_cast<std::size_t>(host)];
 }
 
-Vector6d BundleRows::readout(int keyframe) const {
-  const auto k = static_cast<std::size_t>(keyframe);
-  Vector6d twist = problem_.readout_s * problem_.keyframes[k]->velocity;
-  twist.head<3>() += state_.readout_turns[k];
-  return twist;
+const Vector6d& BundleRows::readout(int keyframe) const {
+  return readout_[static_cast<std::size_t>(keyframe)];
 }
 
 std::optional<HostPoint> BundleRows::point(int host, std::size_t pixel, int level) const {

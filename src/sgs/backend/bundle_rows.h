@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "sgs/backend/bundle_problem.h"
 
@@ -43,8 +44,7 @@ struct BundleRow {
 /// shutter reads them, depths by the delay later. Both arguments must outlive it.
 class BundleRows {
  public:
-  BundleRows(const BundleProblem& problem, const BundleState& state)
-      : problem_(problem), state_(state) {}
+  BundleRows(const BundleProblem& problem, const BundleState& state);
 
   /// Empty where the pixel lies on the level's border.
   std::optional<HostPoint> point(int host, std::size_t pixel, int level) const;
@@ -55,10 +55,13 @@ class BundleRows {
 
  private:
   SE3 relative(int target, int host) const;
-  Vector6d readout(int keyframe) const;  // camera twist over the readout
+  const Vector6d& readout(int keyframe) const;
 
   const BundleProblem& problem_;
   const BundleState& state_;
+  // Per keyframe.
+  std::vector<SE3> T_camera_world_;
+  std::vector<Vector6d> readout_;  // camera twist over the readout
 };
 
 }  // namespace sgs::backend

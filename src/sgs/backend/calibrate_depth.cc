@@ -8,8 +8,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
+#include "sgs/core/error.h"
 #include "sgs/core/log.h"
 
 namespace sgs::backend {
@@ -64,36 +66,64 @@ std::vector<std::vector<int>> choose_targets(const std::vector<const Keyframe*>&
   return targets;
 }
 
-BundleState start_of(const std::vector<const Keyframe*>& keyframes, int grid_size) {
+/// As tracked and measured, corrected by what is known already.
+BundleState start_of(const std::vector<const Keyframe*>& keyframes, int grid_size,
+                     const DepthEstimate* known) {
   BundleState state;
   state.offsets_per_m.setZero(grid_size);
+  const DepthCalibration none;
+  const DepthCalibration& calibration = known ? known->calibration : none;
+  if (known) {
+    state.offsets_per_m = Eigen::Map<const Eigen::VectorXd>(
+        calibration.offset_per_m.data(), std::ssize(calibration.offset_per_m));
+    state.shift_px = calibration.shift_px;
+    state.delay_s = known->delay_s;
+  }
+  SGS_CHECK(state.offsets_per_m.size() == grid_size, "an estimate of another grid");
   for (const Keyframe* k : keyframes) {
     state.T_world_camera.push_back(k->T_world_camera);
     state.exposures.emplace_back();
     state.readout_turns.push_back(Eigen::Vector3d::Zero());
     auto& depths = state.inverse_depths.emplace_back();
-    for (const HostPixel& pixel : k->pixels) depths.push_back(pixel.inverse_depth);
+    for (const HostPixel& p : k->pixels) {
+      const double corrected = p.inverse_depth + calibration.offset_at(p.u, p.v);
+      depths.push_back(corrected > 0 ? corrected : p.inverse_depth);
+    }
   }
   return state;
 }
 
-/// Gauss-Newton steps at a level; `noise` follows the residuals. False when they lead nowhere.
+using Factors = Eigen::LLT<Eigen::MatrixXd, Eigen::Upper>;
+
+/// None where the equations have no solution.
+std::optional<Eigen::VectorXd> newton_step(const BundleEquations& equations) {
+  const Factors factors(equations.H);
+  if (factors.info() != Eigen::Success) return {};
+  Eigen::VectorXd step = -factors.solve(equations.b);
+  if (!step.allFinite()) return {};
+  return step;
+}
+
+/// Gauss-Newton steps at a level, until the cost falls by no more than a small part of what one
+/// unknown's standard deviation is worth; `noise` follows the residuals. False when they lead
+/// nowhere.
 bool descend(Bundle& bundle, int level, int steps, BundleNoise& noise) {
+  constexpr double kConverged = 0.05;
   constexpr BundleNoise kLeast{1, 0.1};
   for (int k = 0; k < steps; ++k) {
     const BundleEquations equations = bundle.linearize(level, noise);
     noise.grey = std::max(kLeast.grey, equations.measured.grey);
     noise.depth = std::max(kLeast.depth, equations.measured.depth);
-    const Eigen::VectorXd step =
-        -equations.H.selfadjointView<Eigen::Upper>().ldlt().solve(equations.b);
-    if (!step.allFinite()) return false;
-    bundle.apply(step);
+    const auto step = newton_step(equations);
+    if (!step) return false;
+    bundle.apply(*step);
     log().debug(
         "bundle: level {} step {}: cost {:.1f}, {} + {} residuals, grey {:.2f}, depth {:.2f}, "
         "mean offset {:.5f} /m, shift {:.2f} {:.2f} px, delay {:.4f} s",
         level, k, equations.cost, equations.grey_residuals, equations.depth_residuals, noise.grey,
         noise.depth, bundle.state().offsets_per_m.mean(), bundle.state().shift_px.x(),
         bundle.state().shift_px.y(), bundle.state().delay_s);
+    if (-0.5 * equations.b.dot(*step) < kConverged) break;
   }
   return true;
 }
@@ -106,14 +136,17 @@ struct Solution {
   BundleEquations equations;
 };
 
-Solution solution_of(Bundle& bundle, const BundleNoise& noise) {
+std::optional<Solution> solution_of(Bundle& bundle, const BundleNoise& noise) {
   Solution out;
   out.equations = bundle.linearize(0, noise);
   const int n = bundle.grid_size(), globals = n + 3;
-  Eigen::MatrixXd selection = Eigen::MatrixXd::Zero(bundle.unknowns(), globals);
-  selection.bottomRows(globals).setIdentity();
-  out.covariance =
-      out.equations.H.selfadjointView<Eigen::Upper>().ldlt().solve(selection).bottomRows(globals);
+  const Factors factors(out.equations.H);
+  if (factors.info() != Eigen::Success) return {};
+  // The last corner of the factor is that of the Schur complement: all else is marginalised there.
+  const auto corner =
+      factors.matrixLLT().bottomRightCorner(globals, globals).triangularView<Eigen::Upper>();
+  const Eigen::MatrixXd inverse = corner.solve(Eigen::MatrixXd::Identity(globals, globals));
+  out.covariance = inverse * inverse.transpose();
   const std::vector<double> areas = bundle.problem().grid.area();
   const Eigen::Map<const Eigen::VectorXd> area(areas.data(), n);
   const Eigen::VectorXd& offsets = bundle.state().offsets_per_m;
@@ -190,35 +223,34 @@ void fill(const Bundle& bundle, const Solution& first, const Solution& solution,
 }
 
 Bundle make_bundle(std::vector<const Keyframe*> keyframes, double readout_s,
-                   const CalibrationConfig& config) {
+                   const CalibrationConfig& config, const DepthEstimate* known) {
   BundleProblem problem;
   problem.targets = choose_targets(keyframes, config);
   problem.keyframes = std::move(keyframes);
   problem.readout_s = readout_s;
   problem.grid = {config.columns, config.rows};
   problem.config = config;
-  BundleState start = start_of(problem.keyframes, problem.grid.size());
+  BundleState start = start_of(problem.keyframes, problem.grid.size(), known);
   return Bundle(std::move(problem), std::move(start));
 }
 
-/// From the factory's values, coarse to fine.
-std::optional<Solution> solve_freely(Bundle& bundle, BundleNoise& noise) {
-  if (!descend(bundle, 2, 3, noise) || !descend(bundle, 1, 3, noise) ||
-      !descend(bundle, 0, 5, noise)) {
-    return {};
-  }
+/// Coarse to fine; what starts near the solution is there sooner.
+std::optional<Solution> solve_freely(Bundle& bundle, bool near, BundleNoise& noise) {
+  if (!near && !descend(bundle, 2, 3, noise)) return {};
+  if (!descend(bundle, 1, near ? 2 : 3, noise) || !descend(bundle, 0, 5, noise)) return {};
   return solution_of(bundle, noise);
 }
 
 /// Both solutions, coarse to fine, then the second from the first. False when they lead nowhere.
-bool solve(Bundle& bundle, DepthEstimate& out) {
+bool solve(Bundle& bundle, bool near, DepthEstimate& out) {
   BundleNoise noise;
-  const auto first = solve_freely(bundle, noise);
+  const auto first = solve_freely(bundle, near, noise);
   if (!first) return false;
   bundle.set_priors(held_where_unknown(bundle.problem().config, bundle, *first));
   if (!descend(bundle, 0, 3, noise)) return false;
-  fill(bundle, *first, solution_of(bundle, noise), out);
-  return true;
+  const auto second = solution_of(bundle, noise);
+  if (second) fill(bundle, *first, *second, out);
+  return second.has_value();
 }
 
 }  // namespace
@@ -241,7 +273,7 @@ std::vector<std::string> DepthEstimate::warnings() const {
 }
 
 DepthEstimate calibrate_depth(const std::vector<Keyframe>& all, double readout_s,
-                              const CalibrationConfig& config) {
+                              const CalibrationConfig& config, const DepthEstimate* known) {
   DepthEstimate out;
   auto keyframes = choose_keyframes(all, config.keyframes);
   out.keyframes = static_cast<int>(keyframes.size());
@@ -252,10 +284,10 @@ DepthEstimate calibrate_depth(const std::vector<Keyframe>& all, double readout_s
     return out;
   }
   log().debug("bundle: {} of {} keyframes, readout {:.4f} s", out.keyframes, all.size(), readout_s);
-  Bundle bundle = make_bundle(std::move(keyframes), readout_s, config);
+  Bundle bundle = make_bundle(std::move(keyframes), readout_s, config, known);
   out.calibration.camera = bundle.problem().keyframes.front()->gray.level(0).camera;
   out.calibration.grid = bundle.problem().grid;
-  if (!solve(bundle, out)) {
+  if (!solve(bundle, known != nullptr, out)) {
     out = {};
     out.why_not = "the adjustment did not converge";
   }

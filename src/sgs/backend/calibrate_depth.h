@@ -32,8 +32,10 @@ struct DepthEstimate {
 /// Bundle adjustment of up to config.keyframes keyframes with the depth camera's offset, shift and
 /// delay among the unknowns. What the first solution does not show to differ from nothing (at three
 /// standard deviations) is held near nothing in a second one: a camera that is right stays as it
-/// is. `readout_s`: readout time of the rolling shutter.
+/// is. `readout_s`: readout time of the rolling shutter; `known`: an earlier estimate of the same
+/// camera to start from.
 DepthEstimate calibrate_depth(const std::vector<Keyframe>& keyframes, double readout_s,
-                              const CalibrationConfig& config);
+                              const CalibrationConfig& config,
+                              const DepthEstimate* known = nullptr);
 
 }  // namespace sgs::backend

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 
+#include "sgs/camera/depth_row.h"
 #include "sgs/core/error.h"
 
 namespace sgs {
@@ -23,34 +25,6 @@ Place place_on_axis(double pixel, int pixels, int nodes) {
   const int node = std::min(static_cast<int>(x), nodes - 2);
   return {node, x - node};
 }
-
-constexpr float kFarthest_m = 100;     // what an offset moves beyond is no measurement
-constexpr float kSameSurface = 0.03f;  // relative spread of the depths of one surface
-
-/// Inverse depth between four pixels, 0 = none.
-struct Interpolator {
-  float w00, w10, w01, w11;
-  int nearest_x, nearest_y;  // 0 or 1
-
-  Interpolator(float dx, float dy)
-      : w00((1 - dx) * (1 - dy)),
-        w10(dx * (1 - dy)),
-        w01((1 - dx) * dy),
-        w11(dx * dy),
-        nearest_x(dx > 0.5f),
-        nearest_y(dy > 0.5f) {}
-
-  float operator()(const float* top, const float* bottom) const {
-    const float a = top[0], b = top[1], c = bottom[0], d = bottom[1];
-    const float low = std::min(std::min(a, b), std::min(c, d));
-    const float high = std::max(std::max(a, b), std::max(c, d));
-    if (low > 0 && high - low < kSameSurface * low) {
-      return w00 / a + w10 / b + w01 / c + w11 / d;
-    }
-    const float z = nearest_y ? bottom[nearest_x] : top[nearest_x];
-    return z > 0 ? 1 / z : 0;
-  }
-};
 
 /// The offsets along one row of the image after the other.
 class OffsetRows {
@@ -141,25 +115,23 @@ DepthImage DepthCalibration::apply(const DepthImage& measured) const {
   // Pixel x of the colour image is pixel x - shift of the depth image.
   const int x_shift = static_cast<int>(std::floor(-shift_px.x()));
   const int y_shift = static_cast<int>(std::floor(-shift_px.y()));
-  const Interpolator interpolate(static_cast<float>(-shift_px.x() - x_shift),
-                                 static_cast<float>(-shift_px.y() - y_shift));
-  const bool whole = interpolate.w00 == 1;
-  OffsetRows rows(*this);
+  DepthRow row;
+  row.dx = static_cast<float>(-shift_px.x() - x_shift);
+  row.dy = static_cast<float>(-shift_px.y() - y_shift);
+  const int begin = std::max(0, -x_shift), end = std::min(w, w - x_shift - (row.dx > 0 ? 1 : 0));
+  if (begin >= end) return out;
+  OffsetRows offsets_of(*this);
   std::vector<float> offsets;
   for (int y = 0; y < h; ++y) {
     const int from_y = y + y_shift;
-    const int next_y = whole ? from_y : from_y + 1;
+    const int next_y = row.dy > 0 ? from_y + 1 : from_y;
     if (from_y < 0 || next_y >= h) continue;
-    rows.write(y, offsets);
-    const float *top = measured.row(from_y), *bottom = measured.row(next_y);
-    const int begin = std::max(0, -x_shift), end = std::min(w, w - x_shift - (whole ? 0 : 1));
-    for (int x = begin; x < end; ++x) {
-      const float* a = top + x + x_shift;
-      const float q0 = whole ? (*a > 0 ? 1 / *a : 0) : interpolate(a, bottom + x + x_shift);
-      if (q0 <= 0) continue;
-      const float q = q0 + offsets[static_cast<std::size_t>(x)];
-      if (q > 1 / kFarthest_m) out(x, y) = 1 / q;
-    }
+    offsets_of.write(y, offsets);
+    row.top = measured.row(from_y) + begin + x_shift;
+    row.bottom = measured.row(next_y) + begin + x_shift;
+    row.offset_per_m = std::span(offsets).subspan(static_cast<std::size_t>(begin),
+                                                  static_cast<std::size_t>(end - begin));
+    correct_depth(row, out.row(y) + begin);
   }
   return out;
 }

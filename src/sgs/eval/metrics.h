@@ -83,7 +83,7 @@ void visit_metrics(M&& m, Visitor&& visit) {
         m.ate_rmse_m);
   visit(I{"ate_online_rmse_m", t, "ATE online", "cm", kCm, 2, kLess, kMain,
           "The same of the poses as they were said frame by frame, before loops were closed and "
-          "keyframes refined."},
+          "depth was calibrated."},
         m.ate_online_rmse_m);
   visit(I{"ate_mean_m", t, "ATE mean", "cm", kCm, 2, kLess, kDetail, "Its mean."}, m.ate_mean_m);
   visit(I{"ate_median_m", t, "ATE median", "cm", kCm, 2, kLess, kDetail, "Its median."},

@@ -173,8 +173,11 @@ void read_back(const RunFolder& folder, Run& run) {
   if (auto written = io::load_splats(folder.path() / files::kMap)) {
     run.gaussians = std::move(*written);
   }
-  if (auto written = io::load_trajectory(folder.path() / files::kTrajectory)) {
-    run.trajectory = std::move(written->trajectory);
+  for (const auto& [name, poses] : {std::pair(files::kTrajectory, &run.trajectory),
+                                    std::pair(files::kKeyframes, &run.keyframes)}) {
+    if (auto written = io::load_trajectory(folder.path() / name)) {
+      *poses = std::move(written->trajectory);
+    }
   }
   if (auto text = io::read_file(folder.path() / files::kFrames)) {
     if (auto written = slam::frames_from_csv(*text, files::kFrames)) {

@@ -45,10 +45,11 @@ bool looks_into_a_wall(const DepthImage& depth) {
 /// Frames with an estimated and a true pose, a few spread evenly.
 std::vector<MovedPose> chosen_poses(const Run& run, const Trajectory& truths, int count) {
   constexpr double kMaxGap_s = 0.1;
+  const Trajectory views = view_poses(run);
   std::vector<MovedPose> all;
   for (const slam::FrameRecord& frame : run.frames) {
     if (frame.bad || frame.status == tracker::TrackingStatus::kLost) continue;
-    const auto estimate = run.trajectory.at(frame.timestamp_s, 0.0);
+    const auto estimate = views.at(frame.timestamp_s, 0.0);
     const auto truth = truths.at(frame.timestamp_s, kMaxGap_s);
     if (estimate && truth) all.push_back({frame.timestamp_s, *estimate, *truth});
   }

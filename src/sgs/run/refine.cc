@@ -110,6 +110,7 @@ Result<Material> read_material(const Run& run, const RefineOptions& options,
                                   budget / 2);
   refine::FrameSelection heldout(run.camera, 1, budget);
   const double readout_s = options.config.rolling_shutter ? learned_readout_s(run) : 0;
+  const Trajectory views = view_poses(run);
   auto record = run.frames.begin();
   std::int64_t read = 0, heldout_seen = 0;
   RgbdFrame frame;
@@ -125,12 +126,12 @@ Result<Material> read_material(const Run& run, const RefineOptions& options,
       return tl::unexpected(differs(run, frame.index, error.message));
     }
     SGS_RETURN_IF_ERROR(check_same(run, *record, frame));
-    const auto pose = run.trajectory.at(frame.timestamp_s, 0.0);
+    const auto pose = views.at(frame.timestamp_s, 0.0);
     const bool lost = record->status == tracker::TrackingStatus::kLost;
     if (lost || !pose || !pose->all_finite()) continue;
     // Only now: the fingerprint is that of the recording.
     if (calibration != nullptr) frame.depth = calibration->apply(frame.depth);
-    const Vector6d readout = refine::twist_at(run.trajectory, frame.timestamp_s, readout_s);
+    const Vector6d readout = refine::twist_at(views, frame.timestamp_s, readout_s);
     if (!record->heldout) {
       training.offer(frame, *pose, readout);
     } else if (heldout_seen++ % judges_apart == 0) {
@@ -170,13 +171,13 @@ Trajectory moved(const Trajectory& poses, const PoseCorrection& correction) {
   return Trajectory(std::move(after));
 }
 
-/// The run at a state of its refinement.
+/// The run at a state of its refinement; its path is the one that its pictures are rendered from.
 Run run_at(const Run& run, const std::vector<map::Gaussian>& gaussians,
            const PoseCorrection& correction) {
   constexpr std::int64_t kBytesPerGaussian = sizeof(map::Gaussian);
   Run at = run;
   at.gaussians = gaussians;
-  at.trajectory = moved(run.trajectory, correction);
+  at.trajectory = moved(view_poses(run), correction);
   at.keyframes = moved(run.keyframes, correction);
   at.metrics.gaussians = static_cast<std::int64_t>(gaussians.size());
   at.metrics.map_bytes = kBytesPerGaussian * *at.metrics.gaussians;

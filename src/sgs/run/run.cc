@@ -37,7 +37,7 @@ Status load_poses(const fs::path& path, Trajectory& poses) {
   return {};
 }
 
-/// Tracked poses carried into the map of the last checkpoint, as those of a finished run are.
+/// Tracked poses carried into the map whose keyframes these are.
 Trajectory corrected(const Trajectory& online, const Trajectory& keyframes) {
   std::vector<MovedPose> known;
   for (const StampedPose& refined : keyframes.poses()) {
@@ -239,6 +239,8 @@ Result<Trajectory> load_run_trajectory(const fs::path& folder) {
     return load_trajectory_of(folder / files::kTrajectory, map_folder);
   });
 }
+
+Trajectory view_poses(const Run& run) { return corrected(run.trajectory, run.keyframes); }
 
 Result<std::vector<map::Gaussian>> load_run_map(const fs::path& folder) {
   SGS_ASSIGN_OR_RETURN(const auto state, load_state(folder));

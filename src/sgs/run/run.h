@@ -62,6 +62,9 @@ Result<Run> load_run(const std::filesystem::path& folder, unsigned parts);
 /// The poses of a run folder, in the world of its map. Of an unfinished run they are made from the
 /// tracked poses and the keyframes of the last checkpoint.
 Result<Trajectory> load_run_trajectory(const std::filesystem::path& folder);
+/// Poses from which the map looks like the frames: the trajectory carried into the refined map, by
+/// the keyframes before and after (their poses absorb what the pictures and the poses disagree on).
+Trajectory view_poses(const Run& run);
 /// The map of a run folder; that of an unfinished run is its last checkpoint.
 Result<std::vector<map::Gaussian>> load_run_map(const std::filesystem::path& folder);
 

@@ -64,6 +64,7 @@ Result<eval::RunEvaluation> score_rendering(const Run& run, const ScoreOptions& 
   eval::RunEvaluatorConfig config = options.rendering;
   config.heldout_interval = run.config.heldout_interval;
 
+  const Trajectory views = view_poses(run);
   eval::RunInput evaluation;
   evaluation.next_frame = [&](RgbdFrame& frame) {
     Error error;
@@ -73,9 +74,7 @@ Result<eval::RunEvaluation> score_rendering(const Run& run, const ScoreOptions& 
       if (status == dataset::FrameRead::kEnd) return false;
     }
   };
-  evaluation.pose_of = [&](const RgbdFrame& frame) {
-    return run.trajectory.at(frame.timestamp_s, 0.0);
-  };
+  evaluation.pose_of = [&](const RgbdFrame& frame) { return views.at(frame.timestamp_s, 0.0); };
   evaluation.frames_expected = run.frames_total;
   evaluation.gaussians = run.gaussians;
   evaluation.rasterizer = rasterizer.get();
