@@ -66,13 +66,18 @@ Result<eval::RunEvaluation> score_rendering(const Run& run, const ScoreOptions& 
 
   const Trajectory views = view_poses(run);
   eval::RunInput evaluation;
+  // A run that was stopped needs no frame after its last one.
+  const std::int64_t last = run.frames.empty() ? -1 : run.frames.back().index;
+  std::int64_t read = -1;
   evaluation.next_frame = [&](RgbdFrame& frame) {
     Error error;
-    while (true) {
+    while (read < last) {
       const auto status = input.source->next(frame, error);
-      if (status == dataset::FrameRead::kOk) return true;
       if (status == dataset::FrameRead::kEnd) return false;
+      read = frame.index;
+      if (status == dataset::FrameRead::kOk) return read <= last;
     }
+    return false;
   };
   evaluation.pose_of = [&](const RgbdFrame& frame) { return views.at(frame.timestamp_s, 0.0); };
   evaluation.frames_expected = run.frames_total;
