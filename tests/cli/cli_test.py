@@ -875,7 +875,7 @@ class BadInput(Case):
             text=True,
         ) as process:
             self.assertTrue(process.stderr.readline())
-            while not (out / "keyframes.txt").exists():
+            while not (out / "checkpoint.txt").exists():
                 time.sleep(0.01)
             process.send_signal(signal.SIGSTOP)
             done = self.sgs("eval", out, "--quiet", "--json")
