@@ -24,9 +24,9 @@ void add_truth(const Trajectory& truth, std::vector<viewer::FrameUpdate>& update
 }  // namespace
 
 Result<Replay> load_replay(const std::filesystem::path& folder) {
-  SGS_ASSIGN_OR_RETURN(auto run, run::load_run(folder, run::kCamera | run::kTrajectory |
-                                                           run::kKeyframes | run::kTruth |
-                                                           run::kFrames | run::kMap));
+  SGS_ASSIGN_OR_RETURN(auto run,
+                       run::load_run(folder, run::kCamera | run::kTrajectory | run::kKeyframes |
+                                                 run::kTruth | run::kFrames | run::kMap));
   Replay replay;
   replay.input = run.input;
   replay.metrics = run.metrics;

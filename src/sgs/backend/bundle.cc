@@ -95,8 +95,8 @@ WeightedRow Bundle::weighted(int host, const BundleRow& r, const BundleNoise& no
   out.is_depth = r.is_depth;
   for (std::size_t n = 0; r.is_depth && n < kTouchedCalibration; ++n) {
     const auto after_grid = static_cast<Eigen::Index>(n) - 4;
-    out.calibration[n] = static_cast<std::size_t>(
-        n < 4 ? Eigen::Index{r.grid.node[n]} : Eigen::Index{grid_size()} + after_grid);
+    out.calibration[n] = static_cast<std::size_t>(n < 4 ? Eigen::Index{r.grid.node[n]}
+                                                        : Eigen::Index{grid_size()} + after_grid);
     out.by_calibration[n] = n < 4 ? r.grid.weight[n] : r.by_shift_and_delay[after_grid];
   }
   return out;

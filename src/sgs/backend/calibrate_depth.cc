@@ -74,8 +74,8 @@ BundleState start_of(const std::vector<const Keyframe*>& keyframes, int grid_siz
   const DepthCalibration none;
   const DepthCalibration& calibration = known ? known->calibration : none;
   if (known) {
-    state.offsets_per_m = Eigen::Map<const Eigen::VectorXd>(
-        calibration.offset_per_m.data(), std::ssize(calibration.offset_per_m));
+    state.offsets_per_m = Eigen::Map<const Eigen::VectorXd>(calibration.offset_per_m.data(),
+                                                            std::ssize(calibration.offset_per_m));
     state.shift_px = calibration.shift_px;
     state.delay_s = known->delay_s;
   }

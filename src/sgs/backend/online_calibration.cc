@@ -109,7 +109,8 @@ std::optional<LearnedCalibration> OnlineCalibration::finish() {
 
 // What this attempt says, where the last one has said the same.
 std::optional<DepthEstimate> OnlineCalibration::attempt() {
-  DepthEstimate estimate = calibrate_depth(archive_.keyframes(), readout_s_, config_, last_ ? &*last_ : nullptr);
+  DepthEstimate estimate =
+      calibrate_depth(archive_.keyframes(), readout_s_, config_, last_ ? &*last_ : nullptr);
   if (!estimate.why_not.empty()) return std::nullopt;
   const auto last = std::exchange(last_, estimate);
   if (!last || !is_sure_enough(estimate)) return std::nullopt;

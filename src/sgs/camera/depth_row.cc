@@ -28,8 +28,8 @@ HWY_BEFORE_NAMESPACE();
 namespace sgs::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The inverse depths w00 / a + w10 / b + w01 / c + w11 / d and 1 / z are kept as fractions: with the
-// offset in, one division is left.
+// The inverse depths w00 / a + w10 / b + w01 / c + w11 / d and 1 / z are kept as fractions: with
+// the offset in, one division is left.
 template <class Tag>
 HWY_INLINE void CorrectLanes(Tag tag, const DepthRow& row, std::size_t x, float* corrected) {
   const auto f = [&](float value) { return hn::Set(tag, value); };
@@ -39,11 +39,11 @@ HWY_INLINE void CorrectLanes(Tag tag, const DepthRow& row, std::size_t x, float*
   const auto zero = hn::Zero(tag);
   const auto low = hn::Min(hn::Min(a, b), hn::Min(c, d));
   const auto high = hn::Max(hn::Max(a, b), hn::Max(c, d));
-  const auto smooth = hn::And(hn::Gt(low, zero),
-                              hn::Lt(hn::Sub(high, low), hn::Mul(f(kSameSurface), low)));
+  const auto smooth =
+      hn::And(hn::Gt(low, zero), hn::Lt(hn::Sub(high, low), hn::Mul(f(kSameSurface), low)));
   const auto ab = hn::Mul(a, b), cd = hn::Mul(c, d);
-  const auto above = hn::MulAdd(f((1 - row.dx) * (1 - row.dy)), b,
-                                hn::Mul(f(row.dx * (1 - row.dy)), a));
+  const auto above =
+      hn::MulAdd(f((1 - row.dx) * (1 - row.dy)), b, hn::Mul(f(row.dx * (1 - row.dy)), a));
   const auto below = hn::MulAdd(f((1 - row.dx) * row.dy), d, hn::Mul(f(row.dx * row.dy), c));
   const auto between = hn::MulAdd(above, cd, hn::Mul(below, ab));
   const auto left = row.dy > 0.5f ? c : a, right = row.dy > 0.5f ? d : b;
@@ -52,8 +52,8 @@ HWY_INLINE void CorrectLanes(Tag tag, const DepthRow& row, std::size_t x, float*
   const auto denominator = hn::IfThenElse(smooth, hn::Mul(ab, cd), nearest);
   const auto moved =
       hn::MulAdd(hn::LoadU(tag, row.offset_per_m.data() + x), denominator, numerator);
-  const auto measured = hn::And(hn::Gt(denominator, zero),
-                                hn::Gt(hn::Mul(f(kFarthest_m), moved), denominator));
+  const auto measured =
+      hn::And(hn::Gt(denominator, zero), hn::Gt(hn::Mul(f(kFarthest_m), moved), denominator));
   const auto depth = hn::Div(denominator, hn::IfThenElse(measured, moved, f(1)));
   hn::StoreU(hn::IfThenElseZero(measured, depth), tag, corrected + x);
 }

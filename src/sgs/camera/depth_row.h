@@ -14,9 +14,9 @@ struct DepthRow {
   std::span<const float> offset_per_m;  ///< of inverse depth
 };
 
-/// Depth at each place of a row: inverse depth interpolated between four pixels of one surface, that
-/// of the nearest one elsewhere, with its offset. 0 where nothing was measured and where the offset
-/// moves a depth beyond 100 m.
+/// Depth at each place of a row: inverse depth interpolated between four pixels of one surface,
+/// that of the nearest one elsewhere, with its offset. 0 where nothing was measured and where the
+/// offset moves a depth beyond 100 m.
 void correct_depth(const DepthRow& row, float* corrected);
 
 }  // namespace sgs

@@ -325,11 +325,10 @@ map::SnapshotPtr Session::snapshot() { return worker_->newest_snapshot(); }
 Trajectory Session::trajectory() const {
   // Refined poses make better pictures, not a truer path (docs/decisions/0042-views.md), unless the
   // path was made in the refined map, or refining it was asked for.
-  const bool refined = tracker_->follows_map() || (config_.tracker.given.refine &&
-                                                   config_.tracker.type ==
-                                                       tracker::TrackerType::kGiven);
-  const PoseCorrection to_world =
-      refined ? odom_to_world(worker_->keyframes()) : PoseCorrection();
+  const bool refined =
+      tracker_->follows_map() ||
+      (config_.tracker.given.refine && config_.tracker.type == tracker::TrackerType::kGiven);
+  const PoseCorrection to_world = refined ? odom_to_world(worker_->keyframes()) : PoseCorrection();
   std::vector<StampedPose> poses;
   for (const FrameRecord& r : records_) {
     if (r.bad) continue;

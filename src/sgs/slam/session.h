@@ -92,13 +92,13 @@ class Session {
   map::SnapshotPtr final_snapshot() const { return worker_->final_snapshot(); }
   const std::deque<FrameRecord>& records() const { return records_; }
   /// Poses of all tracked frames, loops closed and depth calibrated (after finish()); frames that
-  /// were lost carry the tracker's guess at their pose. Those of a tracker that follows the map, and
-  /// given poses that are to be refined, are carried into the refined map.
+  /// were lost carry the tracker's guess at their pose. Those of a tracker that follows the map,
+  /// and given poses that are to be refined, are carried into the refined map.
   Trajectory trajectory() const;
   /// Poses of all tracked frames as they were said when the frames came.
   Trajectory online_trajectory() const;
-  /// Poses of the mapping keyframes as refined (after finish()): from there the map looks like their
-  /// pictures.
+  /// Poses of the mapping keyframes as refined (after finish()): from there the map looks like
+  /// their pictures.
   Trajectory keyframe_trajectory() const;
   const std::vector<KeyframePose>& keyframes() const { return worker_->keyframes(); }
   std::int64_t iterations() const { return worker_->iterations(); }
