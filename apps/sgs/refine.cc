@@ -76,9 +76,11 @@ Status check_output(const fs::path& output, const RefineCommand& command) {
 }
 
 std::string line_of(const refine::Judgement& now) {
-  return fmt::format("{:>3.0f} %  {:>7} steps  {:>7} Gaussians  PSNR {} {:.2f} dB{}",
-                     100 * std::min(1.0, now.share), now.steps, now.gaussians,
-                     now.heldout ? "held out" : "training", now.psnr_db, now.best ? "  *" : "");
+  return fmt::format(
+      "{:>3.0f} %  {:>7} steps  {:>7} Gaussians  PSNR {} {:.2f} dB, exposed {:.2f} dB{}",
+      100 * std::min(1.0, now.share), now.steps, now.gaussians,
+      now.heldout ? "held out" : "training", now.psnr_db, now.psnr_exposed_db,
+      now.best ? "  *" : "");
 }
 
 /// The pictures of the run that was refined, for the report's sliders.
@@ -109,10 +111,11 @@ void save_parameters(const RefineCommand& command, run::RunFolder& folder) {
 void print_summary(const run::RefinedRun& out) {
   const refine::Refined& r = out.refined;
   const char* judge = r.heldout ? "held out" : "training (nothing is held out)";
-  say("sgs: PSNR {} {:.2f} -> {:.2f} dB after {} steps on {} frames, {} judging; {} -> {} "
+  say("sgs: PSNR {} {:.2f} -> {:.2f} dB (exposed as the frames around: {:.2f}) after {} steps on "
+      "{} frames, {} judging; {} -> {} "
       "Gaussians{}\n",
-      judge, r.start.psnr_db, r.best.psnr_db, r.last.steps, out.frames_used, out.frames_heldout,
-      r.start.gaussians, r.best.gaussians,
+      judge, r.start.psnr_db, r.best.psnr_db, r.best.psnr_exposed_db, r.last.steps, out.frames_used,
+      out.frames_heldout, r.start.gaussians, r.best.gaussians,
       r.exhausted ? "; ended early: nothing improved any more" : "");
   if (r.best.steps == 0) say("sgs: nothing became better: the map is the one it started from\n");
 }

@@ -71,6 +71,15 @@ ColorFloatImage to_float(const ColorImage& image) {
   return result;
 }
 
+ColorFloatImage brightened(const ColorFloatImage& image, const std::array<float, 3>& gain) {
+  ColorFloatImage out = image;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    render::Rgbf& p = out.data()[i];
+    p = {gain[0] * p.r, gain[1] * p.g, gain[2] * p.b};
+  }
+  return out;
+}
+
 ColorFloatImage clamped(const ColorFloatImage& image) {
   ColorFloatImage result(image.width(), image.height());
   for (std::size_t i = 0; i < image.size(); ++i) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "sgs/core/image.h"
@@ -16,6 +17,8 @@ using ColorFloatImage = Image<render::Rgbf>;
 ColorFloatImage to_float(const ColorImage& image);
 /// A rendering's colour clamped to [0, 1]; values that are not finite become 0.
 ColorFloatImage clamped(const ColorFloatImage& image);
+/// The image with its channels times `gain`.
+ColorFloatImage brightened(const ColorFloatImage& image, const std::array<float, 3>& gain);
 /// The image with black where `depth` is 0: the `gsicp` rule applies it to truth and rendering.
 ColorFloatImage zero_without_depth(const ColorFloatImage& image, const DepthImage& depth);
 

@@ -27,7 +27,7 @@ struct Metrics {
   Real scale_error_percent, tracked_percent;
   Count frames, frames_tracked, frames_lost;
   Real degenerate_percent, prior_percent;
-  Real psnr_db, psnr_db_full, psnr_db_train, psnr_db_heldout, psnr_db_novel;
+  Real psnr_db, psnr_db_full, psnr_db_train, psnr_db_heldout, psnr_db_exposed, psnr_db_novel;
   Real ssim, ssim_full, ssim_train, ssim_heldout, ssim_novel;
   Real lpips, lpips_full, lpips_train, lpips_heldout, lpips_novel;
   Real depth_l1_m, depth_l1_novel_m;
@@ -133,6 +133,10 @@ void visit_metrics(M&& m, Visitor&& visit) {
   visit(I{"psnr_db_heldout", r, "PSNR (held out)", "dB", 1, 2, kMore, kTile,
           "Mean PSNR over the frames that the mapper never saw, all pixels."},
         m.psnr_db_heldout);
+  visit(I{"psnr_db_exposed", r, "PSNR (held out, exposed)", "dB", 1, 2, kMore, kMain,
+          "The same, the map made as bright as the frames before and after in time were (refined "
+          "runs only): nothing is fitted to the held-out picture."},
+        m.psnr_db_exposed);
   visit(
       I{"psnr_db_novel", r, "PSNR (novel views)", "dB", 1, 2, kMore, kMain,
         "Mean PSNR of views off the path against the generator's truth (synthetic input only), up "

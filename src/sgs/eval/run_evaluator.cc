@@ -23,11 +23,12 @@ struct Job {
   bool heldout = false;
   bool with_lpips = false;
   bool with_picture = false;
+  std::optional<std::array<float, 3>> gain;
 };
 
 struct JobResult {
   FrameScores scores;
-  std::optional<double> ssim_gsicp, lpips_gsicp, lpips_full;
+  std::optional<double> ssim_gsicp, lpips_gsicp, lpips_full, psnr_exposed_db;
   std::optional<DepthError> depth;
   std::optional<FramePictures> pictures;
 };
@@ -91,6 +92,9 @@ JobResult compare(const Job& job, const Lpips* lpips, const RunEvaluatorConfig& 
   const ColorFloatImage image = clamped(job.rendering.color);
   result.scores.psnr_full_db = psnr_db(truth, image);
   result.scores.ssim_full = ssim(truth, image);
+  if (job.heldout && job.gain) {
+    result.psnr_exposed_db = psnr_db(truth, clamped(brightened(job.rendering.color, *job.gain)));
+  }
   result.depth =
       depth_error(job.frame.depth, job.rendering, static_cast<float>(config.depth_min_alpha));
   if (result.depth) result.scores.depth_l1_m = result.depth->l1_m;
@@ -129,6 +133,7 @@ Metrics scores_of(const RunEvaluation& r) {
   scores.ssim_train = r.train.ssim;
   scores.lpips_train = r.train.lpips;
   scores.psnr_db_heldout = r.heldout.psnr_db;
+  scores.psnr_db_exposed = r.psnr_exposed_db;
   scores.ssim_heldout = r.heldout.ssim;
   scores.lpips_heldout = r.heldout.lpips;
   scores.depth_l1_m = r.depth_l1_m;
@@ -160,6 +165,7 @@ class Totals {
       heldout_.psnr.add(result.scores.psnr_full_db);
       heldout_.ssim.add(result.scores.ssim_full);
       heldout_.lpips.add(result.lpips_full);
+      exposed_.add(result.psnr_exposed_db);
     }
     out.frames.push_back(result.scores);
     if (result.pictures) out.pictures.push_back(std::move(*result.pictures));
@@ -170,6 +176,7 @@ class Totals {
     out.full = full_.scores();
     out.train = train_.scores();
     out.heldout = heldout_.scores();
+    out.psnr_exposed_db = exposed_.value();
     out.depth_l1_m = depth_.value();
     out.depth_coverage = coverage_.value();
     out.scores = scores_of(out);
@@ -177,7 +184,7 @@ class Totals {
 
  private:
   RuleMeans gsicp_, full_, train_, heldout_;
-  Mean depth_, coverage_;
+  Mean depth_, coverage_, exposed_;
 };
 
 /// Decides which frames keep their pictures: `pictures` of them, each in the middle of its share.
@@ -243,6 +250,7 @@ RunEvaluation evaluate_run(const RunInput& input, const RunEvaluatorConfig& conf
       job.with_picture =
           keeps_picture(number, pictures_planned, input.frames_expected, config.pictures);
       if (job.with_picture) ++pictures_planned;
+      if (input.gain_of) job.gain = input.gain_of(job.frame);
       input.rasterizer->render(input.gaussians, job.frame.camera, *pose, job.rendering);
       ++used;
     }

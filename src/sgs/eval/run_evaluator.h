@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -55,12 +56,13 @@ struct FramePictures {
 struct RunEvaluation {
   /// `gsicp`: every frame; pixels without measured depth are zeroed in both pictures and counted.
   RuleScores gsicp;
-  RuleScores full;                       ///< every frame, all pixels
-  RuleScores train;                      ///< all pixels of the other frames
-  RuleScores heldout;                    ///< all pixels of the frames that the mapper never saw
-  std::optional<double> depth_l1_m;      ///< mean over frames of DepthError::l1_m
-  std::optional<double> depth_coverage;  ///< mean over frames of DepthError::coverage
-  std::int64_t frames_seen = 0;          ///< frames delivered
+  RuleScores full;                        ///< every frame, all pixels
+  RuleScores train;                       ///< all pixels of the other frames
+  RuleScores heldout;                     ///< all pixels of the frames that the mapper never saw
+  std::optional<double> psnr_exposed_db;  ///< of `heldout`, with the gains of RunInput::gain_of
+  std::optional<double> depth_l1_m;       ///< mean over frames of DepthError::l1_m
+  std::optional<double> depth_coverage;   ///< mean over frames of DepthError::coverage
+  std::int64_t frames_seen = 0;           ///< frames delivered
   std::int64_t frames_without_pose = 0;
   bool cancelled = false;  ///< the scores are of the frames until then
   std::vector<FrameScores> frames;
@@ -76,6 +78,8 @@ struct RunInput {
   std::function<bool(RgbdFrame&)> next_frame;
   /// Estimated pose of a frame; empty where there is none (the frame is not rendered).
   std::function<std::optional<SE3>(const RgbdFrame&)> pose_of;
+  /// The frame's exposure over the map's colour, known without its picture; may be empty.
+  std::function<std::optional<std::array<float, 3>>(const RgbdFrame&)> gain_of;
   /// Frames that next_frame will deliver, for spreading pictures; 0 = unknown.
   std::int64_t frames_expected = 0;
   std::span<const map::Gaussian> gaussians;

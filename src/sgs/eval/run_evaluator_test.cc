@@ -81,6 +81,18 @@ TEST(RunEvaluator, RulesSideBySide) {
   EXPECT_FALSE(r.protocol.empty());
 }
 
+TEST(RunEvaluator, ExposureThatIsKnownBrightensHeldOutFramesInAScoreOfItsOwn) {
+  GreyRasterizer rasterizer;
+  EXPECT_FALSE(evaluate_run(input(16, rasterizer), {}).scores.psnr_db_exposed);
+  RunInput in = input(16, rasterizer);
+  in.gain_of = [](const RgbdFrame& f) {
+    return f.index == 4 ? std::optional(std::array<float, 3>{1.5f, 1.5f, 1.5f}) : std::nullopt;
+  };
+  const auto r = evaluate_run(in, {});
+  EXPECT_NEAR(*r.scores.psnr_db_exposed, -20 * std::log10(0.1), 1e-4);
+  EXPECT_NEAR(*r.scores.psnr_db_heldout, kMaxPsnr_db, 1e-9);
+}
+
 TEST(RunEvaluator, StrideKeepsHeldOutFrames) {
   GreyRasterizer rasterizer;
   RunEvaluatorConfig config;

@@ -17,11 +17,13 @@ constexpr std::size_t kAtOnce = 4;  // pictures rendered, then compared side by 
 HeldoutJudge::HeldoutJudge(std::vector<RefineFrame> frames, ThreadPool* pool)
     : frames_(std::move(frames)), pool_(pool), rasterizer_(render::make_cpu_rasterizer(pool)) {}
 
-double HeldoutJudge::psnr_db(std::span<const map::Gaussian> gaussians,
-                             const PoseCorrection& correction) {
-  if (frames_.empty()) return std::numeric_limits<double>::quiet_NaN();
+HeldoutScores HeldoutJudge::scores(std::span<const map::Gaussian> gaussians,
+                                   const PoseCorrection& correction,
+                                   const ExposureCurve& exposures) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  if (frames_.empty()) return {kNaN, kNaN};
   std::vector<render::Rendering> renderings(kAtOnce);
-  std::vector<double> scores(frames_.size());
+  std::vector<HeldoutScores> scores(frames_.size());
   for (std::size_t first = 0; first < frames_.size(); first += kAtOnce) {
     const std::size_t count = std::min(kAtOnce, frames_.size() - first);
     for (std::size_t i = 0; i < count; ++i) {
@@ -37,8 +39,11 @@ double HeldoutJudge::psnr_db(std::span<const map::Gaussian> gaussians,
     const auto compare = [&](int chunk, int) {
       const auto i = static_cast<std::size_t>(chunk);
       const auto pictures = frames_[first + i].keyframe.pictures();
-      scores[first + i] =
-          eval::psnr_db(eval::to_float(pictures->color), eval::clamped(renderings[i].color));
+      const auto truth = eval::to_float(pictures->color);
+      const auto& drawn = renderings[i].color;
+      const auto gain = exposures.at(frames_[first + i].timestamp_s);
+      scores[first + i] = {eval::psnr_db(truth, eval::clamped(drawn)),
+                           eval::psnr_db(truth, eval::clamped(eval::brightened(drawn, gain)))};
     };
     if (pool_ != nullptr) {
       pool_->run(static_cast<int>(count), compare);
@@ -46,9 +51,13 @@ double HeldoutJudge::psnr_db(std::span<const map::Gaussian> gaussians,
       for (std::size_t i = 0; i < count; ++i) compare(static_cast<int>(i), 0);
     }
   }
-  double sum = 0;
-  for (const double score : scores) sum += score;
-  return sum / static_cast<double>(scores.size());
+  HeldoutScores mean;
+  const auto count = static_cast<double>(scores.size());
+  for (const HeldoutScores& score : scores) {
+    mean.psnr_db += score.psnr_db / count;
+    mean.psnr_exposed_db += score.psnr_exposed_db / count;
+  }
+  return mean;
 }
 
 }  // namespace sgs::refine

@@ -8,13 +8,19 @@
 #include "sgs/core/thread_pool.h"
 #include "sgs/geometry/pose_correction.h"
 #include "sgs/map/gaussian.h"
+#include "sgs/refine/exposure_curve.h"
 #include "sgs/refine/training_frames.h"
 #include "sgs/render/rasterizer.h"
 
 namespace sgs::refine {
 
-/// Judges a map by pictures that nothing learns from: mean PSNR over all pixels, no exposure
-/// corrected, as eval's rule `heldout`.
+/// Mean PSNR of held-out pictures in dB. NaN without pictures.
+struct HeldoutScores {
+  double psnr_db = 0;          ///< no exposure corrected, as eval's rule `heldout`
+  double psnr_exposed_db = 0;  ///< as bright as the frames around in time
+};
+
+/// Judges a map by pictures that nothing learns from, all pixels of them.
 class HeldoutJudge {
  public:
   /// `pool` must outlive it; null = one thread.
@@ -22,9 +28,10 @@ class HeldoutJudge {
 
   bool empty() const { return frames_.empty(); }
   std::size_t size() const { return frames_.size(); }
-  /// Mean PSNR in dB of the map seen from the frames' own poses, moved along as `correction` moves
-  /// the frames around them. NaN without frames. Same bits for any number of threads.
-  double psnr_db(std::span<const map::Gaussian> gaussians, const PoseCorrection& correction);
+  /// The map seen from the frames' own poses, moved along as `correction` moves the frames around
+  /// them. Same bits for any number of threads.
+  HeldoutScores scores(std::span<const map::Gaussian> gaussians, const PoseCorrection& correction,
+                       const ExposureCurve& exposures);
 
  private:
   std::vector<RefineFrame> frames_;

@@ -21,11 +21,11 @@ struct RefineConfig {
   double dssim_weight = 0;
   double half_resolution_until = 0;
 
-  double rate_mean_m = 7e-4;
-  double rate_log_scale = 1e-2;
-  double rate_rotation = 5e-3;
-  double rate_opacity = 0.03;
-  double rate_color = 5e-3;
+  double rate_mean_m = 3e-3;
+  double rate_log_scale = 8e-2;
+  double rate_rotation = 2e-2;
+  double rate_opacity = 0.2;
+  double rate_color = 4e-2;
   double rate_end = 0.05;
   double beta2 = 0.98;
   double max_axis_ratio = 6;

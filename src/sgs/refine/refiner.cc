@@ -85,7 +85,7 @@ struct Refiner::Impl {
               threads),
         rasterizer(render::make_cpu_rasterizer(threads)),
         views(*rasterizer, full_views_within(frames.front().keyframe.camera(),
-                                             (static_cast<std::size_t>(c.memory_mb) << 20) / 2)),
+                                             (static_cast<std::size_t>(c.memory_mb) << 20) / 4)),
         optimizer(optimizer_config(c, 0)),
         order(weights_of(frames), seed),
         loss(refine_loss(c)),
@@ -108,6 +108,7 @@ struct Refiner::Impl {
   void learn_frame(RefineFrame& frame, bool first, const PinholeCamera& view);
   void densify(double share);
   PoseCorrection correction() const;
+  ExposureCurve exposures() const;
   Judgement check(double share);
 
   RefineConfig config;
@@ -134,8 +135,8 @@ struct Refiner::Impl {
 
 /// Gains from how bright the map is in each frame: the run does not keep them.
 void Refiner::Impl::fit_exposures() {
-  for (std::size_t i = 1; i < frames.size(); ++i) {
-    mapper::MapKeyframe& keyframe = frames[i].keyframe;
+  for (RefineFrame& frame : frames) {
+    mapper::MapKeyframe& keyframe = frame.keyframe;
     rasterizer->render(store.average, keyframe.camera().halved(1), keyframe.T_world_camera,
                        rendering);
     const auto sums = mapper::exposure_sums(keyframe, rendering);
@@ -186,16 +187,16 @@ void Refiner::Impl::step(double share) {
   ++steps;
 }
 
-/// Exposure and pose of the frame just visited. The first one fixes both for the map.
+/// Exposure and pose of the frame just visited. The pull of all gains to 1 fixes the brightness of
+/// the map, and the first pose its place.
 void Refiner::Impl::learn_frame(RefineFrame& frame, bool first, const PinholeCamera& view) {
-  if (first) return;
   mapper::MapKeyframe& keyframe = frame.keyframe;
   if (config.exposure) {
     constexpr double kExposureStep = 0.5;
     mapper::update_gain(keyframe, gradients.exposure_measured, gradients.exposure_rendered,
                         config.exposure_prior, kExposureStep);
   }
-  if (!config.poses) return;
+  if (!config.poses || first) return;
   if (!keyframe.pose_information) {
     keyframe.pose_information = mapper::pose_information(keyframe.training_image(1), loss);
   }
@@ -241,6 +242,14 @@ PoseCorrection Refiner::Impl::correction() const {
   return PoseCorrection(std::move(moved));
 }
 
+ExposureCurve Refiner::Impl::exposures() const {
+  std::vector<Exposure> known;
+  for (const RefineFrame& frame : frames) {
+    known.push_back({frame.timestamp_s, frame.keyframe.gain});
+  }
+  return ExposureCurve(std::move(known));
+}
+
 Judgement Refiner::Impl::check(double share) {
   Judgement now;
   now.steps = steps;
@@ -248,11 +257,14 @@ Judgement Refiner::Impl::check(double share) {
   now.gaussians = store.size();
   now.heldout = judged_by_heldout;
   const PoseCorrection moved = judged_by_heldout ? correction() : PoseCorrection();
-  now.psnr_db = judge.psnr_db(store.average, moved);
+  const HeldoutScores scores = judge.scores(store.average, moved, exposures());
+  now.psnr_db = scores.psnr_db;
+  now.psnr_exposed_db = scores.psnr_exposed_db;
   now.best = result.gaussians.empty() || now.psnr_db > result.best.psnr_db;
   if (now.best) {
     result.gaussians = store.average;
     result.correction = correction();
+    result.exposures = steps > 0 && config.exposure ? exposures() : ExposureCurve();
     result.best = now;
   }
   result.last = now;
@@ -273,6 +285,7 @@ const std::vector<map::Gaussian>& Refiner::best_gaussians() const {
   return impl_->result.gaussians;
 }
 const PoseCorrection& Refiner::best_correction() const { return impl_->result.correction; }
+const ExposureCurve& Refiner::best_exposures() const { return impl_->result.exposures; }
 
 Refined Refiner::run(const Effort& effort, const Watch& watch, const std::stop_token& stop) {
   Impl& m = *impl_;

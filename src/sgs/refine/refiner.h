@@ -12,6 +12,7 @@
 #include "sgs/core/thread_pool.h"
 #include "sgs/geometry/pose_correction.h"
 #include "sgs/map/gaussian.h"
+#include "sgs/refine/exposure_curve.h"
 #include "sgs/refine/refine_config.h"
 #include "sgs/refine/training_frames.h"
 
@@ -28,15 +29,17 @@ struct Judgement {
   std::int64_t steps = 0;  ///< so far
   double share = 0;        ///< of the effort, 0..1
   std::size_t gaussians = 0;
-  double psnr_db = 0;   ///< of held-out frames; of training frames where nothing is held out
-  bool heldout = true;  ///< which of the two
-  bool best = false;    ///< better than all before
+  double psnr_db = 0;          ///< of held-out frames; of training frames where nothing is held out
+  double psnr_exposed_db = 0;  ///< the same, as bright as the frames around in time
+  bool heldout = true;         ///< which of the two
+  bool best = false;           ///< better than all before
 };
 
 /// What came of it: the best state by the held-out frames, the beginning included.
 struct Refined {
   std::vector<map::Gaussian> gaussians;
   PoseCorrection correction;  ///< how the training frames moved; what lies between moves along
+  ExposureCurve exposures;    ///< of the training frames
   Judgement start, best, last;
   bool heldout = true;     ///< false: nothing was held out, training frames judged
   bool stopped = false;    ///< by request
@@ -62,6 +65,7 @@ class Refiner {
   /// The best state so far; to be called from Watch.
   const std::vector<map::Gaussian>& best_gaussians() const;
   const PoseCorrection& best_correction() const;
+  const ExposureCurve& best_exposures() const;
 
  private:
   struct Impl;

@@ -33,6 +33,23 @@ std::vector<RefineFrame> frames(int first, int end, int stride, const SE3& error
   return out;
 }
 
+/// As a camera takes them that closes its iris step by step.
+std::vector<RefineFrame> darkening_frames(int first, int end, int stride) {
+  std::vector<RefineFrame> out;
+  for (int i = first; i < end; i += stride) {
+    RgbdFrame frame = *mapper::wall_frame(mapper::small_camera(), viewpoint(i), i);
+    const double gain = 1.1 - 0.04 * i;
+    for (std::size_t k = 0; k < frame.color.size(); ++k) {
+      Rgb8& c = frame.color.data()[k];
+      for (std::uint8_t* channel : {&c.r, &c.g, &c.b}) {
+        *channel = static_cast<std::uint8_t>(std::min(255.0, gain * *channel));
+      }
+    }
+    out.push_back({mapper::MapKeyframe(frame, viewpoint(i), 10), frame.timestamp_s, 1, 1});
+  }
+  return out;
+}
+
 RefineConfig small_config() {
   RefineConfig config;
   config.max_gaussians = 3000;
@@ -117,6 +134,18 @@ TEST(Refiner, WithNothingHeldOutTrainingFramesJudge) {
   const Refined refined = refiner.run({50, 0});
   EXPECT_FALSE(refined.heldout);
   EXPECT_GE(refined.best.psnr_db, refined.start.psnr_db);
+}
+
+// The held-out pictures' exposure is that of the frames around them, never looked up in them.
+TEST(Refiner, LearnsHowTheExposureChanges) {
+  RefineConfig config = small_config();
+  config.exposure_prior = 0.1;
+  Refiner refiner(config, 1, darkening_frames(0, 7, 2), darkening_frames(1, 7, 2), rough_map(),
+                  nullptr);
+  const Refined refined = refiner.run({200, 0});
+  const auto first = refined.exposures.at(0), last = refined.exposures.at(1e9);
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(last[c] / first[c], 0.86 / 1.1, 0.05) << c;
+  EXPECT_GT(refined.last.psnr_exposed_db, refined.last.psnr_db + 1);
 }
 
 // Poses that are wrong come right, and what lies between them moves along.

@@ -83,16 +83,6 @@ std::array<float, 3> common_gain(const std::vector<View>& views) {
   return gain;
 }
 
-eval::ColorFloatImage brightened(const eval::ColorFloatImage& image,
-                                 const std::array<float, 3>& gain) {
-  eval::ColorFloatImage out = image;
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    render::Rgbf& p = out.data()[i];
-    p = {gain[0] * p.r, gain[1] * p.g, gain[2] * p.b};
-  }
-  return eval::clamped(out);
-}
-
 }  // namespace
 
 Result<NovelScores> score_novel_views(const Run& run, int count, const eval::Lpips* lpips,
@@ -123,7 +113,7 @@ Result<NovelScores> score_novel_views(const Run& run, int count, const eval::Lpi
   double psnr = 0, ssim = 0, distance = 0, depth = 0;
   int with_depth = 0;
   for (const View& view : views) {
-    const auto image = brightened(view.rendering.color, gain);
+    const auto image = eval::clamped(eval::brightened(view.rendering.color, gain));
     psnr += eval::psnr_db(view.truth, image);
     ssim += eval::ssim(view.truth, image).value_or(0);
     if (lpips != nullptr) distance += lpips->distance(view.truth, image).value_or(0);

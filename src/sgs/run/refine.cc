@@ -107,7 +107,7 @@ Result<Material> read_material(const Run& run, const RefineOptions& options,
   const std::int64_t judges_apart = (count_heldout(run) + kMostJudges - 1) / kMostJudges;
   const auto budget = static_cast<std::size_t>(options.config.memory_mb) << 20;
   refine::FrameSelection training(run.camera, static_cast<std::int64_t>(run.frames.size()),
-                                  budget / 2);
+                                  budget / 4 * 3);
   refine::FrameSelection heldout(run.camera, 1, budget);
   const double readout_s = options.config.rolling_shutter ? learned_readout_s(run) : 0;
   const Trajectory views = view_poses(run);
@@ -173,12 +173,17 @@ Trajectory moved(const Trajectory& poses, const PoseCorrection& correction) {
 
 /// The run at a state of its refinement; its path is the one that its pictures are rendered from.
 Run run_at(const Run& run, const std::vector<map::Gaussian>& gaussians,
-           const PoseCorrection& correction) {
+           const PoseCorrection& correction, const refine::ExposureCurve& exposures) {
   constexpr std::int64_t kBytesPerGaussian = sizeof(map::Gaussian);
   Run at = run;
   at.gaussians = gaussians;
   at.trajectory = moved(view_poses(run), correction);
   at.keyframes = moved(run.keyframes, correction);
+  for (slam::FrameRecord& record : at.frames) {
+    if (record.bad || exposures.empty()) continue;
+    const auto gain = exposures.at(record.timestamp_s);
+    record.gain = {gain[0], gain[1], gain[2]};
+  }
   at.metrics.gaussians = static_cast<std::int64_t>(gaussians.size());
   at.metrics.map_bytes = kBytesPerGaussian * *at.metrics.gaussians;
   eval::replace_group(at.metrics, eval::kRenderingGroup, {});
@@ -240,11 +245,13 @@ Result<RefinedRun> refine_run(const Run& run, const RefineOptions& options, RunF
     if (watch.checked) watch.checked(now);
     const bool due = options.keep_every_s > 0 && wall_time_s() - kept_s > options.keep_every_s;
     if (!now.best || !due || now.steps == 0) return;
-    save_run(run_at(run, refiner.best_gaussians(), refiner.best_correction()), folder);
+    save_run(
+        run_at(run, refiner.best_gaussians(), refiner.best_correction(), refiner.best_exposures()),
+        folder);
     kept_s = wall_time_s();
   };
   out.refined = refiner.run(options.effort, checked, stop);
-  out.run = run_at(run, out.refined.gaussians, out.refined.correction);
+  out.run = run_at(run, out.refined.gaussians, out.refined.correction, out.refined.exposures);
   out.run.metrics.mapping_iterations =
       run.metrics.mapping_iterations.value_or(0) + out.refined.best.steps;
   out.run.state = {};

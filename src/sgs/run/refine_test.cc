@@ -77,6 +77,9 @@ TEST_F(RefineRunTest, MakesARunFolderThatIsNoWorse) {
   EXPECT_EQ(after->trajectory.size(), before.trajectory.size());
   EXPECT_EQ(after->gaussians.size(), refined->refined.best.gaussians);
   EXPECT_EQ(after->input.input, before.input.input);
+  for (const slam::FrameRecord& frame : after->frames) {
+    EXPECT_NEAR(frame.gain[1], 1, 0.5) << frame.index;  // NaN fails, too
+  }
 }
 
 // The frames are compared as they were recorded, and learnt from as they should have been.

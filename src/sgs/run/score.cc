@@ -51,6 +51,20 @@ void add_frame_metrics(const std::vector<slam::FrameRecord>& frames, eval::Metri
   }
 }
 
+/// What refinement has learned of the exposure of a frame.
+std::optional<std::array<float, 3>> gain_of(const Run& run, std::int64_t index) {
+  const auto record = std::lower_bound(
+      run.frames.begin(), run.frames.end(), index,
+      [](const slam::FrameRecord& r, std::int64_t wanted) { return r.index < wanted; });
+  if (record == run.frames.end() || record->index != index) return std::nullopt;
+  std::array<float, 3> gain;
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (!std::isfinite(record->gain[c])) return std::nullopt;
+    gain[c] = static_cast<float>(record->gain[c]);
+  }
+  return gain;
+}
+
 Result<eval::RunEvaluation> score_rendering(const Run& run, const ScoreOptions& options,
                                             const std::function<void(std::int64_t)>& progress,
                                             const std::stop_token& stop) {
@@ -80,6 +94,7 @@ Result<eval::RunEvaluation> score_rendering(const Run& run, const ScoreOptions& 
     return false;
   };
   evaluation.pose_of = [&](const RgbdFrame& frame) { return views.at(frame.timestamp_s, 0.0); };
+  evaluation.gain_of = [&](const RgbdFrame& frame) { return gain_of(run, frame.index); };
   evaluation.frames_expected = run.frames_total;
   evaluation.gaussians = run.gaussians;
   evaluation.rasterizer = rasterizer.get();

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -37,6 +39,10 @@ struct FrameRecord {
   int calibrations = 0;          ///< of depth, learned so far
   double correction_m = 0;       ///< by how much the past was moved just before this frame
   std::int64_t fingerprint = 0;  ///< of the frame (camera/fingerprint.h); 0 = not known
+  /// Exposure over the map's colour per channel, as `sgs refine` learned it; NaN = not known. Of a
+  /// held-out frame: as the frames around it in time tell.
+  std::array<double, 3> gain = {kUnknownGain, kUnknownGain, kUnknownGain};
+  static constexpr double kUnknownGain = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// A per-frame value: its key in frames.csv and in the viewer's messages, its unit ("" = none) and
@@ -121,6 +127,12 @@ void visit_columns(Record& r, Visitor&& visit) {
         "A number from the frame's pixels: `sgs refine` sees by it whether the recording is still "
         "the same. 0: not known."},
       r.fingerprint);
+  visit(C{"gain_red", "",
+          "Exposure of the frame over the map's colour, red, as `sgs refine` learned it; of a "
+          "held-out frame as the frames around it tell."},
+        r.gain[0]);
+  visit(C{"gain_green", "", "The same, green."}, r.gain[1]);
+  visit(C{"gain_blue", "", "The same, blue."}, r.gain[2]);
 }
 
 /// The first line of frames.csv, with its line feed.
