@@ -41,7 +41,8 @@ void PastWorker::process(const Job& job) {
 }
 
 void PastWorker::loop() {
-  lower_thread_priority(kPastNice);
+  // Offline frames wait for it: a machine that is busy with other things would hold up all of it.
+  if (mode_ == MapWorker::Mode::kLive) lower_thread_priority(kPastNice);
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [&] { return stop_ || !queue_.empty(); });
