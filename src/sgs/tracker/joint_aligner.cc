@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "sgs/degeneracy/planarity.h"
+#include "sgs/tracker/describe.h"
 #include "sgs/tracker/loss_checks.h"
 
 namespace sgs::tracker {
@@ -197,6 +198,29 @@ JointAligner::Extension JointAligner::extend(const Alignment& a, const Vector6d&
   geometry_.insert_keyframe(a.T_local_camera, a.points_readout);
   out.targets = true;
   return out;
+}
+
+Diagnostics JointAligner::describe(const Alignment& a) const {
+  Diagnostics d;
+  times_.write_to(d);
+  d.source_points = source_points();
+  d.targets = static_cast<int>(geometry_.targets().cloud().points.size());
+  d.planarity = planarity_;
+  note_observability(observability_, d);
+  d.iterations = a.iterations;
+  if (a.geometry) {
+    d.inliers = a.geometry->inliers;
+    d.cost = a.geometry->cost;
+    d.overlap = a.geometry->overlap;
+    note_spectrum(a.geometry->spectrum, d);
+  }
+  if (a.picture) {
+    d.visual_inliers = a.picture->pixels;
+    d.visual_cost = a.picture->mean_cost;
+  }
+  if (a.picture_holds()) d.prior_source = PriorSource::kPhotometric;
+  d.prior_active = d.degenerate_mask != 0 && a.picture_holds();
+  return d;
 }
 
 }  // namespace sgs::tracker

@@ -83,6 +83,8 @@ class JointAligner {
   bool has_map() const { return geometry_.has_targets() || vision_.keyframes() > 0; }
   /// Whether the frame shows enough depth to be registered: kNone or kTooFewPoints.
   LostReason check_frame() const;
+  /// What an alignment of this frame says of the frame's record.
+  Diagnostics describe(const Alignment& alignment) const;
   int source_points() const { return static_cast<int>(geometry_.source().points.size()); }
   const GeometricTerm& geometry() const { return geometry_; }
   const VisualTerm& vision() const { return vision_; }

@@ -3,7 +3,6 @@
 #include "sgs/tracker/render_tracker.h"
 
 #include "sgs/render/rendered_images.h"
-#include "sgs/tracker/describe.h"
 #include "sgs/tracker/loss_checks.h"
 
 namespace sgs::tracker {
@@ -105,7 +104,7 @@ TrackResult RenderTracker::tracked(const Alignment& a) const {
       aligner_->observability().mask != 0 ? TrackingStatus::kDegenerate : TrackingStatus::kOk;
   const double min_overlap = config_.alignment.geometry.keyframe.min_overlap;
   result.keyframe = a.geometry && a.geometry->overlap < min_overlap;
-  result.diagnostics = describe(a);
+  result.diagnostics = aligner_->describe(a);
   return result;
 }
 
@@ -115,31 +114,8 @@ TrackResult RenderTracker::lost(const Alignment& a) {
   result.status = TrackingStatus::kLost;
   result.lost_reason = a.lost_reason;
   result.T_world_camera = motion_.pose();
-  result.diagnostics = describe(a);
+  result.diagnostics = aligner_->describe(a);
   return result;
-}
-
-Diagnostics RenderTracker::describe(const Alignment& a) const {
-  Diagnostics d;
-  aligner_->times().write_to(d);
-  d.source_points = aligner_->source_points();
-  d.targets = static_cast<int>(aligner_->geometry().targets().cloud().points.size());
-  d.planarity = aligner_->planarity();
-  note_observability(aligner_->observability(), d);
-  d.iterations = a.iterations;
-  if (a.geometry) {
-    d.inliers = a.geometry->inliers;
-    d.cost = a.geometry->cost;
-    d.overlap = a.geometry->overlap;
-    note_spectrum(a.geometry->spectrum, d);
-  }
-  if (a.picture) {
-    d.visual_inliers = a.picture->pixels;
-    d.visual_cost = a.picture->mean_cost;
-  }
-  if (a.picture_holds()) d.prior_source = PriorSource::kPhotometric;
-  d.prior_active = d.degenerate_mask != 0 && a.picture_holds();
-  return d;
 }
 
 }  // namespace sgs::tracker

@@ -38,7 +38,6 @@ class RenderTracker : public Tracker {
   Alignment align(const RgbdFrame& frame, const SE3& T_world_start);
   TrackResult tracked(const Alignment& a) const;
   TrackResult lost(const Alignment& a);
-  Diagnostics describe(const Alignment& a) const;
 
   RenderTrackerConfig config_;
   PinholeCamera camera_;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "sgs/tracker/describe.h"
 #include "sgs/tracker/loss_checks.h"
 
 namespace sgs::tracker {
@@ -189,7 +188,7 @@ TrackResult SpectralTracker::tracked(const Alignment& alignment) const {
   result.status =
       aligner_.observability().mask != 0 ? TrackingStatus::kDegenerate : TrackingStatus::kOk;
   result.information = alignment.information();
-  result.diagnostics = describe(alignment);
+  result.diagnostics = aligner_.describe(alignment);
   result.diagnostics.readout_s = readout_.readout_s();
   return result;
 }
@@ -209,31 +208,8 @@ TrackResult SpectralTracker::lost(const Alignment& alignment, double timestamp_s
   result.status = TrackingStatus::kLost;
   result.lost_reason = alignment.lost_reason;
   result.T_world_camera = (T_world_local_ * T_bridge_).normalized();
-  result.diagnostics = describe(alignment);
+  result.diagnostics = aligner_.describe(alignment);
   return result;
-}
-
-Diagnostics SpectralTracker::describe(const Alignment& a) const {
-  Diagnostics d;
-  aligner_.times().write_to(d);
-  d.source_points = aligner_.source_points();
-  d.targets = static_cast<int>(aligner_.geometry().targets().cloud().points.size());
-  d.planarity = aligner_.planarity();
-  note_observability(aligner_.observability(), d);
-  d.iterations = a.iterations;
-  if (a.geometry) {
-    d.inliers = a.geometry->inliers;
-    d.cost = a.geometry->cost;
-    d.overlap = a.geometry->overlap;
-    note_spectrum(a.geometry->spectrum, d);
-  }
-  if (a.picture) {
-    d.visual_inliers = a.picture->pixels;
-    d.visual_cost = a.picture->mean_cost;
-  }
-  if (a.picture_holds()) d.prior_source = PriorSource::kPhotometric;
-  d.prior_active = d.degenerate_mask != 0 && a.picture_holds();
-  return d;
 }
 
 }  // namespace sgs::tracker

@@ -36,7 +36,6 @@ class SpectralTracker : public Tracker {
   bool extend_map(const RgbdFrame& frame, const Alignment& alignment, const Vector6d& readout);
   TrackResult tracked(const Alignment& alignment) const;
   TrackResult lost(const Alignment& alignment, double timestamp_s);
-  Diagnostics describe(const Alignment& alignment) const;
 
   Alignment align(const SE3& T_start, double timestamp_s, const MotionModel& motion);
   bool fits_badly(const Alignment& a) const;
