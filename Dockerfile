@@ -10,6 +10,6 @@ FROM debian:bookworm-slim
 SHELL ["/bin/bash", "-c"]
 COPY --from=build /packages/*.deb /packages/
 RUN apt-get update -q && \
-    apt-get install -q -y --no-install-recommends /packages/{sgs,sgs-mesh,libsgs0,python3-sgs}_*.deb && \
+    apt-get install -q -y --no-install-recommends /packages/{sgs,sgs-mesh,sgs-video,libsgs0,python3-sgs}_*.deb && \
     rm -rf /packages /var/lib/apt/lists/*
 ENTRYPOINT ["sgs"]

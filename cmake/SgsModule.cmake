@@ -52,6 +52,8 @@ function(sgs_add_module name)
 
   if(SGS_BUILD_TESTS AND tests)
     add_executable(sgs_${name}_test ${tests})
+    sgs_unite(sgs_${name}_test ${tests})
+    target_compile_options(sgs_${name}_test PRIVATE -O1)  # they run once: what counts is their build
     target_link_libraries(sgs_${name}_test PRIVATE sgs_${name} sgs_warnings ${ARG_PRIVATE_LIBS}
                                                    GTest::gmock GTest::gtest_main)
     target_compile_definitions(sgs_${name}_test PRIVATE SGS_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

@@ -13,12 +13,14 @@ trap 'rm -rf "$work"' EXIT
 cd "$work"
 
 apt-get update -q
-apt-get install -q -y --no-install-recommends "$folder"/{sgs,sgs-mesh,libsgs0,python3-sgs}_*.deb
+apt-get install -q -y --no-install-recommends "$folder"/{sgs,sgs-mesh,sgs-video,libsgs0,python3-sgs}_*.deb
 echo "== the program"
 sgs --version
 sgs run synth:room_desk --frames 0:20 -o run --quiet
 sgs export run mesh mesh.ply
 test -s mesh.ply
+sgs render run --video walk.mp4 --seconds 1 --quiet
+test -s walk.mp4
 test -s /usr/share/man/man1/sgs-run.1
 bash -c 'source /usr/share/bash-completion/completions/sgs; COMP_WORDS=(sgs ru) COMP_CWORD=1; _sgs
          [[ ${COMPREPLY[*]} == run ]]'
@@ -35,7 +37,7 @@ assert open("fed/trajectory.txt").read() == open("run/trajectory.txt").read(), "
 PYTHON
 
 echo "== removal"
-names=(sgs sgs-mesh libsgs0 python3-sgs)
+names=(sgs sgs-mesh sgs-video libsgs0 python3-sgs)
 dpkg -L "${names[@]}" | sort -u >installed.txt
 apt-get purge -q -y "${names[@]}"
 left=0

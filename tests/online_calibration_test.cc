@@ -36,21 +36,21 @@ slam::SessionConfig config_with_calibration(bool online) {
   return config;
 }
 
-struct Outcome {
+struct CalibratedRun {
   std::vector<map::Gaussian> gaussians;
   Trajectory poses;
   std::optional<DepthCalibration> calibration;
   int learned = 0;
 };
 
-Outcome run(const Recording& recording, const slam::SessionConfig& config, int threads,
-            bool live = false) {
+CalibratedRun run(const Recording& recording, const slam::SessionConfig& config, int threads,
+                  bool live = false) {
   slam::SessionOptions options;
   options.threads = threads;
   options.live = live;
   auto session = slam::Session::create(config, recording.camera, options);
   EXPECT_TRUE(session) << session.error().text();
-  Outcome out;
+  CalibratedRun out;
   for (const auto& frame : recording.frames) out.learned = (*session)->feed(frame).calibrations;
   (*session)->finish();
   out.gaussians = (*session)->final_snapshot()->gaussians;
@@ -61,9 +61,9 @@ Outcome run(const Recording& recording, const slam::SessionConfig& config, int t
 
 TEST(OnlineCalibration, MakesThePathTruer) {
   const Recording& recording = corridor();
-  const Outcome as_is = run(recording, config_with_calibration(false), 2);
+  const CalibratedRun as_is = run(recording, config_with_calibration(false), 2);
   EXPECT_FALSE(as_is.calibration);
-  const Outcome calibrated = run(recording, config_with_calibration(true), 2);
+  const CalibratedRun calibrated = run(recording, config_with_calibration(true), 2);
   ASSERT_TRUE(calibrated.calibration);
   EXPECT_LT(ate_m(calibrated.poses, recording.truth), 0.6 * ate_m(as_is.poses, recording.truth));
   const synthetic::Sensor sensor(synthetic::SensorModel::of_level("hard"), recording.camera, 1);
@@ -71,10 +71,10 @@ TEST(OnlineCalibration, MakesThePathTruer) {
 }
 
 TEST(OnlineCalibration, GivesTheSameBitsForAnyNumberOfThreads) {
-  const Outcome one = run(corridor(), config_with_calibration(true), 1);
+  const CalibratedRun one = run(corridor(), config_with_calibration(true), 1);
   ASSERT_GE(one.learned, 1);
   for (const int threads : {2, 5}) {
-    const Outcome other = run(corridor(), config_with_calibration(true), threads);
+    const CalibratedRun other = run(corridor(), config_with_calibration(true), threads);
     ASSERT_EQ(one.gaussians.size(), other.gaussians.size()) << threads;
     EXPECT_EQ(std::memcmp(one.gaussians.data(), other.gaussians.data(),
                           one.gaussians.size() * sizeof(map::Gaussian)),
@@ -97,7 +97,7 @@ TEST(OnlineCalibration, FingerprintsAreOfFramesAsRecorded) {
 }
 
 TEST(OnlineCalibration, LosesNoFrameAndNoMapLive) {
-  const Outcome live = run(corridor(), config_with_calibration(true), 2, true);
+  const CalibratedRun live = run(corridor(), config_with_calibration(true), 2, true);
   EXPECT_EQ(live.poses.size(), corridor().frames.size());
   EXPECT_FALSE(live.gaussians.empty());
 }

@@ -35,20 +35,20 @@ std::vector<std::shared_ptr<const RgbdFrame>> small_sequence(int count) {
   return frames;
 }
 
-slam::SessionConfig config_for_test() {
+slam::SessionConfig session_config() {
   auto config = slam::make_session_config(slam::Preset::kDefault);
   config.mapper.iterations_per_frame = 1.5;
   config.keyframe_interval = 4;
   return config;
 }
 
-struct Outcome {
+struct SessionRun {
   std::vector<map::Gaussian> gaussians;
   std::vector<StampedPose> poses;
 };
 
-Outcome run(const std::vector<std::shared_ptr<const RgbdFrame>>& frames,
-            const slam::SessionConfig& config, int threads, bool live = false) {
+SessionRun run(const std::vector<std::shared_ptr<const RgbdFrame>>& frames,
+               const slam::SessionConfig& config, int threads, bool live = false) {
   slam::SessionOptions options;
   options.threads = threads;
   options.live = live;
@@ -59,7 +59,7 @@ Outcome run(const std::vector<std::shared_ptr<const RgbdFrame>>& frames,
   return {(*session)->snapshot()->gaussians, (*session)->trajectory().poses()};
 }
 
-void expect_same_bits(const Outcome& a, const Outcome& b) {
+void expect_same_bits(const SessionRun& a, const SessionRun& b) {
   ASSERT_EQ(a.gaussians.size(), b.gaussians.size());
   EXPECT_EQ(std::memcmp(a.gaussians.data(), b.gaussians.data(),
                         a.gaussians.size() * sizeof(map::Gaussian)),
@@ -73,8 +73,8 @@ void expect_same_bits(const Outcome& a, const Outcome& b) {
 
 TEST(Session, SameBitsForAnyNumberOfThreads) {
   const auto frames = small_sequence(14);
-  const auto config = config_for_test();
-  const Outcome one = run(frames, config, 1);
+  const auto config = session_config();
+  const SessionRun one = run(frames, config, 1);
   EXPECT_GT(one.gaussians.size(), 100u);
   expect_same_bits(one, run(frames, config, 1));
   expect_same_bits(one, run(frames, config, 2));
@@ -83,7 +83,7 @@ TEST(Session, SameBitsForAnyNumberOfThreads) {
 
 TEST(Session, TracksASyntheticRoom) {
   const auto frames = small_sequence(20);
-  const Outcome outcome = run(frames, config_for_test(), 2);
+  const SessionRun outcome = run(frames, session_config(), 2);
   Trajectory truth;
   for (const auto& frame : frames) {
     truth.push_back({frame->timestamp_s, *frame->truth_T_world_camera});
@@ -97,7 +97,7 @@ TEST(Session, TracksASyntheticRoom) {
 // What the mapper moves its keyframes by is for its pictures.
 TEST(Session, SaysTheTrackersPathWhateverTheMapperMakesOfIt) {
   const auto frames = small_sequence(14);
-  auto config = config_for_test();
+  auto config = session_config();
   config.mapper.refinement.pose_first_visit = 0;
   std::vector<Trajectory> paths, keyframes;
   for (const bool refine : {true, false}) {
@@ -119,7 +119,7 @@ TEST(Session, SaysTheTrackersPathWhateverTheMapperMakesOfIt) {
 
 TEST(Session, LiveModeMapsWithoutWaiting) {
   const auto frames = small_sequence(8);
-  const Outcome outcome = run(frames, config_for_test(), 2, true);
+  const SessionRun outcome = run(frames, session_config(), 2, true);
   EXPECT_GT(outcome.gaussians.size(), 100u);
   EXPECT_EQ(outcome.poses.size(), frames.size());
 }
@@ -129,7 +129,7 @@ TEST(Session, HasACoreToItselfWhileItTracks) {
   slam::SessionOptions options;
   for (const int threads : {1, static_cast<int>(std::thread::hardware_concurrency()) + 1}) {
     options.threads = threads;
-    auto session = slam::Session::create(config_for_test(), frames.front()->camera, options);
+    auto session = slam::Session::create(session_config(), frames.front()->camera, options);
     ASSERT_TRUE(session) << session.error().text();
     for (const auto& frame : frames) (*session)->feed(frame);
     (*session)->finish();
@@ -146,7 +146,7 @@ TEST(Session, HasACoreToItselfWhileItTracks) {
 
 TEST(Session, NeverMapsHeldOutFrames) {
   const auto frames = small_sequence(14);
-  auto session = slam::Session::create(config_for_test(), frames.front()->camera, {});
+  auto session = slam::Session::create(session_config(), frames.front()->camera, {});
   ASSERT_TRUE(session);
   for (const auto& frame : frames) (*session)->feed(frame);
   (*session)->finish();
@@ -167,7 +167,7 @@ std::vector<tracker::TrackingStatus> statuses_with_blind_frames(tracker::Tracker
     blind->depth.fill(0);
     frames[i] = blind;
   }
-  auto config = config_for_test();
+  auto config = session_config();
   config.tracker.type = type;
   auto session = slam::Session::create(config, frames.front()->camera, {});
   EXPECT_TRUE(session);
@@ -207,7 +207,7 @@ TEST(Session, SaysOnceWhyTrackingIsLostAndOnceThatItIsBack) {
 
 TEST(Session, ReportsEveryFrame) {
   const auto frames = small_sequence(6);
-  auto session = slam::Session::create(config_for_test(), frames.front()->camera, {});
+  auto session = slam::Session::create(session_config(), frames.front()->camera, {});
   ASSERT_TRUE(session);
   std::vector<std::int64_t> seen;
   (*session)->on_frame([&](const slam::FrameRecord& record) { seen.push_back(record.index); });
@@ -217,7 +217,7 @@ TEST(Session, ReportsEveryFrame) {
 }
 
 TEST(Session, RefusesFramesOfAnotherSize) {
-  auto session = slam::Session::create(config_for_test(), {320, 240, 260, 260, 160, 120}, {});
+  auto session = slam::Session::create(session_config(), {320, 240, 260, 260, 160, 120}, {});
   ASSERT_TRUE(session);
   auto frame = std::make_shared<RgbdFrame>();
   frame->color = ColorImage(64, 48);
@@ -227,8 +227,8 @@ TEST(Session, RefusesFramesOfAnotherSize) {
 
 TEST(Session, SaysWhatIsWrongWithItsSettings) {
   EXPECT_FALSE(slam::make_session_config("no such preset"));
-  EXPECT_FALSE(slam::Session::create(config_for_test(), PinholeCamera{}, {}));
-  auto config = config_for_test();
+  EXPECT_FALSE(slam::Session::create(session_config(), PinholeCamera{}, {}));
+  auto config = session_config();
   config.mapper.insertion.leaf_max_px = 1000;
   const auto session = slam::Session::create(config, {320, 240, 260, 260, 160, 120}, {});
   ASSERT_FALSE(session);
@@ -236,7 +236,7 @@ TEST(Session, SaysWhatIsWrongWithItsSettings) {
   EXPECT_THAT(session.error().remedy, HasSubstr("2 .. 128 px"));
   slam::SessionOptions options;
   options.threads = 0;
-  EXPECT_FALSE(slam::Session::create(config_for_test(), {320, 240, 260, 260, 160, 120}, options));
+  EXPECT_FALSE(slam::Session::create(session_config(), {320, 240, 260, 260, 160, 120}, options));
 }
 
 TEST(SessionConfig, EveryPresetIsAllowedAndEveryFormerKeyLeadsSomewhere) {

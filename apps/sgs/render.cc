@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "commands.h"
+#include "helper_program.h"
 #include "interrupt.h"
 #include "progress.h"
 #include "sgs/core/print.h"
@@ -14,7 +15,6 @@
 #include "sgs/io/image_io.h"
 #include "sgs/io/ply.h"
 #include "sgs/io/trajectory_io.h"
-#include "sgs/io/video_file.h"
 #include "sgs/render/rendered_images.h"
 #include "sgs/report/report_data.h"
 #include "sgs/run/camera_path.h"
@@ -57,6 +57,18 @@ Result<Trajectory> trajectory_for(const RenderCommand& command) {
   return std::move(loaded.trajectory);
 }
 
+/// sgs-video, to be fed with `count` pictures of the camera's size.
+Result<HelperProgram> start_video(const RenderCommand& command, const PinholeCamera& camera,
+                                  std::size_t count) {
+  return HelperProgram::start(
+      {.name = "sgs-video",
+       .purpose = "videos",
+       .to_install = "install the package sgs-video, or render pictures (without --video)",
+       .to_fit = "is there enough memory?"},
+      {command.video, fmt::format("{}", camera.width), fmt::format("{}", camera.height),
+       fmt::format("{}", command.fps), fmt::format("{}", count)});
+}
+
 /// --video: the way of the camera without its shake, or once around.
 Status render_video(const RenderCommand& command, const PinholeCamera& camera,
                     std::span<const map::Gaussian> gaussians, const Trajectory& trajectory) {
@@ -69,8 +81,7 @@ Status render_video(const RenderCommand& command, const PinholeCamera& camera,
     return fail(ErrorCode::kInvalidArgument, fmt::format("{} has no poses or no map", command.run),
                 "name a run that mapped something");
   }
-  SGS_ASSIGN_OR_RETURN(
-      auto video, io::VideoFile::create(command.video, camera.width, camera.height, command.fps));
+  SGS_ASSIGN_OR_RETURN(auto video, start_video(command, camera, views.size()));
   ThreadPool pool(command.threads);
   const auto rasterizer = render::make_cpu_rasterizer(&pool);
   render::Rendering rendering;
@@ -78,7 +89,8 @@ Status render_video(const RenderCommand& command, const PinholeCamera& camera,
   for (const SE3& view : views) {
     if (interrupted()) return {};
     rasterizer->render(gaussians, camera, view, rendering);
-    video.add(render::to_color_image(rendering.color));
+    const ColorImage picture = render::to_color_image(rendering.color);
+    if (!video.feed(std::as_bytes(std::span(picture.data(), picture.size())))) break;
     progress.step("");
   }
   progress.finish();

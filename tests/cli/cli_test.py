@@ -173,6 +173,27 @@ class Contract(Case):
         self.assertEqual(len(list((self.folder / "pictures").glob("render_*.png"))), 2)
         self.assertEqual(len(list((self.folder / "pictures").glob("depth_*.png"))), 2)
 
+    def test_videos(self):
+        out, _ = self.run_folder(self.sequence())
+        video = self.folder / "walk.avi"
+        for turn in ([], ["--turntable"]):
+            self.sgs(
+                "render", out, "--video", video, "--seconds", 0.5, "--fps", 8, "--quiet", *turn
+            )
+            self.assertEqual(video.read_bytes()[8:11], b"AVI")
+            total_frames = struct.unpack_from("<I", video.read_bytes(), 48)[0]  # of AVIMAINHEADER
+            self.assertEqual(total_frames, 4)
+            video.unlink()
+        refused = self.sgs("render", out, "--video", self.folder / "walk.txt", "--quiet", code=2)
+        self.assertIn(".mp4", refused.stderr)
+        self.assertFalse(list(self.folder.glob("*unfinished*")))
+
+    def test_the_program_loads_no_video_libraries(self):
+        libraries = subprocess.run(["ldd", SGS], capture_output=True, text=True).stdout
+        self.assertIn("libopencv_core", libraries)
+        self.assertNotIn("libopencv_videoio", libraries)
+        self.assertNotIn("libavcodec", libraries)
+
     def test_a_run_needs_no_recording(self):
         sequence = self.sequence()
         out, _ = self.run_folder(sequence)

@@ -9,7 +9,7 @@
 namespace sgs::backend {
 namespace {
 
-BackendConfig small_config() {
+BackendConfig quick_config() {
   BackendConfig config;
   config.archive.view_distance = 0.02;
   config.calibration.columns = 8;
@@ -36,7 +36,7 @@ struct Lesson {
 /// path, as the distorted depth made it.
 std::vector<Lesson> lessons(const TestRoom& room, double scale = 1) {
   constexpr int kFrames = 26;
-  OnlineCalibration calibration(small_config());
+  OnlineCalibration calibration(quick_config());
   std::vector<Lesson> out;
   for (int k = 0; k < kFrames; ++k) {
     if (auto learned = calibration.add(room.view(k), tracked_pose(k, scale), 0)) {
@@ -101,7 +101,7 @@ TEST(OnlineCalibration, DepthOfAnotherMetreIsNotBentStraight) {
 TEST(OnlineCalibration, WaitsUntilWhatItSaidIsApplied) {
   TestRoom room;
   room.distort = [](double, double, double q) { return q - 0.006; };
-  OnlineCalibration calibration(small_config());
+  OnlineCalibration calibration(quick_config());
   int learned = 0;
   for (int k = 0; k < 26; ++k) learned += calibration.add(room.view(k), tracked_pose(k), 0) ? 1 : 0;
   EXPECT_EQ(learned, 1);
@@ -110,7 +110,7 @@ TEST(OnlineCalibration, WaitsUntilWhatItSaidIsApplied) {
 TEST(OnlineCalibration, FramesThatWereLostTellNothing) {
   TestRoom room;
   room.distort = [](double, double, double q) { return q - 0.006; };
-  OnlineCalibration calibration(small_config());
+  OnlineCalibration calibration(quick_config());
   for (int k = 0; k < 20; ++k) EXPECT_FALSE(calibration.add(room.view(k), std::nullopt, 0));
 }
 

@@ -14,11 +14,11 @@
 namespace sgs {
 namespace {
 
-const PinholeCamera kCamera{64, 48, 60, 60, 31.5, 23.5};
+const PinholeCamera kCalibratedCamera{64, 48, 60, 60, 31.5, 23.5};
 
 DepthCalibration constant_offset(double offset_per_m) {
   DepthCalibration c;
-  c.camera = kCamera;
+  c.camera = kCalibratedCamera;
   c.grid = {4, 3};
   c.offset_per_m.assign(12, offset_per_m);
   c.sigma_per_m.assign(12, 1e-4);
@@ -31,13 +31,13 @@ double plane(double u, double v) { return 0.4 + 0.002 * u - 0.001 * v; }
 TEST(ImageGrid, WeightsAddUpAndReachTheCorners) {
   const ImageGrid grid{4, 3};
   for (const auto& [u, v] : {std::pair{0.0, 0.0}, {63.0, 47.0}, {20.3, 11.8}, {-5.0, 99.0}}) {
-    const GridWeights w = grid.at(u, v, kCamera);
+    const GridWeights w = grid.at(u, v, kCalibratedCamera);
     EXPECT_NEAR(std::accumulate(w.weight.begin(), w.weight.end(), 0.0), 1, 1e-12);
     for (const int node : w.node) EXPECT_TRUE(node >= 0 && node < 12);
   }
-  EXPECT_EQ(grid.at(0, 0, kCamera).weight[0], 1);
-  EXPECT_EQ(grid.at(63, 47, kCamera).weight[3], 1);
-  EXPECT_EQ(grid.at(63, 47, kCamera).node[3], 11);
+  EXPECT_EQ(grid.at(0, 0, kCalibratedCamera).weight[0], 1);
+  EXPECT_EQ(grid.at(63, 47, kCalibratedCamera).weight[3], 1);
+  EXPECT_EQ(grid.at(63, 47, kCalibratedCamera).node[3], 11);
   const auto area = grid.area();
   EXPECT_NEAR(std::accumulate(area.begin(), area.end(), 0.0), 1, 1e-12);
 }

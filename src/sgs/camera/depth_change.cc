@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/camera/depth_change.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "sgs/core/error.h"
@@ -9,24 +10,22 @@
 namespace sgs {
 namespace {
 
-constexpr double kNearest_per_m = 50, kFarthest_per_m = 0.01;
-
-Eigen::Vector2d pixel_of(const PinholeCamera& c, const Eigen::Vector3d& p) {
-  return {c.fx * p.x() / p.z() + c.cx, c.fy * p.y() / p.z() + c.cy};
-}
+constexpr float kNearest_per_m = 50, kFarthest_per_m = 0.01f;
 
 }  // namespace
 
 DepthChange::DepthChange(const DepthCalibration& before, const DepthCalibration& after)
     : after_(after), difference_(after) {
   difference_.shift_px = after.shift_px - before.shift_px;
-  if (before.offset_per_m.empty()) return;
-  SGS_CHECK(after.offset_per_m.empty() || before.grid == after.grid, "grids differ");
-  difference_.grid = before.grid;
-  difference_.offset_per_m.resize(before.offset_per_m.size(), 0.0);
-  for (std::size_t k = 0; k < before.offset_per_m.size(); ++k) {
-    difference_.offset_per_m[k] -= before.offset_per_m[k];
+  if (!before.offset_per_m.empty()) {
+    SGS_CHECK(after.offset_per_m.empty() || before.grid == after.grid, "grids differ");
+    difference_.grid = before.grid;
+    difference_.offset_per_m.resize(before.offset_per_m.size(), 0.0);
+    for (std::size_t k = 0; k < before.offset_per_m.size(); ++k) {
+      difference_.offset_per_m[k] -= before.offset_per_m[k];
+    }
   }
+  prepare();
 }
 
 DepthChange DepthChange::halved(int level) const {
@@ -35,6 +34,7 @@ DepthChange DepthChange::halved(int level) const {
     c->camera = c->camera.halved(level);
     c->shift_px /= 1 << level;
   }
+  out.prepare();
   return out;
 }
 
@@ -48,49 +48,77 @@ double DepthChange::rms_per_m() const {
   return std::sqrt(square);
 }
 
-double DepthChange::changed(const Eigen::Vector2d& pixel, double q,
-                            const Eigen::Vector2d& slope) const {
-  const Eigen::Vector2d from = pixel - difference_.shift_px;
-  return q - slope.dot(difference_.shift_px) + difference_.offset_at(from.x(), from.y());
+void DepthChange::prepare() {
+  const DepthCalibration& d = difference_;
+  fx_ = static_cast<float>(d.camera.fx);
+  fy_ = static_cast<float>(d.camera.fy);
+  cx_ = static_cast<float>(d.camera.cx);
+  cy_ = static_cast<float>(d.camera.cy);
+  shift_ = d.shift_px.cast<float>();
+  if (d.offset_per_m.empty()) return;
+  const auto per_px = [](int nodes, int pixels) {
+    return pixels < 2 ? 0.0f : static_cast<float>(nodes - 1) / static_cast<float>(pixels - 1);
+  };
+  nodes_per_px_ = {per_px(d.grid.columns, d.camera.width), per_px(d.grid.rows, d.camera.height)};
+  offsets_.clear();
+  for (int y = 0; y <= d.grid.rows; ++y) {
+    for (int x = 0; x <= d.grid.columns; ++x) {
+      const int node =
+          std::min(y, d.grid.rows - 1) * d.grid.columns + std::min(x, d.grid.columns - 1);
+      offsets_.push_back(static_cast<float>(d.offset_per_m[static_cast<std::size_t>(node)]));
+    }
+  }
 }
 
-Eigen::Vector2d DepthChange::slope_change(const Eigen::Vector2d& pixel) const {
-  const Eigen::Vector2d from = pixel - difference_.shift_px;
-  const double here = difference_.offset_at(from.x(), from.y());
-  return {difference_.offset_at(from.x() + 1, from.y()) - here,
-          difference_.offset_at(from.x(), from.y() + 1) - here};
+DepthChange::Offset DepthChange::offset_on(const Eigen::Vector3f& ray) const {
+  if (offsets_.empty()) return {};
+  const ImageGrid& grid = difference_.grid;
+  const Eigen::Vector2f pixel(fx_ * ray.x() + cx_, fy_ * ray.y() + cy_);
+  const Eigen::Vector2f last(static_cast<float>(grid.columns - 1),
+                             static_cast<float>(grid.rows - 1));
+  const Eigen::Vector2f asked = (pixel - shift_).cwiseProduct(nodes_per_px_);
+  const Eigen::Vector2f at = asked.cwiseMax(0.0f).cwiseMin(last);
+  const auto x = static_cast<std::size_t>(at.x()), y = static_cast<std::size_t>(at.y());
+  const auto right = at.x() - static_cast<float>(x), down = at.y() - static_cast<float>(y);
+  const float* top = offsets_.data() + y * (static_cast<std::size_t>(grid.columns) + 1) + x;
+  const float* bottom = top + grid.columns + 1;
+  const float above = top[0] + right * (top[1] - top[0]);
+  const float below = bottom[0] + right * (bottom[1] - bottom[0]);
+  // Outside of the image the offsets are those of its border.
+  const float along = (1 - down) * (top[1] - top[0]) + down * (bottom[1] - bottom[0]);
+  return {above + down * (below - above),
+          {at.x() == asked.x() ? along * nodes_per_px_.x() : 0.0f,
+           at.y() == asked.y() ? (below - above) * nodes_per_px_.y() : 0.0f}};
 }
 
 void DepthChange::apply(Eigen::Vector3f& point, Eigen::Vector3f& normal) const {
   // At flat incidence a plane's slope says more about the noise of its normal than about depth.
-  constexpr double kFlattest = 0.15;
-  const PinholeCamera& c = difference_.camera;
-  const Eigen::Vector3d p = point.cast<double>(), n = normal.cast<double>();
-  if (!(p.z() > 0)) return;
-  const Eigen::Vector3d ray = p / p.z();
-  const double facing = n.dot(ray);  // the plane: q = n . ray' / (facing z)
+  constexpr float kFlattest = 0.15f;
+  if (!(point.z() > 0)) return;
+  const Eigen::Vector3f ray = point / point.z();
+  const float facing = normal.dot(ray);  // the plane: q = n . ray' / (facing z)
   if (std::abs(facing) < kFlattest * ray.norm()) {
     apply(point, Eigen::Vector2f(Eigen::Vector2f::Zero()));
     return;
   }
-  const double per_q = 1 / (facing * p.z());
-  Eigen::Vector2d slope(n.x() * per_q / c.fx, n.y() * per_q / c.fy);
-  const Eigen::Vector2d pixel = pixel_of(c, p);
-  const double q = changed(pixel, 1 / p.z(), slope);
+  const float per_q = 1 / (facing * point.z());
+  Eigen::Vector2f slope(normal.x() * per_q / fx_, normal.y() * per_q / fy_);
+  const Offset offset = offset_on(ray);
+  const float q = 1 / point.z() - slope.dot(shift_) + offset.per_m;
   if (!(q > kFarthest_per_m && q < kNearest_per_m)) return;
-  slope += slope_change(pixel);
-  point = (ray / q).cast<float>();
-  Eigen::Vector3d turned(slope.x() * c.fx, slope.y() * c.fy, 0);
+  slope += offset.slope;
+  point = ray / q;
+  Eigen::Vector3f turned(slope.x() * fx_, slope.y() * fy_, 0);
   turned.z() = q - turned.x() * ray.x() - turned.y() * ray.y();
   turned.normalize();
-  normal = (turned.dot(n) < 0 ? Eigen::Vector3d(-turned) : turned).cast<float>();
+  normal = turned.dot(normal) < 0 ? Eigen::Vector3f(-turned) : turned;
 }
 
 void DepthChange::apply(Eigen::Vector3f& point, const Eigen::Vector2f& slope) const {
-  const Eigen::Vector3d p = point.cast<double>();
-  if (!(p.z() > 0)) return;
-  const double q = changed(pixel_of(difference_.camera, p), 1 / p.z(), slope.cast<double>());
-  if (q > kFarthest_per_m && q < kNearest_per_m) point = (p / (p.z() * q)).cast<float>();
+  if (!(point.z() > 0)) return;
+  const Eigen::Vector3f ray = point / point.z();
+  const float q = 1 / point.z() - slope.dot(shift_) + offset_on(ray).per_m;
+  if (q > kFarthest_per_m && q < kNearest_per_m) point = ray / q;
 }
 
 }  // namespace sgs

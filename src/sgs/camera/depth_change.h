@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "sgs/camera/depth_calibration.h"
 
@@ -33,12 +34,21 @@ class DepthChange {
   double shift_px() const { return difference_.shift_px.norm(); }
 
  private:
-  /// Inverse depth at a pixel of the colour image; `q` and `slope` as they were.
-  double changed(const Eigen::Vector2d& pixel, double q, const Eigen::Vector2d& slope) const;
-  /// How the slope of inverse depth changes there.
-  Eigen::Vector2d slope_change(const Eigen::Vector2d& pixel) const;
+  /// What is added to inverse depth at a pixel, and its slope per pixel.
+  struct Offset {
+    float per_m = 0;
+    Eigen::Vector2f slope = Eigen::Vector2f::Zero();
+  };
+  /// On the ray (x, y, 1) of the colour camera.
+  Offset offset_on(const Eigen::Vector3f& ray) const;
+  /// The camera and the offsets as apply() reads them, many thousand times in a row.
+  void prepare();
 
   DepthCalibration after_, difference_;
+  float fx_ = 1, fy_ = 1, cx_ = 0, cy_ = 0;
+  Eigen::Vector2f shift_ = Eigen::Vector2f::Zero();
+  Eigen::Vector2f nodes_per_px_ = Eigen::Vector2f::Zero();
+  std::vector<float> offsets_;  ///< the grid, one row and column repeated at its end
 };
 
 }  // namespace sgs

@@ -9,11 +9,11 @@
 namespace sgs {
 namespace {
 
-const PinholeCamera kCamera{64, 48, 60, 60, 31.5, 23.5};
+const PinholeCamera kChangedCamera{64, 48, 60, 60, 31.5, 23.5};
 
 DepthCalibration calibration(double slope, const Eigen::Vector2d& shift_px) {
   DepthCalibration c;
-  c.camera = kCamera;
+  c.camera = kChangedCamera;
   c.grid = {4, 3};
   for (int k = 0; k < 12; ++k) c.offset_per_m.push_back(slope * (k % 4) - 0.002);
   c.sigma_per_m.assign(12, 1e-4);
@@ -22,12 +22,12 @@ DepthCalibration calibration(double slope, const Eigen::Vector2d& shift_px) {
 }
 
 /// Inverse depth of a slanted plane as the camera measures it.
-double plane(double u, double v) { return 0.4 + 0.002 * u - 0.001 * v; }
+double slanted_plane(double u, double v) { return 0.4 + 0.002 * u - 0.001 * v; }
 
 DepthImage measured() {
-  DepthImage out(kCamera.width, kCamera.height);
+  DepthImage out(kChangedCamera.width, kChangedCamera.height);
   for (int v = 0; v < out.height(); ++v) {
-    for (int u = 0; u < out.width(); ++u) out(u, v) = static_cast<float>(1 / plane(u, v));
+    for (int u = 0; u < out.width(); ++u) out(u, v) = static_cast<float>(1 / slanted_plane(u, v));
   }
   return out;
 }
@@ -59,8 +59,9 @@ struct Seen {
   Eigen::Vector3f point, normal;
 };
 Seen seen(double u, double v, double q, double slope_u, double slope_v) {
-  const Eigen::Vector3d ray((u - kCamera.cx) / kCamera.fx, (v - kCamera.cy) / kCamera.fy, 1);
-  Eigen::Vector3d n(slope_u * kCamera.fx, slope_v * kCamera.fy, 0);
+  const Eigen::Vector3d ray((u - kChangedCamera.cx) / kChangedCamera.fx,
+                            (v - kChangedCamera.cy) / kChangedCamera.fy, 1);
+  Eigen::Vector3d n(slope_u * kChangedCamera.fx, slope_v * kChangedCamera.fy, 0);
   n.z() = q - n.x() * ray.x() - n.y() * ray.y();
   return {(ray / q).cast<float>(), (-n.normalized()).cast<float>()};
 }
@@ -70,14 +71,14 @@ TEST(DepthChange, SurfacePointsFollowTheImage) {
   const DepthChange change({}, c);
   const DepthImage anew = c.apply(measured());
   for (const auto& [u, v] : {std::pair{10, 12}, {25, 30}, {50, 40}}) {
-    Seen s = seen(u, v, plane(u, v), 0.002, -0.001);
+    Seen s = seen(u, v, slanted_plane(u, v), 0.002, -0.001);
     change.apply(s.point, s.normal);
     EXPECT_NEAR(1 / double{s.point.z()}, 1 / double{anew(u, v)}, 3e-6);
     const auto q = [&](int x, int y) { return 1 / double{anew(x, y)}; };
     const Seen expected = seen(u, v, q(u, v), q(u + 1, v) - q(u, v), q(u, v + 1) - q(u, v));
     EXPECT_GT(s.normal.dot(expected.normal), 0.9999f);
 
-    Eigen::Vector3f point = seen(u, v, plane(u, v), 0, 0).point;
+    Eigen::Vector3f point = seen(u, v, slanted_plane(u, v), 0, 0).point;
     change.apply(point, Eigen::Vector2f(0.002f, -0.001f));
     EXPECT_NEAR(1 / double{point.z()}, 1 / double{anew(u, v)}, 3e-6);
   }
@@ -85,7 +86,7 @@ TEST(DepthChange, SurfacePointsFollowTheImage) {
 
 TEST(DepthChange, HalvedImagesChangeAlike) {
   const DepthChange change({}, calibration(0.001, {2, -2}));
-  DepthImage half(kCamera.width / 2, kCamera.height / 2);
+  DepthImage half(kChangedCamera.width / 2, kChangedCamera.height / 2);
   for (int v = 0; v < half.height(); ++v) {
     for (int u = 0; u < half.width(); ++u) half(u, v) = measured()(2 * u, 2 * v);
   }

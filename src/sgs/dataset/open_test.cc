@@ -22,12 +22,12 @@ using testing::Contains;
 using testing::HasSubstr;
 
 constexpr int kWidth = 32, kHeight = 24;
-const PinholeCamera kCamera{kWidth, kHeight, 30, 30, 15.5, 11.5};
+const PinholeCamera kFolderCamera{kWidth, kHeight, 30, 30, 15.5, 11.5};
 
 RgbdFrame make_frame(int i) {
   RgbdFrame frame;
   frame.timestamp_s = 100 + i / 30.0;
-  frame.camera = kCamera;
+  frame.camera = kFolderCamera;
   frame.color = ColorImage(kWidth, kHeight, {static_cast<std::uint8_t>(10 * i), 100, 50});
   frame.depth = DepthImage(kWidth, kHeight, 1.0f + 0.1f * static_cast<float>(i));
   frame.truth_T_world_camera = SE3(Eigen::Matrix3d::Identity(), {0.1 * i, 0, 0});
@@ -38,7 +38,7 @@ RgbdFrame make_frame(int i) {
 class TumFolder : public testing::Test {
  protected:
   void write(int frames) {
-    auto writer = TumSequenceWriter::create(folder(), kCamera, {"small", 5000, false, 95});
+    auto writer = TumSequenceWriter::create(folder(), kFolderCamera, {"small", 5000, false, 95});
     ASSERT_TRUE(writer) << writer.error().text();
     for (int i = 0; i < frames; ++i) ASSERT_TRUE(writer->add(make_frame(i)));
   }
@@ -96,7 +96,7 @@ TEST_F(TumFolder, ReadsWhatTheWriterWrote) {
   EXPECT_EQ(sequence->info.name, "small");
   EXPECT_EQ(sequence->info.frames, 5);
   EXPECT_EQ(sequence->info.truth_rows, 5u);
-  EXPECT_EQ(sequence->info.calibration.camera, kCamera);
+  EXPECT_EQ(sequence->info.calibration.camera, kFolderCamera);
   EXPECT_THAT(sequence->info.calibration_source, HasSubstr("sgs.toml"));
   EXPECT_TRUE(sequence->info.warnings.empty());
   EXPECT_EQ(sequence->frames->size(), 5);
@@ -115,7 +115,7 @@ TEST_F(TumFolder, ReadsWhatTheWriterWrote) {
 
 TEST_F(TumFolder, WriterRefusesAFullFolder) {
   write(1);
-  EXPECT_FALSE(TumSequenceWriter::create(folder(), kCamera));
+  EXPECT_FALSE(TumSequenceWriter::create(folder(), kFolderCamera));
 }
 
 TEST_F(TumFolder, FrameRangeAndOneFrameOnly) {
@@ -221,7 +221,7 @@ TEST_F(TumFolder, TruncatedAndEmptyImagesAreBadFrames) {
 }
 
 TEST_F(TumFolder, TruncatedJpegIsABadFrame) {
-  auto writer = TumSequenceWriter::create(folder(), kCamera, {"", 5000, true, 90});
+  auto writer = TumSequenceWriter::create(folder(), kFolderCamera, {"", 5000, true, 90});
   ASSERT_TRUE(writer);
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(writer->add(make_frame(i)));
   const fs::path name = image("rgb", 1).replace_extension(".jpg");
@@ -324,7 +324,7 @@ TEST_F(TumFolder, PlainFolderByOrderAndByStem) {
     ASSERT_TRUE(io::save_depth(folder() / fmt::format("d/{}.png", i), make_frame(i).depth, 1000));
   }
   io::SequenceToml toml;
-  toml.calibration = Calibration{kCamera, {}, 1000};
+  toml.calibration = Calibration{kFolderCamera, {}, 1000};
   toml.color = "c";
   toml.depth = "d/*.png";
   toml.fps = 10;
@@ -448,7 +448,7 @@ TEST_F(TumFolder, ALineOfSeparatorsIsNamed) {
 }
 
 TEST_F(TumFolder, TimesTooCloseToRecordAreAnErrorNotAMistake) {
-  auto writer = TumSequenceWriter::create(folder(), kCamera);
+  auto writer = TumSequenceWriter::create(folder(), kFolderCamera);
   ASSERT_TRUE(writer);
   RgbdFrame frame = make_frame(0);
   ASSERT_TRUE(writer->add(frame));

@@ -13,7 +13,7 @@
 namespace sgs::registration {
 namespace {
 
-const PinholeCamera kCamera{320, 240, 270, 268, 161.3, 118.2};
+const PinholeCamera kKeyframeCamera{320, 240, 270, 268, 161.3, 118.2};
 
 // A slanted textured plane n.X = d in the world; grey is a sum of waves over two plane axes.
 struct TexturedPlane {
@@ -85,21 +85,21 @@ SE3 align(const PhotometricReference& reference, const View& view, SE3 T, Affine
 TEST(Photometric, PointsLieOnTheMeasuredSurfaceAndSkipMissingDepth) {
   PhotometricConfig config;
   config.gradient_threshold = 0.5;
-  View view = render({}, kCamera, world_pose(), 4);
-  for (int v = 0; v < kCamera.height; ++v) {
-    for (int u = 0; u < kCamera.width / 2; ++u) view.depth(u, v) = 0;
+  View view = render({}, kKeyframeCamera, world_pose(), 4);
+  for (int v = 0; v < kKeyframeCamera.height; ++v) {
+    for (int u = 0; u < kKeyframeCamera.width / 2; ++u) view.depth(u, v) = 0;
   }
   const PhotometricReference reference(view.pyramid, view.depth, world_pose(), config);
   const TexturedPlane plane;
   for (int l = 0; l < reference.levels(); ++l) {
     EXPECT_GT(reference.points(l).size(), 5U) << l;
     const int block = config.block_at(l);
-    const double blocks =
-        static_cast<double>(kCamera.width >> l) * (kCamera.height >> l) / (block * block);
+    const double blocks = static_cast<double>(kKeyframeCamera.width >> l) *
+                          (kKeyframeCamera.height >> l) / (block * block);
     EXPECT_LT(static_cast<double>(reference.points(l).size()), 0.6 * blocks);
     for (const auto& p : reference.points(l)) {
-      const Eigen::Vector2d uv = kCamera.project(p.p_keyframe.cast<double>());
-      EXPECT_GT(uv.x(), kCamera.width / 2 - 1 - (1 << l));
+      const Eigen::Vector2d uv = kKeyframeCamera.project(p.p_keyframe.cast<double>());
+      EXPECT_GT(uv.x(), kKeyframeCamera.width / 2 - 1 - (1 << l));
       const Eigen::Vector3d world = world_pose() * p.p_keyframe.cast<double>();
       EXPECT_NEAR(plane.normal.dot(world), plane.offset, 2e-3 * (1 << l));
     }
@@ -108,13 +108,13 @@ TEST(Photometric, PointsLieOnTheMeasuredSurfaceAndSkipMissingDepth) {
 
 TEST(Photometric, SmoothDepthReplacesTheMeasuredOneAndDropsPixels) {
   const PhotometricConfig config;
-  const View view = render({}, kCamera, SE3{}, 2);
+  const View view = render({}, kKeyframeCamera, SE3{}, 2);
   const auto lookup = [](int u, int) { return InverseDepthPlane{u < 160 ? 0.0f : 0.4f, 0, 0, 1}; };
   const PhotometricReference reference(view.pyramid, view.depth, SE3{}, config, lookup);
   ASSERT_FALSE(reference.points(0).empty());
   for (const auto& p : reference.points(0)) {
     EXPECT_FLOAT_EQ(p.p_keyframe.z(), 2.5f);
-    EXPECT_GE(kCamera.project(p.p_keyframe.cast<double>()).x(), 159);
+    EXPECT_GE(kKeyframeCamera.project(p.p_keyframe.cast<double>()).x(), 159);
   }
 }
 
@@ -123,10 +123,12 @@ TEST(Photometric, GradientMatchesNumericalDerivativeOfTheCost) {
   TexturedPlane scene;
   scene.finest_wavelength_m = 0.8;  // smooth: bilinear gradients are then close to exact
   config.gradient_threshold = 0.05;
-  View kf = render(scene, kCamera, world_pose(), 3);
-  for (int v = 0; v < kCamera.height; ++v) {  // no pixel may enter or leave between the two steps
-    for (int u = 0; u < kCamera.width; ++u) {
-      if (std::min(std::min(u, kCamera.width - u), std::min(v, kCamera.height - v)) < 30) {
+  View kf = render(scene, kKeyframeCamera, world_pose(), 3);
+  for (int v = 0; v < kKeyframeCamera.height;
+       ++v) {  // no pixel may enter or leave between the two steps
+    for (int u = 0; u < kKeyframeCamera.width; ++u) {
+      if (std::min(std::min(u, kKeyframeCamera.width - u),
+                   std::min(v, kKeyframeCamera.height - v)) < 30) {
         kf.depth(u, v) = 0;
       }
     }
@@ -135,7 +137,7 @@ TEST(Photometric, GradientMatchesNumericalDerivativeOfTheCost) {
   Vector6d offset;
   offset << 0.004, -0.003, 0.005, 0.006, 0.008, -0.01;
   const SE3 T = world_pose() * SE3::exp(offset);
-  const View view = render(scene, kCamera, world_pose(), 3);
+  const View view = render(scene, kKeyframeCamera, world_pose(), 3);
   const AffineBrightness ab{1.05, -3};
   for (int level = 0; level < 3; ++level) {
     const auto at = [&](const SE3& pose, const AffineBrightness& a) {
@@ -167,7 +169,7 @@ TEST(Photometric, GradientMatchesNumericalDerivativeOfTheCost) {
 
 TEST(Photometric, TruthIsStationary) {
   const PhotometricConfig config;
-  const View kf = render({}, kCamera, world_pose(), 4);
+  const View kf = render({}, kKeyframeCamera, world_pose(), 4);
   const PhotometricReference reference(kf.pyramid, kf.depth, world_pose(), config);
   for (int level = 0; level < 4; ++level) {
     const auto l = linearize(reference, level, kf.pyramid, kf.depth, world_pose(), {}, config);
@@ -199,12 +201,12 @@ TEST(Photometric, ConvergesCoarseToFineFromThreeCentimetresTwoDegrees) {
 
 TEST(Photometric, GainAndOffsetAreEstimatedAndDoNotMoveThePose) {
   const PhotometricConfig config;
-  const View kf = render({}, kCamera, world_pose(), 5);
+  const View kf = render({}, kKeyframeCamera, world_pose(), 5);
   const PhotometricReference reference(kf.pyramid, kf.depth, world_pose(), config);
   Vector6d motion;
   motion << 0.01, -0.015, 0.01, 0.015, 0.01, -0.01;
   const SE3 truth = world_pose() * SE3::exp(motion);
-  const View view = render({}, kCamera, truth, 5, 1.2, -15);
+  const View view = render({}, kKeyframeCamera, truth, 5, 1.2, -15);
   AffineBrightness ab;
   const SE3 T = align(reference, view, world_pose(), ab, config);
   const SE3 error = truth.inverse() * T;
@@ -243,13 +245,13 @@ RollingAlignment align_rolling(const PhotometricReference& reference, const View
 
 TEST(Photometric, TurnOfARollingShutterIsSeenAndDoesNotMoveThePose) {
   const PhotometricConfig config;
-  const View kf = render({}, kCamera, world_pose(), 5);
+  const View kf = render({}, kKeyframeCamera, world_pose(), 5);
   const PhotometricReference reference(kf.pyramid, kf.depth, world_pose(), config);
   Vector6d motion, readout;
   motion << 0.01, -0.012, 0.008, 0.015, 0.01, -0.01;
   readout << 0.012, -0.016, 0.006, 0, 0, 0;  // half a rad/s for 30 ms
   const SE3 truth = world_pose() * SE3::exp(motion);
-  const View view = render({}, kCamera, truth, 5, 1, 0, readout);
+  const View view = render({}, kKeyframeCamera, truth, 5, 1, 0, readout);
   const RollingAlignment found = align_rolling(reference, view, world_pose(), config);
   EXPECT_LT((found.readout - readout).norm(), 0.1 * readout.norm());
   const SE3 error = truth.inverse() * found.T;
@@ -264,7 +266,7 @@ TEST(Photometric, KeyframesOfARollingShutterAreStraightened) {
   const PhotometricConfig config;
   Vector6d readout;
   readout << 0.01, -0.015, 0.02, 0.004, -0.006, 0.002;
-  const View kf = render({}, kCamera, world_pose(), 3, 1, 0, readout);
+  const View kf = render({}, kKeyframeCamera, world_pose(), 3, 1, 0, readout);
   const PhotometricReference reference(kf.pyramid, kf.depth, world_pose(), config, {},
                                        ReadoutMotion(readout));
   const TexturedPlane plane;
@@ -277,11 +279,11 @@ TEST(Photometric, KeyframesOfARollingShutterAreStraightened) {
 
 TEST(Photometric, HiddenPixelsCountAsVisibleButAreNotUsed) {
   const PhotometricConfig config;
-  View view = render({}, kCamera, world_pose(), 3);
+  View view = render({}, kKeyframeCamera, world_pose(), 3);
   const PhotometricReference reference(view.pyramid, view.depth, world_pose(), config);
   const auto before = linearize(reference, 0, view.pyramid, view.depth, world_pose(), {}, config);
-  for (int v = 0; v < kCamera.height; ++v) {
-    for (int u = 0; u < kCamera.width / 2; ++u) view.depth(u, v) *= 0.7f;
+  for (int v = 0; v < kKeyframeCamera.height; ++v) {
+    for (int u = 0; u < kKeyframeCamera.width / 2; ++u) view.depth(u, v) *= 0.7f;
   }
   const auto after = linearize(reference, 0, view.pyramid, view.depth, world_pose(), {}, config);
   EXPECT_EQ(before.visible, after.visible);
@@ -293,7 +295,7 @@ TEST(Photometric, HiddenPixelsCountAsVisibleButAreNotUsed) {
 
 TEST(Photometric, InformationDoesNotDependOnTheWorldsOrigin) {
   const PhotometricConfig config;
-  const View view = render({}, kCamera, world_pose(), 3);
+  const View view = render({}, kKeyframeCamera, world_pose(), 3);
   PhotometricReference reference(view.pyramid, view.depth, world_pose(), config);
   Vector6d off;
   off << 0.002, 0.001, 0, 0.003, 0, 0.001;
@@ -311,13 +313,14 @@ TEST(Photometric, TwoReferencesAddUpAndResultsRepeatBitForBit) {
   Vector6d other;
   other << 0, 0.05, 0, 0.08, 0, 0;
   const SE3 T_a = world_pose(), T_b = world_pose() * SE3::exp(other);
-  const View a = render({}, kCamera, T_a, 3), b = render({}, kCamera, T_b, 3, 0.9, 8);
+  const View a = render({}, kKeyframeCamera, T_a, 3),
+             b = render({}, kKeyframeCamera, T_b, 3, 0.9, 8);
   const PhotometricReference ra(a.pyramid, a.depth, T_a, config),
       rb(b.pyramid, b.depth, T_b, config);
   Vector6d half;
   half << 0, 0.004, 0, 0.005, 0, 0;
   const SE3 truth = T_a * SE3::exp(half);
-  const View view = render({}, kCamera, truth, 3);
+  const View view = render({}, kKeyframeCamera, truth, 3);
   SE3 T = T_a;
   AffineBrightness ab_a, ab_b;
   for (int i = 0; i < 15; ++i) {
@@ -344,9 +347,9 @@ TEST(Photometric, BadConfigurationValuesAreRefused) {
 }
 
 TEST(PhotometricReference, FollowsDepthThatIsKnownBetter) {
-  const View view = render({}, kCamera, SE3{}, 3);
+  const View view = render({}, kKeyframeCamera, SE3{}, 3);
   DepthCalibration lens;
-  lens.camera = kCamera;
+  lens.camera = kKeyframeCamera;
   lens.grid = {5, 4};
   for (int k = 0; k < 20; ++k) lens.offset_per_m.push_back(0.01 * std::sin(1.7 * k));
   lens.shift_px = {1.4, -0.9};
@@ -354,7 +357,8 @@ TEST(PhotometricReference, FollowsDepthThatIsKnownBetter) {
   // The surface around a pixel: inverse depth is affine on a plane.
   const SurfaceLookup surface = [&](int u, int v) {
     const auto q = [&](int x, int y) { return 1 / view.depth(x, y); };
-    const int x = std::min(u, kCamera.width - 2), y = std::min(v, kCamera.height - 2);
+    const int x = std::min(u, kKeyframeCamera.width - 2),
+              y = std::min(v, kKeyframeCamera.height - 2);
     return InverseDepthPlane{q(u, v), q(x + 1, y) - q(x, y), q(x, y + 1) - q(x, y), 1};
   };
   PhotometricReference reference(view.pyramid, view.depth, SE3{}, {}, surface);
@@ -362,10 +366,12 @@ TEST(PhotometricReference, FollowsDepthThatIsKnownBetter) {
   int compared = 0;
   for (int level = 0; level < reference.levels(); ++level) {
     for (const PhotometricPoint& p : reference.points(level)) {
-      const Eigen::Vector2d uv = kCamera.project(p.p_keyframe.cast<double>());
+      const Eigen::Vector2d uv = kKeyframeCamera.project(p.p_keyframe.cast<double>());
       const int u = static_cast<int>(std::lround(uv.x())),
                 v = static_cast<int>(std::lround(uv.y()));
-      if (level > 0 || u < 3 || v < 3 || u > kCamera.width - 4 || v > kCamera.height - 4) continue;
+      if (level > 0 || u < 3 || v < 3 || u > kKeyframeCamera.width - 4 ||
+          v > kKeyframeCamera.height - 4)
+        continue;
       ASSERT_NEAR(1 / p.p_keyframe.z(), 1 / better(u, v), 2e-5f) << u << " " << v;
       ++compared;
     }

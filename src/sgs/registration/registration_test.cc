@@ -10,7 +10,7 @@
 namespace sgs::registration {
 namespace {
 
-const PinholeCamera kCamera{320, 240, 270, 268, 159.3, 121.1};
+const PinholeCamera kSolverCamera{320, 240, 270, 268, 159.3, 121.1};
 
 // A corner of three walls as seen from the origin, on a pixel grid; planes n.p = d.
 SourceCloud corner(int step, float jitter = 0) {
@@ -20,9 +20,9 @@ SourceCloud corner(int step, float jitter = 0) {
   const float distances[3] = {-1.3f, -1.2f, -1.1f};
   std::mt19937_64 engine{3};
   SourceCloud cloud;
-  for (int v = step / 2; v < kCamera.height; v += step) {
-    for (int u = step / 2; u < kCamera.width; u += step) {
-      const Eigen::Vector3f ray = kCamera.back_project(u, v, 1.0).cast<float>();
+  for (int v = step / 2; v < kSolverCamera.height; v += step) {
+    for (int u = step / 2; u < kSolverCamera.width; u += step) {
+      const Eigen::Vector3f ray = kSolverCamera.back_project(u, v, 1.0).cast<float>();
       SourcePoint best;
       float z = 4;
       for (int k = 0; k < 3; ++k) {
@@ -75,7 +75,7 @@ class RegistrationTest : public testing::TestWithParam<Method> {
     solver_config.method = GetParam().solver;
     solver_config.max_iterations = 40;
     solver_config.stop_rad = solver_config.stop_m = 1e-5;
-    const auto search = make_search(search_config, kCamera);
+    const auto search = make_search(search_config, kSolverCamera);
     GeometricCost cost(factor_config);
     search->prepare(targets, T_start);
     const SE3 T_reference_local = search->T_local_reference().inverse();
@@ -181,7 +181,7 @@ TEST(PoseSolver, LevenbergMarquardtNeverRaisesTheCost) {
 
 TEST(GeometricCost, RelinearizingKeepsTheMatches) {
   const SourceCloud source = corner(8);
-  const auto search = make_search(SearchConfig{}, kCamera);
+  const auto search = make_search(SearchConfig{}, kSolverCamera);
   search->prepare(as_targets(corner(4, 0.002f), SE3{}), SE3{});
   GeometricCost cost(FactorConfig{});
   const Linearization first = cost.linearize(source, *search, SE3{});
@@ -196,7 +196,7 @@ TEST(GeometricCost, RelinearizingKeepsTheMatches) {
 
 TEST(GeometricCost, OverlapCountsNearMatchesOnly) {
   const SourceCloud source = corner(8);
-  const auto search = make_search(SearchConfig{}, kCamera);
+  const auto search = make_search(SearchConfig{}, kSolverCamera);
   const TargetCloud targets = as_targets(source, SE3{});
   search->prepare(targets, SE3{});
   GeometricCost cost(FactorConfig{});

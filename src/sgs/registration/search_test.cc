@@ -10,7 +10,7 @@
 namespace sgs::registration {
 namespace {
 
-const PinholeCamera kCamera{320, 240, 270, 268, 159.3, 121.1};
+const PinholeCamera kSearchCamera{320, 240, 270, 268, 159.3, 121.1};
 
 class Random {
  public:
@@ -111,7 +111,7 @@ class SearchTest : public testing::TestWithParam<SearchMethod> {
  protected:
   SearchTest() {
     config_.method = GetParam();
-    search_ = make_search(config_, kCamera);
+    search_ = make_search(config_, kSearchCamera);
   }
   SearchConfig config_;
   std::unique_ptr<CorrespondenceSearch> search_;
@@ -124,7 +124,7 @@ TEST_P(SearchTest, FindsEachPointsOwnTarget) {
   std::vector<std::size_t> own;
   for (int v = 20; v < 220; v += 20) {
     for (int u = 20; u < 300; u += 20) {
-      const Eigen::Vector3d p = kCamera.back_project(u, v, 1.0 + 0.001 * u);
+      const Eigen::Vector3d p = kSearchCamera.back_project(u, v, 1.0 + 0.001 * u);
       source.points.push_back(source_at(p.cast<float>()));
       // The list runs backwards, and the target lies a centimetre deeper.
       const Eigen::Vector3d q = T_local_camera * Eigen::Vector3d(p * (1 + 0.01 / p.norm()));
@@ -174,7 +174,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, SearchTest,
 
 TEST(ProjectiveSearch, NearestInDepthWinsAndBacksAreInvisible) {
   SearchConfig config;
-  const auto search = make_search(config, kCamera);
+  const auto search = make_search(config, kSearchCamera);
   TargetCloud cloud;
   const Eigen::Vector3f ray(0.001f, 0.001f, 1);
   cloud.points.push_back({2.0f * ray, {0, 0, -1}, 1e-6f});
@@ -187,7 +187,7 @@ TEST(ProjectiveSearch, NearestInDepthWinsAndBacksAreInvisible) {
 }
 
 TEST(ProjectiveSearch, DisagreeingNormalsDoNotMatch) {
-  const auto search = make_search(SearchConfig{}, kCamera);
+  const auto search = make_search(SearchConfig{}, kSearchCamera);
   TargetCloud cloud;
   cloud.points.push_back({{0, 0, 1.5f}, Eigen::Vector3f(0.8f, 0, -0.6f), 1e-6f});
   search->prepare(cloud, SE3{});
@@ -199,7 +199,7 @@ TEST(ProjectiveSearch, DisagreeingNormalsDoNotMatch) {
 }
 
 TEST(ProjectiveSearch, PointsBehindBesideAndAtInfinityAreIgnored) {
-  const auto search = make_search(SearchConfig{}, kCamera);
+  const auto search = make_search(SearchConfig{}, kSearchCamera);
   TargetCloud cloud;
   const float nan = std::numeric_limits<float>::quiet_NaN();
   cloud.points.push_back({{0, 0, -1}, {0, 0, 1}, 1e-6f});

@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 ReportData synthetic_data() {
   ReportData d;
@@ -46,7 +46,7 @@ ReportData synthetic_data() {
     d.truth_m.emplace_back(2 * std::sin(0.4 * t), std::cos(0.4 * t), 1 + 0.1 * std::sin(t));
     d.estimate_m.push_back(d.truth_m.back() +
                            Eigen::Vector3d(0.03 * std::sin(2 * t), 0.04 * std::cos(t), 0.02));
-    d.error_m.push_back(i == 100 ? kNone : 0.01 + 0.005 * std::sin(1.7 * t));
+    d.error_m.push_back(i == 100 ? kUnknown : 0.01 + 0.005 * std::sin(1.7 * t));
     using tracker::TrackingStatus;
     r.status = i >= 400 && i < 410 ? TrackingStatus::kLost
                : plane             ? TrackingStatus::kDegenerate

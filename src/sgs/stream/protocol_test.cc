@@ -14,7 +14,7 @@ namespace {
 using testing::HasSubstr;
 using Part = StreamParser::Part;
 
-Hello greeting() {
+Hello sent_hello() {
   Hello hello;
   hello.name = "desk";
   hello.color_camera.camera = {12, 9, 15, 15.5, 5.5, 4.0};
@@ -54,7 +54,7 @@ std::string error_of(const std::string& bytes) {
 }
 
 TEST(StreamParser, FindsThePartsHoweverTheBytesCome) {
-  const std::string bytes = whole_stream(greeting());
+  const std::string bytes = whole_stream(sent_hello());
   for (const std::size_t step : {std::size_t{1}, std::size_t{7}, bytes.size()}) {
     StreamParser parser;
     std::vector<Part> parts;
@@ -68,14 +68,14 @@ TEST(StreamParser, FindsThePartsHoweverTheBytesCome) {
       }
     }
     EXPECT_EQ(parts, (std::vector{Part::kHello, Part::kFrame, Part::kEnd})) << step;
-    EXPECT_EQ(parser.hello().color_camera, greeting().color_camera);
+    EXPECT_EQ(parser.hello().color_camera, sent_hello().color_camera);
     EXPECT_EQ(parser.hello().name, "desk");
   }
 }
 
 TEST(FrameCodec, WithoutLossEveryBitArrives) {
   StreamParser parser;
-  parser.push(whole_stream(greeting()));
+  parser.push(whole_stream(sent_hello()));
   ASSERT_EQ(parser.next().value(), Part::kHello);
   ASSERT_EQ(parser.next().value(), Part::kFrame);
   RgbdFrame frame;
@@ -93,7 +93,7 @@ TEST(FrameCodec, WithoutLossEveryBitArrives) {
 }
 
 TEST(FrameCodec, RawUnitsRoundAndWhatIsNoMeasurementIsZero) {
-  Hello hello = greeting();
+  Hello hello = sent_hello();
   hello.depth = StreamDepth::kU16;
   RgbdFrame frame = some_frame();
   frame.depth(0, 0) = 70;
@@ -110,8 +110,8 @@ TEST(FrameCodec, RawUnitsRoundAndWhatIsNoMeasurementIsZero) {
 }
 
 TEST(FrameCodec, ImagesOfAnotherSizeAreRefused) {
-  const FrameDecoder decoder(greeting());
-  Packet packet = encode_frame(some_frame(), greeting()).value();
+  const FrameDecoder decoder(sent_hello());
+  Packet packet = encode_frame(some_frame(), sent_hello()).value();
   RgbdFrame frame;
   Packet cut = packet;
   cut.color.pop_back();
@@ -143,16 +143,16 @@ TEST(StreamParser, WhatIsNoStreamIsRefusedAtItsFirstBytes) {
   EXPECT_THAT(error_of("GET / HTTP/1.1\r\n"), HasSubstr("does not begin with SGS1"));
   EXPECT_THAT(error_of("SGX"), HasSubstr("does not begin with SGS1"));
   EXPECT_EQ(error_of("SG"), "no error");
-  EXPECT_THAT(error_of(encode_hello(greeting()) + "x"), HasSubstr("byte 120, neither F nor E"));
+  EXPECT_THAT(error_of(encode_hello(sent_hello()) + "x"), HasSubstr("byte 120, neither F nor E"));
 }
 
 TEST(StreamParser, LengthsAreBoundedBeforeAnythingIsReadForThem) {
   EXPECT_THAT(error_of(std::string("SGS1\xff\xff\xff\xff", 8)),
               HasSubstr("greeting of 4294967295"));
-  EXPECT_THAT(error_of(encode_hello(greeting()) + std::string("F\0\0\x10\0", 5)),
+  EXPECT_THAT(error_of(encode_hello(sent_hello()) + std::string("F\0\0\x10\0", 5)),
               HasSubstr("header of 1048576 bytes"));
   const auto announced = [](const char* json) {
-    return error_of(encode_hello(greeting()) + part("F", json));
+    return error_of(encode_hello(sent_hello()) + part("F", json));
   };
   EXPECT_THAT(announced(R"({"t":0,"color_bytes":1e18,"depth_bytes":0})"), HasSubstr("color_bytes"));
   EXPECT_THAT(announced(R"({"t":0,"color_bytes":-1,"depth_bytes":0})"), HasSubstr("color_bytes"));

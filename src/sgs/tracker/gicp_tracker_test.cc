@@ -11,6 +11,7 @@
 #include "sgs/registration/cloud_sampler.h"
 #include "sgs/tracker/motion_model.h"
 #include "sgs/tracker/targets/target_map.h"
+#include "sgs/tracker/test_tracker.h"
 #include "sgs/tracker/tracker.h"
 #include "sgs/tracker/tracker_config.h"
 
@@ -82,15 +83,9 @@ struct RoomRun {
   int lost = 0, keyframes = 0;
 };
 
-std::unique_ptr<Tracker> must_make(const TrackerConfig& config, const SE3& T_world_first) {
-  auto made = make_tracker(config, kCamera, T_world_first);
-  EXPECT_TRUE(made.has_value());
-  return std::move(*made);
-}
-
 RoomRun run_room(const TrackerConfig& config, int frames, const SE3& T_world_room = {}) {
   RoomRun run;
-  const auto tracker = must_make(config, T_world_room * pose_at(0));
+  const auto tracker = must_make(config, kCamera, T_world_room * pose_at(0));
   for (int i = 0; i < frames; ++i) {
     run.results.push_back(tracker->track(render(room(), true, pose_at(i), i), nullptr));
     const TrackResult& r = run.results.back();
@@ -161,7 +156,7 @@ TEST(GicpTracker, SameInputGivesTheSameBits) {
 }
 
 TEST(GicpTracker, HoldsThePoseWithoutDepthAndRecoversWhenItReturns) {
-  const auto tracker = must_make(gicp_config(), pose_at(0));
+  const auto tracker = must_make(gicp_config(), kCamera, pose_at(0));
   TrackResult last;
   for (int i = 0; i < 10; ++i) last = tracker->track(render(room(), true, pose_at(i), i), nullptr);
   ASSERT_NE(last.status, TrackingStatus::kLost);
@@ -182,7 +177,7 @@ TEST(GicpTracker, HoldsThePoseWithoutDepthAndRecoversWhenItReturns) {
 }
 
 TEST(GicpTracker, StartsWithTheFirstFrameThatHasDepth) {
-  const auto tracker = must_make(gicp_config(), pose_at(3));
+  const auto tracker = must_make(gicp_config(), kCamera, pose_at(3));
   RgbdFrame dark = render(room(), true, pose_at(0), 0);
   dark.depth.fill(0);
   EXPECT_EQ(tracker->track(dark, nullptr).status, TrackingStatus::kLost);
@@ -193,7 +188,7 @@ TEST(GicpTracker, StartsWithTheFirstFrameThatHasDepth) {
 }
 
 TEST(GicpTracker, RefusesAFrameFromElsewhere) {
-  const auto tracker = must_make(gicp_config(), pose_at(0));
+  const auto tracker = must_make(gicp_config(), kCamera, pose_at(0));
   SE3 last;
   for (int i = 0; i < 6; ++i) {
     last = tracker->track(render(room(), true, pose_at(i), i), nullptr).T_world_camera;
@@ -208,7 +203,7 @@ TEST(GicpTracker, RefusesAFrameFromElsewhere) {
 }
 
 TEST(GicpTracker, ReportsAPlaneAsDegenerate) {
-  const auto tracker = must_make(gicp_config(), SE3{});
+  const auto tracker = must_make(gicp_config(), kCamera, SE3{});
   const std::vector<Plane> wall = {{{0, 0, -1}, -1.5}};
   tracker->track(render(wall, false, SE3{}, 0), nullptr);
   for (int i = 1; i < 4; ++i) {
@@ -221,7 +216,8 @@ TEST(GicpTracker, ReportsAPlaneAsDegenerate) {
 }
 
 TEST(GicpTracker, IgnoresGroundTruth) {
-  const auto a = must_make(gicp_config(), pose_at(0)), b = must_make(gicp_config(), pose_at(0));
+  const auto a = must_make(gicp_config(), kCamera, pose_at(0)),
+             b = must_make(gicp_config(), kCamera, pose_at(0));
   for (int i = 0; i < 4; ++i) {
     RgbdFrame frame = render(room(), true, pose_at(i), i);
     const TrackResult plain = a->track(frame, nullptr);
@@ -273,7 +269,7 @@ class SnapshotTargetsTest : public testing::TestWithParam<std::tuple<TargetSourc
 
 TEST_P(SnapshotTargetsTest, TracksAgainstTheGaussiansOfASnapshot) {
   const SE3 T_world_room(so3_exp({0.3, -0.2, 0.5}), {3, 1, -2});
-  const auto tracker = must_make(config(), T_world_room * pose_at(0));
+  const auto tracker = must_make(config(), kCamera, T_world_room * pose_at(0));
   EXPECT_TRUE(tracker->follows_map());
   const auto snapshot = snapshot_of(pose_at(0), T_world_room, 4);
   for (int i = 0; i < 12; ++i) {
@@ -378,7 +374,7 @@ TEST(MotionModel, RefusesImpossibleMotions) {
 TEST(MakeTracker, ConstantVelocityNeverLooks) {
   TrackerConfig config;
   config.type = TrackerType::kCvm;
-  const auto tracker = must_make(config, pose_at(0));
+  const auto tracker = must_make(config, kCamera, pose_at(0));
   for (int i = 0; i < 3; ++i) {
     const TrackResult r = tracker->track(render(room(), true, pose_at(i), i), nullptr);
     EXPECT_EQ(r.T_world_camera.t, pose_at(0).t);

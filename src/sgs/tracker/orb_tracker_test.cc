@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sgs/tracker/test_tracker.h"
 #include "sgs/tracker/textured_wall.h"
 
 namespace sgs::tracker {
@@ -16,16 +17,10 @@ TrackerConfig orb_config() {
   return config;
 }
 
-std::unique_ptr<Tracker> must_make(const TrackerConfig& config) {
-  auto made = make_tracker(config, kWallCamera, wall_pose(0));
-  EXPECT_TRUE(made.has_value());
-  return std::move(*made);
-}
-
 double error_m(const TrackResult& r, int i) { return (r.T_world_camera.t - wall_pose(i).t).norm(); }
 
 TEST(OrbTracker, StaysWithinAMillimetreOrTwoAlongATexturedWall) {
-  const auto tracker = must_make(orb_config());
+  const auto tracker = must_make(orb_config(), kWallCamera, wall_pose(0));
   EXPECT_FALSE(tracker->follows_map());
   int keyframes = 0;
   for (int i = 0; i < 40; ++i) {
@@ -40,7 +35,7 @@ TEST(OrbTracker, StaysWithinAMillimetreOrTwoAlongATexturedWall) {
 }
 
 TEST(OrbTracker, DiesAtAWhiteWallAndFindsItselfWhenTextureReturns) {
-  const auto tracker = must_make(orb_config());
+  const auto tracker = must_make(orb_config(), kWallCamera, wall_pose(0));
   TrackResult last;
   for (int i = 0; i < 10; ++i) last = tracker->track(see_wall(wall_pose(i), i), nullptr);
   for (int i = 10; i < 20; ++i) {
@@ -63,7 +58,7 @@ TEST(OrbTracker, DiesAtAWhiteWallAndFindsItselfWhenTextureReturns) {
 }
 
 TEST(OrbTracker, StartsWithTheFirstFrameThatHasFeatures) {
-  const auto tracker = must_make(orb_config());
+  const auto tracker = must_make(orb_config(), kWallCamera, wall_pose(0));
   const TrackResult blank = tracker->track(see_wall(wall_pose(0), 0, false), nullptr);
   EXPECT_EQ(blank.status, TrackingStatus::kLost);
   EXPECT_EQ(blank.T_world_camera.t, wall_pose(0).t);
@@ -73,7 +68,8 @@ TEST(OrbTracker, StartsWithTheFirstFrameThatHasFeatures) {
 }
 
 TEST(OrbTracker, SameInputGivesTheSameBits) {
-  const auto a = must_make(orb_config()), b = must_make(orb_config());
+  const auto a = must_make(orb_config(), kWallCamera, wall_pose(0)),
+             b = must_make(orb_config(), kWallCamera, wall_pose(0));
   for (int i = 0; i < 8; ++i) {
     const RgbdFrame frame = see_wall(wall_pose(i), i);
     EXPECT_EQ(a->track(frame, nullptr).T_world_camera.t, b->track(frame, nullptr).T_world_camera.t);

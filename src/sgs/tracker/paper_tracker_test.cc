@@ -13,13 +13,13 @@ namespace {
 
 constexpr int kFrames = 24;
 
-struct WallRun {
+struct PaperRun {
   std::vector<TrackResult> results;
   double end_error_m = 0;
 };
 
-WallRun run_wall(const TrackerConfig& config, bool papered = true) {
-  WallRun run;
+PaperRun run_paper(const TrackerConfig& config, bool papered = true) {
+  PaperRun run;
   auto made = make_tracker(config, kWallCamera, wall_pose(0));
   EXPECT_TRUE(made.has_value());
   for (int i = 0; i < kFrames; ++i) {
@@ -38,10 +38,10 @@ TrackerConfig paper_config() {
 TEST(PaperTracker, FollowsATexturedWallAlongWhichRegistrationSlides) {
   TrackerConfig gicp = paper_config();
   gicp.type = TrackerType::kGicp;
-  const double sliding = run_wall(gicp).end_error_m;
+  const double sliding = run_paper(gicp).end_error_m;
   // The camera moves 16 cm before the eyes of the prior (and 3 cm before they open).
   EXPECT_GT(sliding, 0.10);
-  const WallRun run = run_wall(paper_config());
+  const PaperRun run = run_paper(paper_config());
   EXPECT_LT(run.end_error_m, 0.05);
   const Diagnostics& d = run.results.back().diagnostics;
   EXPECT_EQ(run.results.back().status, TrackingStatus::kDegenerate);
@@ -56,7 +56,7 @@ TEST(PaperTracker, FollowsATexturedWallAlongWhichRegistrationSlides) {
 TEST(PaperTracker, HasNoPriorBeforeItsFirstFrame) {
   TrackerConfig config = paper_config();
   config.prior.first_frame = 7;
-  const WallRun run = run_wall(config);
+  const PaperRun run = run_paper(config);
   for (int i = 0; i < kFrames; ++i) {
     const Diagnostics& d = run.results[static_cast<std::size_t>(i)].diagnostics;
     EXPECT_EQ(d.prior_active, i >= 7) << i;
@@ -67,7 +67,7 @@ TEST(PaperTracker, HasNoPriorBeforeItsFirstFrame) {
 TEST(PaperTracker, RejectedPriorStandsForNoMotion) {
   TrackerConfig config = paper_config();
   config.prior.first_frame = 1;
-  const WallRun run = run_wall(config, false);
+  const PaperRun run = run_paper(config, false);
   EXPECT_EQ(run.results.back().diagnostics.prior_source, PriorSource::kZero);
   // Along the wall the pose is locked; off it the wall itself is still seen.
   EXPECT_NEAR(run.results.back().T_world_camera.t.x(), 0, 0.02);
@@ -77,7 +77,7 @@ TEST(PaperTracker, RejectedPriorStandsForNoMotion) {
 TEST(PaperTracker, PlanarityAloneCallsForThePrior) {
   TrackerConfig config = paper_config();
   config.degeneracy.condition_threshold = 1e12;
-  const WallRun run = run_wall(config);
+  const PaperRun run = run_paper(config);
   const TrackResult& last = run.results.back();
   EXPECT_TRUE(last.diagnostics.prior_active);
   EXPECT_EQ(last.diagnostics.degenerate_mask, 0u);
@@ -87,7 +87,7 @@ TEST(PaperTracker, PlanarityAloneCallsForThePrior) {
 TEST(PaperTracker, PlanarityAloneDoesNotHoldThePoseForWantOfAPrior) {
   TrackerConfig config = paper_config();
   config.degeneracy.condition_threshold = 1e12;
-  const TrackResult last = run_wall(config, false).results.back();
+  const TrackResult last = run_paper(config, false).results.back();
   EXPECT_EQ(last.diagnostics.prior_source, PriorSource::kZero);
   EXPECT_FALSE(last.diagnostics.prior_active);
 }
@@ -97,7 +97,7 @@ TEST(PaperTracker, AnUnreachableThresholdSwitchesThePriorOff) {
   config.degeneracy.condition_threshold = 1e12;
   config.degeneracy.planarity_alone = false;
   gicp.type = TrackerType::kGicp;
-  const WallRun a = run_wall(config), b = run_wall(gicp);
+  const PaperRun a = run_paper(config), b = run_paper(gicp);
   for (std::size_t i = 0; i < a.results.size(); ++i) {
     EXPECT_FALSE(a.results[i].diagnostics.prior_active);
     EXPECT_EQ(a.results[i].T_world_camera.t, b.results[i].T_world_camera.t);
@@ -107,7 +107,7 @@ TEST(PaperTracker, AnUnreachableThresholdSwitchesThePriorOff) {
 TEST(PaperTracker, AblationsChangeWhatTheySay) {
   TrackerConfig no_planarity = paper_config();
   no_planarity.prior.planarity = false;
-  const Diagnostics axes = run_wall(no_planarity).results.back().diagnostics;
+  const Diagnostics axes = run_paper(no_planarity).results.back().diagnostics;
   for (unsigned k = 0; k < 6; ++k) {
     EXPECT_EQ(axes.weights[k], ((axes.degenerate_mask >> k) & 1u) != 0 ? 1.0 : 0.0);
   }
@@ -116,13 +116,13 @@ TEST(PaperTracker, AblationsChangeWhatTheySay) {
 
   TrackerConfig only = paper_config();
   only.prior.only = true;
-  const WallRun prior_only = run_wall(only);
+  const PaperRun prior_only = run_paper(only);
   EXPECT_LT(prior_only.end_error_m, 0.05);
   EXPECT_EQ(prior_only.results.back().diagnostics.iterations, 0);
 
   TrackerConfig constant = paper_config();
   constant.prior.source = PosePriorSource::kConstantVelocity;
-  const WallRun cvm = run_wall(constant);
+  const PaperRun cvm = run_paper(constant);
   EXPECT_EQ(cvm.results.back().diagnostics.prior_source, PriorSource::kConstantVelocity);
   EXPECT_EQ(cvm.results.back().diagnostics.visual_inliers, 0);
 }
@@ -142,7 +142,7 @@ TEST(PaperTracker, HoldsThePoseWithoutDepth) {
 }
 
 TEST(PaperTracker, SameInputGivesTheSameBits) {
-  const WallRun a = run_wall(paper_config()), b = run_wall(paper_config());
+  const PaperRun a = run_paper(paper_config()), b = run_paper(paper_config());
   for (std::size_t i = 0; i < a.results.size(); ++i) {
     EXPECT_EQ(a.results[i].T_world_camera.t, b.results[i].T_world_camera.t);
     EXPECT_EQ(a.results[i].T_world_camera.R, b.results[i].T_world_camera.R);

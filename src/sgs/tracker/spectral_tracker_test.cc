@@ -4,16 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include "sgs/tracker/test_tracker.h"
 #include "sgs/tracker/textured_wall.h"
 
 namespace sgs::tracker {
 namespace {
-
-std::unique_ptr<Tracker> must_make(const TrackerConfig& config, const SE3& T_world_first) {
-  auto made = make_tracker(config, kWallCamera, T_world_first);
-  EXPECT_TRUE(made.has_value());
-  return std::move(*made);
-}
 
 double distance_m(const SE3& a, const SE3& b) { return (a.t - b.t).norm(); }
 
@@ -25,7 +20,7 @@ struct WallRun {
 
 WallRun run_wall(const TrackerConfig& config, int frames, const SE3& T_shift = {}) {
   WallRun run;
-  const auto tracker = must_make(config, T_shift * wall_pose(0));
+  const auto tracker = must_make(config, kWallCamera, T_shift * wall_pose(0));
   for (int i = 0; i < frames; ++i) {
     run.results.push_back(tracker->track(see_wall(wall_pose(i), i), nullptr));
     const TrackResult& r = run.results.back();
@@ -73,7 +68,7 @@ TEST(SpectralTracker, GivesTheSameBitsAgain) {
 }
 
 TEST(SpectralTracker, SaysLostBeforeABarePlaneAndComesBack) {
-  const auto tracker = must_make({}, wall_pose(0));
+  const auto tracker = must_make({}, kWallCamera, wall_pose(0));
   for (int i = 0; i < 12; ++i) tracker->track(see_wall(wall_pose(i), i), nullptr);
   // The camera stops before a wall without paper: neither source sees the two sideways directions.
   int lost = 0;
@@ -93,7 +88,7 @@ TEST(SpectralTracker, SaysLostBeforeABarePlaneAndComesBack) {
 }
 
 TEST(SpectralTracker, NeverJumps) {
-  const auto tracker = must_make({}, wall_pose(0));
+  const auto tracker = must_make({}, kWallCamera, wall_pose(0));
   for (int i = 0; i < 5; ++i) tracker->track(see_wall(wall_pose(i), i), nullptr);
   SE3 elsewhere = wall_pose(5);
   elsewhere.t.x() += 3;
@@ -103,7 +98,7 @@ TEST(SpectralTracker, NeverJumps) {
 }
 
 TEST(SpectralTracker, WaitsForDepth) {
-  const auto tracker = must_make({}, wall_pose(0));
+  const auto tracker = must_make({}, kWallCamera, wall_pose(0));
   RgbdFrame blind = see_wall(wall_pose(0), 0);
   blind.depth.fill(0);
   EXPECT_EQ(tracker->track(blind, nullptr).status, TrackingStatus::kLost);
@@ -112,7 +107,7 @@ TEST(SpectralTracker, WaitsForDepth) {
 }
 
 TEST(SpectralTracker, SurvivesBrightnessChanges) {
-  const auto tracker = must_make({}, wall_pose(0));
+  const auto tracker = must_make({}, kWallCamera, wall_pose(0));
   for (int i = 0; i < 20; ++i) {
     RgbdFrame frame = see_wall(wall_pose(i), i);
     const double gain = 1 + 0.2 * std::sin(0.8 * i);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/io/video_file.h"
+#include "sgs/video/video_file.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 
 #include "sgs/io/atomic_file.h"
 
-namespace sgs::io {
+namespace sgs::video {
 namespace {
 
 namespace fs = std::filesystem;
@@ -70,7 +70,7 @@ Result<VideoFile> VideoFile::create(const fs::path& path, int width, int height,
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: a video of {}x{} pixels cannot be", path.string(), width, height));
   }
-  if (!path.parent_path().empty()) SGS_RETURN_IF_ERROR(make_folder(path.parent_path()));
+  if (!path.parent_path().empty()) SGS_RETURN_IF_ERROR(io::make_folder(path.parent_path()));
   for (const int codec : codecs) {
     if (state->writer.open(state->temporary.string(), codec, fps,
                            cv::Size(state->width, state->height))) {
@@ -111,4 +111,4 @@ Status VideoFile::finish() {
               fmt::format("{} could not be written: {}", state_->path.string(), error.message()));
 }
 
-}  // namespace sgs::io
+}  // namespace sgs::video

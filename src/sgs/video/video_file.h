@@ -8,7 +8,7 @@
 #include "sgs/core/error.h"
 #include "sgs/core/image.h"
 
-namespace sgs::io {
+namespace sgs::video {
 
 /// Writes pictures of one size as a video. The ending of the file chooses the format: .mp4 (H.264,
 /// or MPEG-4 where no H.264 encoder is installed), .webm (VP9) or .avi (Motion JPEG).
@@ -34,4 +34,4 @@ class VideoFile {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace sgs::io
+}  // namespace sgs::video

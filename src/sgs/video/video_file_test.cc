@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/io/video_file.h"
+#include "sgs/video/video_file.h"
 
 #include <gmock/gmock.h>
 
@@ -8,7 +8,7 @@
 
 #include "sgs/io/temporary_folder.h"
 
-namespace sgs::io {
+namespace sgs::video {
 namespace {
 
 ColorImage plain(std::uint8_t value) {
@@ -18,7 +18,7 @@ ColorImage plain(std::uint8_t value) {
 }
 
 TEST(VideoFile, HoldsThePicturesInTheirOrder) {
-  const TemporaryFolder folder;
+  const io::TemporaryFolder folder;
   const auto path = folder.path() / "walk.avi";
   auto video = VideoFile::create(path, 65, 48, 25);
   ASSERT_TRUE(video) << video.error().text();
@@ -37,7 +37,7 @@ TEST(VideoFile, HoldsThePicturesInTheirOrder) {
 }
 
 TEST(VideoFile, OneThatIsNotFinishedLeavesNothing) {
-  const TemporaryFolder folder;
+  const io::TemporaryFolder folder;
   {
     auto video = VideoFile::create(folder.path() / "walk.avi", 65, 48, 25);
     ASSERT_TRUE(video);
@@ -53,4 +53,4 @@ TEST(VideoFile, AnEndingThatIsNotKnownIsRefused) {
 }
 
 }  // namespace
-}  // namespace sgs::io
+}  // namespace sgs::video
