@@ -75,10 +75,7 @@ bool confirms(const DepthCalibration& later, const DepthCalibration& earlier) {
 OnlineCalibration::OnlineCalibration(const BackendConfig& config)
     : config_(config.calibration),
       archive_(config.archive),
-      next_(static_cast<std::size_t>(config.calibration.first_keyframes)) {
-  // Half of what a batch adjusts: the second half costs thrice as much and adds little.
-  config_.keyframes = std::max(config_.keyframes / 2, config.calibration.first_keyframes);
-}
+      next_(static_cast<std::size_t>(config.calibration.first_keyframes)) {}
 
 std::optional<LearnedCalibration> OnlineCalibration::add(
     const std::shared_ptr<const RgbdFrame>& raw, const std::optional<SE3>& T_world_camera,
@@ -92,12 +89,18 @@ std::optional<LearnedCalibration> OnlineCalibration::add(
   readout_s_ = readout_s;
   if (in_flight_ || archive_.keyframes().size() < next_) return std::nullopt;
   auto learned = learn();
-  const auto most = static_cast<std::size_t>(config_.keyframes);
+  const auto enough = static_cast<std::size_t>(enough_keyframes());
   const bool sure = learned && learned->estimate.calibration.mean_sigma_per_m < kSure_per_m;
-  done_ = contradicted_ || sure || next_ >= most;
-  next_ = std::min(next_ + next_ / 2, most);
+  done_ = contradicted_ || sure || next_ >= enough;
+  next_ = std::min(next_ + next_ / 2, enough);
   if (done_) archive_ = KeyframeArchive({});
   return learned;
+}
+
+// The second half costs thrice as much and adds little to what is known.
+int OnlineCalibration::enough_keyframes() const {
+  const int most = versions_ > 0 ? config_.keyframes / 2 : config_.keyframes;
+  return std::max(most, config_.first_keyframes);
 }
 
 std::optional<LearnedCalibration> OnlineCalibration::finish() {
@@ -109,8 +112,10 @@ std::optional<LearnedCalibration> OnlineCalibration::finish() {
 
 // What this attempt says, where the last one has said the same.
 std::optional<DepthEstimate> OnlineCalibration::attempt() {
+  CalibrationConfig config = config_;
+  config.keyframes = enough_keyframes();
   DepthEstimate estimate =
-      calibrate_depth(archive_.keyframes(), readout_s_, config_, last_ ? &*last_ : nullptr);
+      calibrate_depth(archive_.keyframes(), readout_s_, config, last_ ? &*last_ : nullptr);
   if (!estimate.why_not.empty()) return std::nullopt;
   const auto last = std::exchange(last_, estimate);
   if (!last || !is_sure_enough(estimate)) return std::nullopt;

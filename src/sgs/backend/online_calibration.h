@@ -23,10 +23,11 @@ bool confirms(const DepthCalibration& later, const DepthCalibration& earlier);
 
 /// Calibrates the depth camera while a recording goes on (docs/calibration.md): whenever there are
 /// half as many keyframes again, all are adjusted together, from their raw depth, until the mean is
-/// sure or there are half of config.calibration.keyframes. Only what two attempts in a row say
-/// alike is believed: a recording that the model does not describe (two cameras with a wrong
-/// registration, say) is told something else by each stretch of it. What changes nothing that
-/// matters is not told. A pure function of what it is given, in order: deterministic, one thread.
+/// sure, until there are half of config.calibration.keyframes and something was learned, or until
+/// there are all of them. Only what two attempts in a row say alike is believed: a recording that
+/// the model does not describe (two cameras with a wrong registration, say) is told something else
+/// by each stretch of it. What changes nothing that matters is not told. A pure function of what it
+/// is given, in order: deterministic, one thread.
 ///
 /// A correction that add() returns is in the tracker's coordinates of that moment. The caller
 /// applies it when it suits; until note_applied() says so there is no other.
@@ -47,6 +48,8 @@ class OnlineCalibration {
   int versions() const { return versions_; }
 
  private:
+  /// How many are adjusted together at most.
+  int enough_keyframes() const;
   std::optional<DepthEstimate> attempt();
   bool is_contradiction(const DepthEstimate& estimate, double scale);
   std::optional<LearnedCalibration> learn();
