@@ -75,7 +75,8 @@ Status render_video(const RenderCommand& command, const PinholeCamera& camera,
   const int count = std::max(1, static_cast<int>(std::lround(command.seconds * command.fps)));
   const std::vector<SE3> views =
       command.turntable
-          ? run::turntable(trajectory, gaussians, report::likely_up(trajectory), count)
+          ? run::turntable(trajectory, gaussians,
+                           run::level_up(gaussians, report::likely_up(trajectory)), count)
           : run::smooth_path(trajectory, count);
   if (views.empty()) {
     return fail(ErrorCode::kInvalidArgument, fmt::format("{} has no poses or no map", command.run),

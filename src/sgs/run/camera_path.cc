@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/run/camera_path.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -30,7 +32,40 @@ Eigen::Vector3d median(const std::vector<Eigen::Vector3d>& points) {
   return middle;
 }
 
+/// A Gaussian as a disc: where it faces, times its area.
+Eigen::Vector3d facing(const map::Gaussian& g) {
+  const auto thinnest = std::min_element(g.log_scale, g.log_scale + 3) - g.log_scale;
+  const Eigen::Quaternionf q(g.rotation[0], g.rotation[1], g.rotation[2], g.rotation[3]);
+  float log_area = -g.log_scale[thinnest];
+  for (const float s : g.log_scale) log_area += s;
+  return std::exp(double{log_area}) *
+         (q.normalized() * Eigen::Vector3f(Eigen::Vector3f::Unit(thinnest))).cast<double>();
+}
+
 }  // namespace
+
+Eigen::Vector3d level_up(std::span<const map::Gaussian> gaussians, const Eigen::Vector3d& guess) {
+  constexpr std::array kReach_deg = {40.0, 30.0, 20.0, 10.0, 5.0};  // mean shift, ever narrower
+  constexpr double kLeastShare = 0.02;
+  std::vector<Eigen::Vector3d> discs;
+  double area = 0;
+  for (const map::Gaussian& g : gaussians) {
+    discs.push_back(facing(g));
+    area += discs.back().norm();
+  }
+  Eigen::Vector3d up = guess;
+  for (const double reach_deg : kReach_deg) {
+    const double least = std::cos(reach_deg * std::numbers::pi / 180);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& disc : discs) {
+      const double along = up.dot(disc);  // a disc has two sides
+      if (std::abs(along) > least * disc.norm()) sum += along < 0 ? Eigen::Vector3d(-disc) : disc;
+    }
+    if (!(sum.norm() > kLeastShare * area)) return guess;
+    up = sum.normalized();
+  }
+  return up;
+}
 
 std::vector<SE3> smooth_path(const Trajectory& trajectory, int count) {
   constexpr double kReach_s = 0.5;  // of the mean, to either side

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <cmath>
+
 namespace sgs::run {
 namespace {
 
@@ -26,6 +29,33 @@ TEST(SmoothPath, FollowsTheWayWithoutTheShake) {
     EXPECT_TRUE(views[i].R.isApprox(Eigen::Matrix3d::Identity(), 1e-6));
   }
   EXPECT_TRUE(smooth_path({}, 10).empty());
+}
+
+/// A disc of 10 cm that faces `normal`.
+map::Gaussian disc(const Eigen::Vector3d& normal) {
+  map::Gaussian g;
+  const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), normal);
+  g.rotation[0] = static_cast<float>(q.w());
+  for (int k = 0; k < 3; ++k) g.rotation[k + 1] = static_cast<float>(q.vec()[k]);
+  for (int k = 0; k < 3; ++k) g.log_scale[k] = std::log(k < 2 ? 0.1f : 0.001f);
+  return g;
+}
+
+TEST(LevelUp, IsWhereFloorAndDeskFace) {
+  const Eigen::Vector3d up = Eigen::Vector3d(0.1, -0.9, -0.45).normalized();
+  const Eigen::Vector3d wall = up.unitOrthogonal();
+  const Eigen::Vector3d guess(0, -1, 0);  // a camera that looks down by 28 degrees
+  std::vector<map::Gaussian> room;
+  for (int i = 0; i < 40; ++i) {
+    const Eigen::Vector3d off =
+        0.1 * Eigen::Vector3d(std::sin(i), std::sin(1.7 * i), std::sin(2.3 * i));
+    room.push_back(disc((i % 2 == 0 ? 1 : -1) * (up + off)));
+    room.push_back(disc(wall + off));
+    room.push_back(disc(up.cross(wall) + off));
+  }
+  EXPECT_GT(level_up(room, guess).dot(up), std::cos(0.04));
+  EXPECT_EQ(level_up(std::vector{disc({0, 0, 1})}, guess), guess);  // nothing level in sight
+  EXPECT_EQ(level_up({}, guess), guess);
 }
 
 TEST(Turntable, GoesOnceAroundTheMiddleOfTheMap) {
