@@ -17,6 +17,8 @@
 #include "sgs/core/log.h"
 #include "sgs/core/stopwatch.h"
 #include "sgs/eval/trajectory_metrics.h"
+#include "sgs/io/atomic_file.h"
+#include "sgs/io/trajectory_io.h"
 #include "sgs/loops/loop_closer.h"
 #include "sgs/tracker/test_drifting_tracker.h"
 #include "tracking_input.h"
@@ -27,7 +29,7 @@ using namespace sgs;
 
 struct Options {
   bool drift = false;
-  std::string calibration;
+  std::string calibration, trajectories;
 };
 
 double ate_cm(const std::vector<StampedPose>& poses, const Trajectory& truth) {
@@ -48,6 +50,17 @@ struct Nees {
   }
   double mean() const { return directions > 0 ? sum / directions : NAN; }
 };
+
+/// The path as it was said and as it is at the end, for plots.
+Status save_paths(const std::string& folder, const std::string& name,
+                  const std::vector<StampedPose>& online,
+                  const std::vector<StampedPose>& corrected) {
+  if (folder.empty()) return {};
+  SGS_RETURN_IF_ERROR(io::make_folder(folder));
+  const std::string path = folder + "/" + name;
+  SGS_RETURN_IF_ERROR(io::save_trajectory(path + "-online.txt", Trajectory(online)));
+  return io::save_trajectory(path + "-final.txt", Trajectory(corrected));
+}
 
 /// One row of the table.
 Status judge(const std::string& input_name, const slam::SessionConfig& config,
@@ -133,7 +146,7 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
       p95(track_ms.size() / 2, track_ms.size()),
       closing_ms / static_cast<double>(std::max<std::size_t>(1, online.size())), longest_ms);
   std::fflush(stdout);
-  return {};
+  return save_paths(options.trajectories, benchmarks::short_name(input_name), online, corrected);
 }
 
 }  // namespace
@@ -147,6 +160,7 @@ int main(int argc, char** argv) {
   app.add_option("--set", assignments, "key=value")->take_all()->allow_extra_args(false);
   app.add_option("--calibration", options.calibration, "of the depth camera, for all inputs");
   app.add_flag("--drift", options.drift, "Add a drift of 1 % and 0.5 degrees per metre.");
+  app.add_option("--trajectories", options.trajectories, "Folder for the paths, as TUM files");
   app.add_flag("--verbose", verbose);
   CLI11_PARSE(app, argc, argv);
   log().set_level(verbose ? spdlog::level::debug : spdlog::level::warn);
