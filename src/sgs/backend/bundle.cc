@@ -44,7 +44,9 @@ struct Bundle::Measured {
 };
 
 Bundle::Bundle(BundleProblem problem, BundleState start)
-    : problem_(std::move(problem)), state_(std::move(start)) {
+    : problem_(std::move(problem)),
+      state_(std::move(start)),
+      sums_(static_cast<std::size_t>(calibration_size())) {
   SGS_CHECK(state_.T_world_camera.size() == problem_.keyframes.size() &&
                 state_.exposures.size() == problem_.keyframes.size() &&
                 state_.readout_turns.size() == problem_.keyframes.size() &&
@@ -188,12 +190,12 @@ BundleEquations Bundle::linearize(int level, const BundleNoise& noise) {
   out.b.setZero(unknowns());
   Measured measured;
   const BundleRows residuals(problem_, state_);
-  BundleSums sums(static_cast<std::size_t>(calibration_size()));
+  sums_.begin();
   std::vector<BundleRow> rows;
   std::vector<WeightedRow> summed;
   for (int host = 0; host < std::ssize(problem_.keyframes); ++host) {
     const auto i = static_cast<std::size_t>(host);
-    sums.begin_host(1 + problem_.targets[i].size());
+    sums_.begin_host(1 + problem_.targets[i].size());
     eliminated_[i].resize(problem_.keyframes[i]->pixels.size());
     for (std::size_t p = 0; p < eliminated_[i].size(); ++p) {
       collect_rows(residuals, host, p, level, rows);
@@ -204,12 +206,12 @@ BundleEquations Bundle::linearize(int level, const BundleNoise& noise) {
         out.cost += problem_.config.information * t_cost(r.residual, sigma);
         summed.push_back(weighted(host, r, noise));
       }
-      sums.add_pixel(summed, eliminated_[i][p]);
+      sums_.add_pixel(summed, eliminated_[i][p]);
     }
-    add_host(host, sums, out);
+    add_host(host, sums_, out);
   }
-  out.H.bottomRightCorner(calibration_size(), calibration_size()) += sums.calibration_H();
-  out.b.tail(calibration_size()) += sums.calibration_b();
+  out.H.bottomRightCorner(calibration_size(), calibration_size()) += sums_.calibration_H();
+  out.b.tail(calibration_size()) += sums_.calibration_b();
   add_priors(out);
   out.grey_residuals = static_cast<int>(measured.grey.size());
   out.depth_residuals = static_cast<int>(measured.depth.size());

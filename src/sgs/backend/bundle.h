@@ -64,6 +64,7 @@ class Bundle {
   BundleProblem problem_;
   BundleState state_;
   std::vector<std::vector<Elimination>> eliminated_;
+  BundleSums sums_;  // of a linearization; kept, because the kernel clears new memory page by page
 };
 
 }  // namespace sgs::backend

@@ -118,6 +118,11 @@ BundleSums::BundleSums(std::size_t calibration_unknowns)
       calibration_b_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(calibration_unknowns))),
       place_(calibration_unknowns, kNowhere) {}
 
+void BundleSums::begin() {
+  calibration_H_.setZero();
+  calibration_b_.setZero();
+}
+
 void BundleSums::begin_host(std::size_t blocks) {
   width_ = kBlockStride * blocks;
   H_.assign(width_ * width_, 0);

@@ -42,6 +42,8 @@ class BundleSums {
  public:
   explicit BundleSums(std::size_t calibration_unknowns);
 
+  /// Empties all sums and keeps their memory: the sums of one linearization begin here.
+  void begin();
   /// Empties the sums of keyframes. `blocks`: the keyframe and its targets.
   void begin_host(std::size_t blocks);
   /// Adds the rows of a pixel with its inverse depth eliminated, and tells how that follows.

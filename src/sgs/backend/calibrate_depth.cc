@@ -95,9 +95,9 @@ BundleState start_of(const std::vector<const Keyframe*>& keyframes, int grid_siz
 
 using Factors = Eigen::LLT<Eigen::MatrixXd, Eigen::Upper>;
 
-/// None where the equations have no solution.
-std::optional<Eigen::VectorXd> newton_step(const BundleEquations& equations) {
-  const Factors factors(equations.H);
+/// None where the equations have no solution. The factors take the place of their H.
+std::optional<Eigen::VectorXd> newton_step(BundleEquations& equations) {
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Upper> factors(equations.H);
   if (factors.info() != Eigen::Success) return {};
   Eigen::VectorXd step = -factors.solve(equations.b);
   if (!step.allFinite()) return {};
@@ -111,7 +111,7 @@ bool descend(Bundle& bundle, int level, int steps, BundleNoise& noise) {
   constexpr double kConverged = 0.05;
   constexpr BundleNoise kLeast{1, 0.1};
   for (int k = 0; k < steps; ++k) {
-    const BundleEquations equations = bundle.linearize(level, noise);
+    BundleEquations equations = bundle.linearize(level, noise);
     noise.grey = std::max(kLeast.grey, equations.measured.grey);
     noise.depth = std::max(kLeast.depth, equations.measured.depth);
     const auto step = newton_step(equations);
