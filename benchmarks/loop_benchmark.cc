@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What closing loops does to recordings whose truth is known, with tracking alone: one row each.
-//     sgs_loop_benchmark [--drift] [--set key=value] INPUT...
+//     sgs_loop_benchmark [--drift] [--bias] [--set key=value] INPUT...
 // INPUT may be synth:NAME:LEVEL@SEED.
 
 #include <fmt/format.h>
@@ -28,7 +28,7 @@ namespace {
 using namespace sgs;
 
 struct Options {
-  bool drift = false;
+  bool drift = false, bias = false;
   std::string calibration, trajectories;
 };
 
@@ -71,9 +71,14 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
   dataset::FrameSource& source = *input.source;
   const Trajectory truth = source.ground_truth();
   SGS_ASSIGN_OR_RETURN(auto tracker, tracker::make_tracker(config.tracker, source.camera(), SE3{}));
-  if (options.drift) {
-    tracker = std::make_unique<tracker::DriftingTracker>(
-        std::move(tracker), tracker::DriftingTracker::Drift{}, config.seed);
+  if (options.drift || options.bias) {
+    tracker::DriftingTracker::Drift drift;
+    if (!options.drift) drift.translation_m = drift.rotation_deg = 0;
+    if (options.bias) {
+      drift.length_ratio = 0.01;
+      drift.turn_deg = 0.5;
+    }
+    tracker = std::make_unique<tracker::DriftingTracker>(std::move(tracker), drift, config.seed);
   }
   loops::LoopCloser closer(config.loops, config.tracker, config.seed);
   std::vector<StampedPose> online, corrected;
@@ -159,7 +164,9 @@ int main(int argc, char** argv) {
   app.add_option("INPUT", inputs)->required();
   app.add_option("--set", assignments, "key=value")->take_all()->allow_extra_args(false);
   app.add_option("--calibration", options.calibration, "of the depth camera, for all inputs");
-  app.add_flag("--drift", options.drift, "Add a drift of 1 % and 0.5 degrees per metre.");
+  app.add_flag("--drift", options.drift,
+               "Add a random walk of 1 cm and 0.5 degrees after one metre.");
+  app.add_flag("--bias", options.bias, "Add a drift of 1 % and 0.5 degrees per metre.");
   app.add_option("--trajectories", options.trajectories, "Folder for the paths, as TUM files");
   app.add_flag("--verbose", verbose);
   CLI11_PARSE(app, argc, argv);

@@ -12,14 +12,17 @@
 
 namespace sgs::tracker {
 
-/// For tests and benchmarks: another tracker's poses with a drift added, a random walk over the way
-/// that the camera goes. Shows what closing loops does, however good the tracker.
+/// For tests and benchmarks: another tracker's poses with a drift added over the way that the
+/// camera goes, a random walk and one that is the same everywhere. Shows what closing loops does,
+/// however good the tracker.
 class DriftingTracker : public Tracker {
  public:
   /// Standard deviations after one metre; both grow with the root of the way.
   struct Drift {
     double translation_m = 0.01;
     double rotation_deg = 0.5;
+    /// Per metre: by how much each motion is too long, and the turn about the image's vertical.
+    double length_ratio = 0, turn_deg = 0;
   };
 
   DriftingTracker(std::unique_ptr<Tracker> tracker, const Drift& drift, std::uint64_t seed)
@@ -31,7 +34,9 @@ class DriftingTracker : public Tracker {
     if (!last_) {
       drifted_ = T;
     } else {
-      const SE3 motion = last_->inverse() * T;
+      SE3 motion = last_->inverse() * T;
+      const double turn = motion.t.norm() * drift_.turn_deg * std::numbers::pi / 180;
+      motion = SE3(motion.R * so3_exp({0, turn, 0}), (1 + drift_.length_ratio) * motion.t);
       drifted_ = (drifted_ * motion * SE3::exp(step(motion.t.norm()))).normalized();
     }
     last_ = T;
