@@ -8,10 +8,9 @@
 #include <csignal>
 #include <string>
 
-#include "sgs/core/print.h"
+#include "helper_end.h"
 #include "sgs/io/ply.h"
 #include "sgs/mesh/depth_fusion.h"
-#include "sgs/run/exit_code.h"
 #include "sgs/run/run.h"
 #include "sgs/run/scene_export.h"
 
@@ -51,25 +50,18 @@ Status make_mesh(const MeshCommand& command) {
   return io::save_mesh(command.output, mesh.vertices, mesh.triangles);
 }
 
-int tell(const Error& error) {
-  print("{}\n{}\n", error.message, error.remedy);
-  std::fflush(stdout);
-  return error.code == ErrorCode::kInvalidArgument ? run::kExitUsage : run::kExitFailed;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) try {
-  CLI::App app{"Makes the mesh of `sgs export RUN mesh`"};
+  CLI::App options{"Makes the mesh of `sgs export RUN mesh`"};
   MeshCommand command;
-  app.add_option("RUN", command.run)->required();
-  app.add_option("OUT", command.output)->required();
-  app.add_option("--voxel", command.voxel_m);
-  app.add_option("--threads", command.threads);
-  app.add_flag("--measured-depth", command.measured);
-  CLI11_PARSE(app, argc, argv);
-  const Status status = make_mesh(command);
-  return status ? run::kExitDone : tell(status.error());
+  options.add_option("RUN", command.run)->required();
+  options.add_option("OUT", command.output)->required();
+  options.add_option("--voxel", command.voxel_m);
+  options.add_option("--threads", command.threads);
+  options.add_flag("--measured-depth", command.measured);
+  CLI11_PARSE(options, argc, argv);
+  return app::end_helper(make_mesh(command));
 } catch (...) {
-  return tell(current_error());
+  return app::end_helper(tl::unexpected(current_error()));
 }

@@ -9,8 +9,7 @@
 #include <cstdio>
 #include <string>
 
-#include "sgs/core/print.h"
-#include "sgs/run/exit_code.h"
+#include "helper_end.h"
 #include "sgs/video/video_file.h"
 
 namespace {
@@ -39,27 +38,20 @@ Status make_video(const VideoCommand& command) {
   return video.finish();
 }
 
-int tell(const Error& error) {
-  print("{}\n{}\n", error.message, error.remedy);
-  std::fflush(stdout);
-  return error.code == ErrorCode::kInvalidArgument ? run::kExitUsage : run::kExitFailed;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) try {
   // Ctrl-C reaches both programs. The one that sends pictures stops; this one then tidies up.
   std::signal(SIGINT, SIG_IGN);
-  CLI::App app{"Makes the video of `sgs render --video`"};
+  CLI::App options{"Makes the video of `sgs render --video`"};
   VideoCommand command;
-  app.add_option("OUT", command.output)->required();
-  app.add_option("WIDTH", command.width)->required()->check(CLI::Range(1, 65535));
-  app.add_option("HEIGHT", command.height)->required()->check(CLI::Range(1, 65535));
-  app.add_option("FPS", command.fps)->required();
-  app.add_option("PICTURES", command.pictures)->required();
-  CLI11_PARSE(app, argc, argv);
-  const Status status = make_video(command);
-  return status ? run::kExitDone : tell(status.error());
+  options.add_option("OUT", command.output)->required();
+  options.add_option("WIDTH", command.width)->required()->check(CLI::Range(1, 65535));
+  options.add_option("HEIGHT", command.height)->required()->check(CLI::Range(1, 65535));
+  options.add_option("FPS", command.fps)->required();
+  options.add_option("PICTURES", command.pictures)->required();
+  CLI11_PARSE(options, argc, argv);
+  return app::end_helper(make_video(command));
 } catch (...) {
-  return tell(current_error());
+  return app::end_helper(tl::unexpected(current_error()));
 }

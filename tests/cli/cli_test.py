@@ -184,6 +184,12 @@ class Contract(Case):
             total_frames = struct.unpack_from("<I", video.read_bytes(), 48)[0]  # of AVIMAINHEADER
             self.assertEqual(total_frames, 4)
             video.unlink()
+        # Whoever feeds the program is gone after one of three pictures: nothing is left.
+        program = pathlib.Path(SGS).parent / "sgs-video"
+        words = [program, video, "64", "48", "8", "3"]
+        torn = subprocess.run(words, input=bytes(64 * 48 * 3), stdout=subprocess.PIPE)
+        self.assertEqual((torn.returncode, torn.stdout), (1, b"the pictures ended early\n\n"))
+        self.assertFalse(video.exists())
         refused = self.sgs("render", out, "--video", self.folder / "walk.txt", "--quiet", code=2)
         self.assertIn(".mp4", refused.stderr)
         self.assertFalse(list(self.folder.glob("*unfinished*")))
