@@ -61,12 +61,16 @@ def resume(sgs, out, kill_after_s=None):
     return code, seconds
 
 
+def unfinished(out):
+    return (out / "config.toml").exists() and "running" in (out / "state.toml").read_text()
+
+
 def compare(out, whole):
     for name in RESULTS:
         same = (out / name).read_bytes() == (whole / name).read_bytes()
         check(same, f"{name} is not that of a run that nobody killed")
     check("finished" in (out / "state.toml").read_text(), "not finished")
-    left = [p.name for p in out.iterdir() if p.name.startswith("checkpoint")]
+    left = [p.name for p in out.rglob("*") if p.name.startswith("checkpoint") or p.suffix == ".tmp"]
     check(not left, f"left over: {left}")
 
 
@@ -75,12 +79,14 @@ def kill_and_resume(sgs, source, whole, whole_s, out, chance, again):
         sgs, [source, "-o", out, "--checkpoint", 0.5], chance.uniform(0, whole_s)
     )
     check(code in (None, 0, 3), f"run: exit code {code}\n{said}")
-    begun = (out / "config.toml").exists() and "running" in (out / "state.toml").read_text()
-    if not begun:
+    if not unfinished(out):
         return None
-    if again and resume(sgs, out, chance.uniform(0, whole_s))[0] is not None:
-        again = False
-    else:
+    if again:
+        again = resume(sgs, out, chance.uniform(0, whole_s))[0] is None
+    # Killed between its last word and its end, it leaves nothing to go on with.
+    if again and not unfinished(out):
+        return None
+    if unfinished(out):
         code, seconds = resume(sgs, out)
         check(code is not None, "killed without a reason")
     compare(out, whole)

@@ -15,6 +15,8 @@ namespace sgs::io {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr std::string_view kTemporary = ".tmp";  // after the file's name and the process's number
+
 /// Owns a file descriptor; close() reports errors, the destructor does not.
 class Descriptor {
  public:
@@ -127,13 +129,21 @@ Status write_file(const fs::path& path, std::string_view bytes, Durability durab
     return code == 0 ? Status{} : system_error("write", path, code);
   }
   fs::path temporary = path;
-  temporary += fmt::format(".{}.tmp", ::getpid());
+  temporary += fmt::format(".{}{}", ::getpid(), kTemporary);
   int code = write_all(temporary, O_TRUNC, bytes, durability);
   if (code == 0 && ::rename(temporary.c_str(), path.c_str()) != 0) code = errno;
   if (code == 0 && durability == Durability::kSynced) code = sync_folder(path.parent_path());
   if (code == 0) return {};
   ::unlink(temporary.c_str());
   return system_error("write", path, code);
+}
+
+bool is_temporary_of(std::string_view name, std::string_view file) {
+  if (!name.starts_with(file) || !name.ends_with(kTemporary)) return false;
+  name.remove_prefix(file.size());
+  if (name.size() < kTemporary.size() + 2 || name.front() != '.') return false;
+  const std::string_view process = name.substr(1, name.size() - 1 - kTemporary.size());
+  return std::all_of(process.begin(), process.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
 Status append_file(const fs::path& path, std::string_view bytes) {

@@ -33,6 +33,10 @@ enum class Durability {
 Status write_file(const std::filesystem::path& path, std::string_view bytes,
                   Durability durability = Durability::kSynced);
 
+/// Whether `name` is that of a temporary file of write_file() for a file called `file`: a program
+/// that is killed while it writes leaves one behind.
+bool is_temporary_of(std::string_view name, std::string_view file);
+
 /// Appends `bytes` to a file, creating it (and its parent folders) where it is missing.
 Status append_file(const std::filesystem::path& path, std::string_view bytes);
 

@@ -22,6 +22,7 @@ struct Disk {
   bool watched = false;
   int error = 0;  ///< errno of every sync; 0 = they work
   std::vector<std::string> calls;
+  std::string renamed;  ///< the last file that got another name
 } disk;
 
 int sync_call(int fd, long number) {
@@ -43,7 +44,10 @@ int sync_call(int fd, long number) {
 extern "C" int fsync(int fd) { return sync_call(fd, SYS_fsync); }
 extern "C" int fdatasync(int fd) { return sync_call(fd, SYS_fdatasync); }
 extern "C" int rename(const char* from, const char* to) noexcept {
-  if (disk.watched) disk.calls.emplace_back("rename");
+  if (disk.watched) {
+    disk.calls.emplace_back("rename");
+    disk.renamed = from;
+  }
   return static_cast<int>(::syscall(SYS_renameat, AT_FDCWD, from, AT_FDCWD, to));
 }
 
@@ -55,7 +59,7 @@ using testing::IsEmpty;
 
 class DurabilityTest : public testing::Test {
  protected:
-  void SetUp() override { disk = {true, 0, {}}; }
+  void SetUp() override { disk = {true, 0, {}, {}}; }
   void TearDown() override { disk = {}; }
   const TemporaryFolder folder_;
 };
@@ -94,6 +98,18 @@ TEST_F(DurabilityTest, WhatGrowsIsSyncedWhenItGrew) {
   disk.error = 0;
   EXPECT_TRUE(file.sync());
   EXPECT_EQ(read_file(folder_ / "a"), "xy");
+}
+
+TEST_F(DurabilityTest, TemporaryFilesAreKnownByTheirNames) {
+  ASSERT_TRUE(write_file(folder_ / "map.ply", "x"));
+  const std::string temporary = std::filesystem::path(disk.renamed).filename();
+  EXPECT_TRUE(is_temporary_of(temporary, "map.ply")) << temporary;
+  EXPECT_FALSE(is_temporary_of(temporary, "map")) << temporary;
+  EXPECT_TRUE(is_temporary_of("map.ply.7.tmp", "map.ply"));
+  for (const char* name : {"map.ply", "map.ply.tmp", "map.ply..tmp", "map.ply.mine.tmp",
+                           "map.ply.7.tmp.png", "map.ply7.tmp", "map.ply.7 .tmp", ".7.tmp"}) {
+    EXPECT_FALSE(is_temporary_of(name, "map.ply")) << name;
+  }
 }
 
 }  // namespace

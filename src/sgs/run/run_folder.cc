@@ -55,6 +55,27 @@ std::vector<fs::path> results_in(const fs::path& folder) {
   return found;
 }
 
+/// What a run that was killed while it wrote left beside its files.
+std::vector<fs::path> half_written_in(const fs::path& folder) {
+  std::vector<fs::path> found;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder, none)) {
+    const std::string name = entry.path().filename().string();
+    const auto is_of = [&](const char* file) { return io::is_temporary_of(name, file); };
+    const bool ours = std::any_of(files::kResults.begin(), files::kResults.end(), is_of) ||
+                      is_of(files::kState) || is_of(files::kLock) || is_of(files::kCheckpoint);
+    if (ours) found.push_back(entry.path());
+  }
+  for (const auto& entry : fs::directory_iterator(folder / files::kRenders, none)) {
+    const fs::path name = entry.path().filename();
+    // From 000012_truth.png.77.tmp to the picture's own name.
+    const std::string file = name.stem().stem().string();
+    const bool ours = is_picture(file) || file == fs::path(files::kPictures).filename();
+    if (ours && io::is_temporary_of(name.string(), file)) found.push_back(entry.path());
+  }
+  return found;
+}
+
 Status remove_all(const std::vector<fs::path>& paths) {
   for (const fs::path& old : paths) {
     std::error_code error;
@@ -87,6 +108,7 @@ Result<RunFolder> RunFolder::create(const fs::path& path) {
   RunFolder folder(path);
   SGS_RETURN_IF_ERROR(check_is_free(path));
   SGS_ASSIGN_OR_RETURN(folder.lock_, FolderLock::take(path));
+  SGS_RETURN_IF_ERROR(remove_all(half_written_in(path)));
   SGS_RETURN_IF_ERROR(folder.begin());
   return folder;
 }
@@ -103,6 +125,7 @@ Result<RunFolder> RunFolder::create_below(const fs::path& parent, const std::str
 Result<RunFolder> RunFolder::resume(const fs::path& path) {
   SGS_ASSIGN_OR_RETURN(RunFolder folder, open(path));
   SGS_ASSIGN_OR_RETURN(folder.lock_, FolderLock::take(path));
+  SGS_RETURN_IF_ERROR(remove_all(half_written_in(path)));
   folder.resumed_ = true;
   return folder;
 }

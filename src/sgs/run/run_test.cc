@@ -252,6 +252,25 @@ TEST_F(RunTest, ANewRunBeginsByRemovingTheOldOne) {
   EXPECT_TRUE(fs::exists(path / "notes.txt"));
 }
 
+TEST_F(RunTest, WhatAKilledRunLeftHalfWrittenGoes) {
+  const std::vector<std::string> ours = {
+      "map.ply.7.tmp", "state.toml.7.tmp", "checkpoint.txt.12345.tmp",
+      "renders/000001_truth.png.7.tmp", "renders/pictures.csv.7.tmp"};
+  const std::vector<std::string> others = {"notes.txt.7.tmp", "map.ply.mine.tmp",
+                                           "renders/mine.png.7.tmp"};
+  const auto begin = [](const fs::path& path) { return RunFolder::create(path); };
+  for (const auto& [name, open] : {std::pair(std::string("new"), +begin),
+                                   std::pair(std::string("resumed"), &RunFolder::resume)}) {
+    const fs::path path = copy(name);
+    for (const auto* files : {&ours, &others}) {
+      for (const std::string& file : *files) ASSERT_TRUE(io::write_file(path / file, "half"));
+    }
+    ASSERT_TRUE(open(path)) << name;
+    for (const std::string& file : ours) EXPECT_FALSE(fs::exists(path / file)) << name << file;
+    for (const std::string& file : others) EXPECT_TRUE(fs::exists(path / file)) << name << file;
+  }
+}
+
 // A recording has a groundtruth.txt and a camera.txt, too.
 TEST(RunFolder, AFolderOfSomethingElseIsNotTouched) {
   const io::TemporaryFolder scratch;
