@@ -37,8 +37,8 @@ void print_estimate(const backend::DepthEstimate& e) {
   print("shift          {:+.2f} {:+.2f} px of depth against colour, sigma {:.2f} {:.2f}: {}\n",
         c.shift_px.x(), c.shift_px.y(), c.shift_sigma_px.x(), c.shift_sigma_px.y(),
         used(e.shift_known));
-  print("delay          {:+.1f} ms of depth after colour, sigma {:.1f}\n", 1e3 * e.delay_s,
-        1e3 * e.delay_sigma_s);
+  print("delay          {:+.1f} ms of depth after colour, sigma {:.1f}: {}\n", 1e3 * c.delay_s,
+        1e3 * c.delay_sigma_s, used(e.delay_known));
 }
 
 int run_calibrate(CalibrateCommand command) {

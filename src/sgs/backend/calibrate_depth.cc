@@ -77,7 +77,7 @@ BundleState start_of(const std::vector<const Keyframe*>& keyframes, int grid_siz
     state.offsets_per_m = Eigen::Map<const Eigen::VectorXd>(calibration.offset_per_m.data(),
                                                             std::ssize(calibration.offset_per_m));
     state.shift_px = calibration.shift_px;
-    state.delay_s = known->delay_s;
+    state.delay_s = calibration.delay_s;
   }
   SGS_CHECK(state.offsets_per_m.size() == grid_size, "an estimate of another grid");
   for (const Keyframe* k : keyframes) {
@@ -174,16 +174,23 @@ bool shift_is_significant(const Bundle& bundle, const Solution& solution) {
   return s.dot(covariance.inverse() * s) > kSignificant * kSignificant;
 }
 
+bool delay_is_significant(const Bundle& bundle, const Solution& solution) {
+  const Eigen::Index last = solution.covariance.rows() - 1;
+  return std::abs(bundle.state().delay_s) >
+         kSignificant * std::sqrt(solution.covariance(last, last));
+}
+
 /// The priors of the second solution: what the first has not shown is held near nothing. A camera
 /// whose offsets vary over the image is likely to have a mean of that size, too.
 CalibrationConfig held_where_unknown(CalibrationConfig config, const Bundle& bundle,
                                      const Solution& first) {
-  constexpr double kHeldShift_px = 1e-3;
+  constexpr double kHeldShift_px = 1e-3, kHeldDelay_s = 1e-6;
   if (std::abs(first.mean) < kSignificant * first.mean_sigma) {
     const double shape = first.shape_rms > first.shape_sigma ? first.shape_rms : 0;
     config.mean_sigma = std::min(config.mean_sigma, std::max(shape, 0.1 * first.mean_sigma));
   }
   if (!shift_is_significant(bundle, first)) config.shift_sigma_px = kHeldShift_px;
+  if (!delay_is_significant(bundle, first)) config.delay_sigma_s = kHeldDelay_s;
   return config;
 }
 
@@ -210,8 +217,9 @@ void fill(const Bundle& bundle, const Solution& first, const Solution& solution,
                                      .cwiseSqrt();
   if (out.shift_known) c.shift_px = state.shift_px;
   c.shift_sigma_px = sigmas.head<2>();
-  out.delay_s = state.delay_s;
-  out.delay_sigma_s = sigmas.z();
+  out.delay_known = delay_is_significant(bundle, solution);
+  if (out.delay_known) c.delay_s = state.delay_s;
+  c.delay_sigma_s = sigmas.z();
   out.grey_residuals = solution.equations.grey_residuals;
   out.depth_residuals = solution.equations.depth_residuals;
   out.noise = solution.equations.measured;
@@ -264,10 +272,10 @@ std::vector<std::string> DepthEstimate::warnings() const {
         "(their extrinsics, or the image size that the intrinsics are for)",
         calibration.shift_px.norm()));
   }
-  if (std::abs(delay_s) > kSuspicious_s) {
+  if (std::abs(calibration.delay_s) > kSuspicious_s) {
     out.push_back(fmt::format(
         "depth comes {:.0f} ms after colour: the time stamps of one of the two are probably wrong",
-        1e3 * delay_s));
+        1e3 * calibration.delay_s));
   }
   return out;
 }

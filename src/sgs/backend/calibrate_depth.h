@@ -12,11 +12,11 @@ namespace sgs::backend {
 
 /// What a batch of keyframes says about the depth camera.
 struct DepthEstimate {
-  /// What is known well enough to be used; the rest is as the camera came: no offset, no shift.
+  /// What is known well enough to be used; the rest is as the camera came: no offset, no shift, no
+  /// delay.
   DepthCalibration calibration;
-  bool mean_known = false, shape_known = false, shift_known = false;
+  bool mean_known = false, shape_known = false, shift_known = false, delay_known = false;
   double shape_rms_per_m = 0, shape_sigma_per_m = 0;  ///< of the offsets about their mean
-  double delay_s = 0, delay_sigma_s = 0;              ///< of depth after colour
   int keyframes = 0;
   int grey_residuals = 0, depth_residuals = 0;
   BundleNoise noise;
@@ -24,7 +24,7 @@ struct DepthEstimate {
   std::string why_not;           ///< why there is no estimate at all; empty where there is
 
   /// Whether there is anything to correct.
-  bool useful() const { return mean_known || shape_known || shift_known; }
+  bool useful() const { return mean_known || shape_known || shift_known || delay_known; }
   /// What a user should know about the recording; empty where all is well.
   std::vector<std::string> warnings() const;
 };

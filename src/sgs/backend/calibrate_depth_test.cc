@@ -32,6 +32,7 @@ TEST(CalibrateDepth, ACameraThatIsRightStaysAsItIs) {
   EXPECT_THAT(e.why_not, IsEmpty());
   EXPECT_FALSE(e.useful());
   EXPECT_TRUE(e.calibration.shift_px.isZero());
+  EXPECT_EQ(e.calibration.delay_s, 0);
   for (const double offset : e.calibration.offset_per_m) EXPECT_EQ(offset, 0);
   EXPECT_THAT(e.warnings(), IsEmpty());
 }
@@ -73,6 +74,15 @@ TEST(CalibrateDepth, FindsAShiftOfDepthAgainstColour) {
   EXPECT_TRUE(e.shift_known);
   EXPECT_NEAR(e.calibration.shift_px.x(), 1.4, 0.2);
   EXPECT_NEAR(e.calibration.shift_px.y(), -0.8, 0.2);
+}
+
+TEST(CalibrateDepth, FindsADelayOfDepthAfterColour) {
+  TestRoom room;
+  room.delay_s = 0.002;
+  const DepthEstimate e = calibrated(room);
+  EXPECT_TRUE(e.delay_known);
+  EXPECT_NEAR(e.calibration.delay_s, 0.002, 3e-4);
+  EXPECT_LT(e.calibration.delay_sigma_s, 5e-4);
 }
 
 /// RMS error of inverse depth in views that took no part, but for the common factor that fits best.

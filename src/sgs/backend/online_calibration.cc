@@ -14,9 +14,10 @@
 namespace sgs::backend {
 namespace {
 
-// Below either of these nothing that was tracked before would be different.
+// Below all of these nothing that was tracked before would be different.
 constexpr double kLeastChange_per_m = 2e-4;
 constexpr double kLeastShift_px = 0.1;
+constexpr double kLeastDelay_s = 5e-4;
 constexpr double kSure_per_m = 5e-4;  // of the mean: more keyframes are not needed
 // A depth camera that is off by more is not a little distorted but something else.
 constexpr double kContradiction = 0.015;
@@ -57,11 +58,14 @@ PoseCorrection rescaled(std::vector<MovedPose> poses, double scale) {
 
 bool confirms(const DepthCalibration& later, const DepthCalibration& earlier) {
   constexpr double kSigmas = 3;
-  constexpr double kSame_per_m = 1e-4, kSame_px = 0.1;  // of no consequence, however sure one is
+  // Of no consequence, however sure one is.
+  constexpr double kSame_per_m = 1e-4, kSame_px = 0.1, kSame_s = 5e-4;
   const double mean = later.mean_offset_per_m() - earlier.mean_offset_per_m();
   if (std::abs(mean) > kSigmas * earlier.mean_sigma_per_m + kSame_per_m) return false;
   const Eigen::Array2d shift = (later.shift_px - earlier.shift_px).array().abs();
   if ((shift > kSigmas * earlier.shift_sigma_px.array() + kSame_px).any()) return false;
+  const double delay = std::abs(later.delay_s - earlier.delay_s);
+  if (delay > kSigmas * earlier.delay_sigma_s + kSame_s) return false;
   const std::vector<double> area = later.grid.area();
   double chi2 = 0;
   for (std::size_t k = 0; k < area.size(); ++k) {
@@ -148,7 +152,8 @@ std::optional<LearnedCalibration> OnlineCalibration::learn() {
   auto estimate = attempt();
   if (!estimate) return std::nullopt;
   auto change = std::make_shared<const DepthChange>(current_, estimate->calibration);
-  if (change->rms_per_m() < kLeastChange_per_m && change->shift_px() < kLeastShift_px) {
+  if (change->rms_per_m() < kLeastChange_per_m && change->shift_px() < kLeastShift_px &&
+      std::abs(change->delay_s()) < kLeastDelay_s) {
     return std::nullopt;
   }
   const double scale = scale_of(estimate->poses);

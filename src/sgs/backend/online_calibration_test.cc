@@ -88,6 +88,9 @@ TEST(OnlineCalibration, IsOnlyConfirmedByWhatItExpects) {
   later.offset_per_m.assign(48, 0.004);
   EXPECT_FALSE(confirms(later, earlier)) << "another mean";
   later = earlier;
+  later.delay_s = 0.002;
+  EXPECT_FALSE(confirms(later, earlier)) << "another delay";
+  later = earlier;
   for (std::size_t k = 0; k < 48; ++k) later.offset_per_m[k] += k % 2 == 0 ? 0.002 : -0.002;
   EXPECT_FALSE(confirms(later, earlier)) << "another shape";
 }

@@ -24,6 +24,7 @@ class TestRoom {
   Distortion distort = [](double, double, double q) { return q; };
   Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();  ///< of depth against colour
   double contrast = 40;
+  double delay_s = 0;  ///< of depth after colour
 
   /// Pose of the k-th view: nearer and farther, to either side, turning.
   static SE3 pose(double k) {
@@ -33,6 +34,12 @@ class TestRoom {
     return SE3::exp(xi);
   }
 
+  /// Camera twist per second at the k-th view, thirty of which there are in a second.
+  static Vector6d velocity(int k) {
+    constexpr double kStep = 0.01;
+    return 15 / kStep * (pose(k - kStep).inverse() * pose(k + kStep)).log();
+  }
+
   std::shared_ptr<RgbdFrame> view(int k) const {
     auto frame = std::make_shared<RgbdFrame>();
     frame->index = k;
@@ -40,13 +47,13 @@ class TestRoom {
     frame->camera = camera;
     frame->color = ColorImage(camera.width, camera.height);
     frame->depth = DepthImage(camera.width, camera.height);
-    const SE3 T = pose(k);
+    const SE3 T = pose(k), T_depth = T * SE3::exp(delay_s * velocity(k));
     for (int v = 0; v < camera.height; ++v) {
       for (int u = 0; u < camera.width; ++u) {
         const double grey = texture(T * camera.back_project(u, v, depth(T, u, v)));
         const auto byte = static_cast<std::uint8_t>(std::lround(grey));
         frame->color(u, v) = {byte, byte, byte};
-        const double q = 1 / depth(T, u + shift_px.x(), v + shift_px.y());
+        const double q = 1 / depth(T_depth, u + shift_px.x(), v + shift_px.y());
         frame->depth(u, v) = static_cast<float>(1 / distort(u, v, q));
       }
     }
@@ -59,7 +66,7 @@ class TestRoom {
     for (int k = 0; k < n; ++k) {
       Vector6d off;
       for (int i = 0; i < 6; ++i) off[i] = 0.001 * std::sin(12.9898 * (6 * k + i + 1));
-      out.push_back(make_keyframe(*view(k), pose(k) * SE3::exp(off), Vector6d::Zero(), {}));
+      out.push_back(make_keyframe(*view(k), pose(k) * SE3::exp(off), velocity(k), {}));
     }
     return out;
   }

@@ -34,7 +34,8 @@ struct ImageGrid {
 ///     q_measured(u) = q_true(u + shift) - offset(u)
 /// for a pixel u of the depth image: an error of disparity, smooth over the image (the model of
 /// Schoeps, Sattler, Pollefeys: BAD SLAM, CVPR 2019, eq. 1, without its decay), and a shift of the
-/// registered depth image against the colour image. A factor common to all depths is no part of
+/// registered depth image against the colour image; and depth is measured by a delay later than
+/// colour. A factor common to all depths is no part of
 /// it: no recording can tell it from a larger world (docs/calibration.md).
 struct DepthCalibration {
   PinholeCamera camera;  ///< of the registered images it was made for
@@ -44,6 +45,8 @@ struct DepthCalibration {
   double mean_sigma_per_m = 0;       ///< standard deviation of the mean over the image
   Eigen::Vector2d shift_px = Eigen::Vector2d::Zero();
   Eigen::Vector2d shift_sigma_px = Eigen::Vector2d::Zero();
+  double delay_s = 0;  ///< of depth after colour; for who knows how the camera moves
+  double delay_sigma_s = 0;
 
   /// Whether apply() would change nothing.
   bool corrects_nothing() const;

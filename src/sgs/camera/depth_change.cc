@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sgs/camera/depth_lag.h"
 #include "sgs/core/error.h"
 
 namespace sgs {
@@ -17,6 +18,7 @@ constexpr float kNearest_per_m = 50, kFarthest_per_m = 0.01f;
 DepthChange::DepthChange(const DepthCalibration& before, const DepthCalibration& after)
     : after_(after), difference_(after) {
   difference_.shift_px = after.shift_px - before.shift_px;
+  difference_.delay_s = after.delay_s - before.delay_s;
   if (!before.offset_per_m.empty()) {
     SGS_CHECK(after.offset_per_m.empty() || before.grid == after.grid, "grids differ");
     difference_.grid = before.grid;
@@ -91,14 +93,15 @@ DepthChange::Offset DepthChange::offset_on(const Eigen::Vector3f& ray) const {
            at.y() == asked.y() ? (below - above) * nodes_per_px_.y() : 0.0f}};
 }
 
-void DepthChange::apply(Eigen::Vector3f& point, Eigen::Vector3f& normal) const {
+void DepthChange::apply(Eigen::Vector3f& point, Eigen::Vector3f& normal,
+                        const Vector6d& velocity) const {
   // At flat incidence a plane's slope says more about the noise of its normal than about depth.
   constexpr float kFlattest = 0.15f;
   if (!(point.z() > 0)) return;
   const Eigen::Vector3f ray = point / point.z();
   const float facing = normal.dot(ray);  // the plane: q = n . ray' / (facing z)
   if (std::abs(facing) < kFlattest * ray.norm()) {
-    apply(point, Eigen::Vector2f(Eigen::Vector2f::Zero()));
+    apply(point, Eigen::Vector2f(Eigen::Vector2f::Zero()), velocity);
     return;
   }
   const float per_q = 1 / (facing * point.z());
@@ -112,12 +115,22 @@ void DepthChange::apply(Eigen::Vector3f& point, Eigen::Vector3f& normal) const {
   turned.z() = q - turned.x() * ray.x() - turned.y() * ray.y();
   turned.normalize();
   normal = turned.dot(normal) < 0 ? Eigen::Vector3f(-turned) : turned;
+  if (difference_.delay_s == 0) return;
+  // What was measured later was seen from where the camera had moved to.
+  const Vector6d lag = difference_.delay_s * velocity;
+  const Eigen::Vector3f turn = lag.head<3>().cast<float>(), move = lag.tail<3>().cast<float>();
+  point += turn.cross(point) + move;
+  normal = (normal + turn.cross(normal)).normalized();
 }
 
-void DepthChange::apply(Eigen::Vector3f& point, const Eigen::Vector2f& slope) const {
+void DepthChange::apply(Eigen::Vector3f& point, const Eigen::Vector2f& slope,
+                        const Vector6d& velocity) const {
   if (!(point.z() > 0)) return;
   const Eigen::Vector3f ray = point / point.z();
-  const float q = 1 / point.z() - slope.dot(shift_) + offset_on(ray).per_m;
+  float q = 1 / point.z() - slope.dot(shift_) + offset_on(ray).per_m;
+  if (difference_.delay_s != 0) {
+    q += depth_lag_per_m(difference_.camera, ray, q, slope, difference_.delay_s * velocity);
+  }
   if (q > kFarthest_per_m && q < kNearest_per_m) point = ray / q;
 }
 

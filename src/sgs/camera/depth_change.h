@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sgs/camera/depth_calibration.h"
+#include "sgs/geometry/se3.h"
 
 namespace sgs {
 
@@ -24,14 +25,18 @@ class DepthChange {
   /// A depth image corrected by `before` as `after` would have corrected it.
   DepthImage apply(const DepthImage& before) const { return difference_.apply(before); }
   /// A point in its camera's coordinates on a surface with that unit normal: where and how the
-  /// surface lies now.
-  void apply(Eigen::Vector3f& point, Eigen::Vector3f& normal) const;
-  /// The same of a point that lies on a surface whose inverse depth changes by `slope` per pixel of
-  /// the image.
-  void apply(Eigen::Vector3f& point, const Eigen::Vector2f& slope) const;
-  /// Root mean square over the image of the change of inverse depth, 1/m, and the change of shift.
+  /// surface lies now. `velocity`: of the camera that saw it, twist per second.
+  void apply(Eigen::Vector3f& point, Eigen::Vector3f& normal,
+             const Vector6d& velocity = Vector6d::Zero()) const;
+  /// The same of a point that stays on its ray, on a surface whose inverse depth changes by `slope`
+  /// per pixel of the image.
+  void apply(Eigen::Vector3f& point, const Eigen::Vector2f& slope,
+             const Vector6d& velocity = Vector6d::Zero()) const;
+  /// Root mean square over the image of the change of inverse depth, 1/m, the changes of shift and
+  /// delay.
   double rms_per_m() const;
   double shift_px() const { return difference_.shift_px.norm(); }
+  double delay_s() const { return difference_.delay_s; }
 
  private:
   /// What is added to inverse depth at a pixel, and its slope per pixel.

@@ -84,6 +84,42 @@ TEST(DepthChange, SurfacePointsFollowTheImage) {
   }
 }
 
+// A plane n . X = 1 whose depth was measured 10 ms after its colour by a camera that moves.
+TEST(DepthChange, WhatWasMeasuredLaterWasSeenFromElsewhere) {
+  constexpr double kDelay_s = 0.01;
+  Vector6d velocity;
+  velocity << 0.3, -0.2, 0.4, 0.5, 0.2, -0.6;
+  const SE3 T_colour_depth = SE3::exp(kDelay_s * velocity);
+  // Inverse depths are affine over a plane's image: n . (x, y, 1).
+  const Eigen::Vector3d n(0.15, -0.1, 0.5);
+  const Eigen::Vector3d n_depth = T_colour_depth.R.transpose() * n / (1 - n.dot(T_colour_depth.t));
+  const auto q_of = [](const Eigen::Vector3d& plane, double u, double v) {
+    return plane.dot(kChangedCamera.back_project(u, v, 1));
+  };
+  DepthCalibration late;
+  late.camera = kChangedCamera;
+  late.delay_s = kDelay_s;
+  const DepthChange change({}, late);
+  EXPECT_EQ(change.delay_s(), kDelay_s);
+  for (const auto& [u, v] : {std::pair{10, 12}, {25, 30}, {50, 40}}) {
+    const double slope_u = n_depth.x() / kChangedCamera.fx,
+                 slope_v = n_depth.y() / kChangedCamera.fy;
+    const double q = q_of(n_depth, u, v), before = std::abs(q - q_of(n, u, v));
+    EXPECT_GT(before, 5e-4);
+    Seen s = seen(u, v, q, slope_u, slope_v);
+    const Eigen::Vector3f stays = s.point;
+    change.apply(s.point, s.normal, velocity);
+    EXPECT_NEAR(n.dot(s.point.cast<double>()), 1, 0.02 * before / q) << "on the plane";
+    EXPECT_GT(std::abs(s.normal.cast<double>().dot(n.normalized())), 1 - 1e-6);
+    Eigen::Vector3f on_ray = stays;
+    change.apply(on_ray, Eigen::Vector2d(slope_u, slope_v).cast<float>(), velocity);
+    EXPECT_NEAR(1 / double{on_ray.z()}, q_of(n, u, v), 0.02 * before) << "on its ray";
+    Eigen::Vector3f point = stays, normal = s.normal;
+    change.apply(point, normal);
+    EXPECT_LT((point - stays).norm(), 1e-6f) << "a camera that stands still sees the same later";
+  }
+}
+
 TEST(DepthChange, HalvedImagesChangeAlike) {
   const DepthChange change({}, calibration(0.001, {2, -2}));
   DepthImage half(kChangedCamera.width / 2, kChangedCamera.height / 2);

@@ -18,6 +18,7 @@ struct RgbdFrame {
   PinholeCamera camera;
   ColorImage color;
   DepthImage depth;                         ///< metres, 0 = no measurement
+  double depth_delay_s = 0;                 ///< by how much later than its colour it was measured
   std::optional<SE3> truth_T_world_camera;  ///< ground truth where known; never read by SLAM
   /// Where somebody else says that the camera was; only a tracker of given poses reads it.
   std::optional<SE3> given_T_world_camera = {};

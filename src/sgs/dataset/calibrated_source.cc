@@ -18,7 +18,9 @@ class CalibratedSource final : public FrameSource {
   const Trajectory& ground_truth() const override { return source_->ground_truth(); }
   FrameRead next(RgbdFrame& frame, Error& error) override {
     const FrameRead status = source_->next(frame, error);
-    if (status == FrameRead::kOk) frame.depth = calibration_.apply(frame.depth);
+    if (status != FrameRead::kOk) return status;
+    frame.depth = calibration_.apply(frame.depth);
+    frame.depth_delay_s = calibration_.delay_s;
     return status;
   }
   bool live() const override { return source_->live(); }

@@ -41,6 +41,7 @@ DepthCalibration offset_of_a_tenth() {
   c.grid = {2, 2};
   c.offset_per_m.assign(4, 0.1);
   c.sigma_per_m.assign(4, 0.01);
+  c.delay_s = 0.003;
   return c;
 }
 
@@ -53,6 +54,7 @@ TEST(CalibratedSource, CorrectsDepthsAndPassesTheRestOn) {
   Error error;
   ASSERT_EQ((*source)->next(frame, error), FrameRead::kOk);
   EXPECT_NEAR(frame.depth(16, 12), 1 / 0.6, 1e-5);
+  EXPECT_EQ(frame.depth_delay_s, 0.003);
   EXPECT_EQ((*source)->next(frame, error), FrameRead::kBadFrame);
   EXPECT_EQ(error.message, "damaged");
   EXPECT_EQ((*source)->next(frame, error), FrameRead::kEnd);

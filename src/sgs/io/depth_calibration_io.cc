@@ -16,6 +16,7 @@ constexpr int kFormat = 1;
 constexpr int kMostNodes = 256;       // on a side
 constexpr double kLargestOffset = 1;  // 1/m
 constexpr double kLargestShift = 1000;
+constexpr double kLongestDelay_s = 1;
 
 /// The scalars of the file.
 struct Scalars {
@@ -43,6 +44,9 @@ struct Scalars {
              {-kLargestShift, kLargestShift});
     list.add("shift_u_sigma_px", c.shift_sigma_px.x(), "Its deviation.", "px", {0, kLargest});
     list.add("shift_v_sigma_px", c.shift_sigma_px.y(), "Its deviation.", "px", {0, kLargest});
+    list.add("delay_s", c.delay_s, "Of depth after colour.", "s",
+             {-kLongestDelay_s, kLongestDelay_s});
+    list.add("delay_sigma_s", c.delay_sigma_s, "Its deviation.", "s", {0, kLargest});
   }
 };
 
@@ -122,9 +126,10 @@ Status save_depth_calibration(const fs::path& path, const DepthCalibration& c) {
       kFormat, c.camera.fx, c.camera.fy, c.camera.cx, c.camera.cy, c.camera.width, c.camera.height);
   text += fmt::format(
       "\n[depth]\ncolumns = {}\nrows = {}\nmean_sigma_per_m = {:.7g}\nshift_u_px = {:.7g}\n"
-      "shift_v_px = {:.7g}\nshift_u_sigma_px = {:.7g}\nshift_v_sigma_px = {:.7g}\n",
+      "shift_v_px = {:.7g}\nshift_u_sigma_px = {:.7g}\nshift_v_sigma_px = {:.7g}\n"
+      "delay_s = {:.7g}\ndelay_sigma_s = {:.7g}\n",
       c.grid.columns, c.grid.rows, c.mean_sigma_per_m, c.shift_px.x(), c.shift_px.y(),
-      c.shift_sigma_px.x(), c.shift_sigma_px.y());
+      c.shift_sigma_px.x(), c.shift_sigma_px.y(), c.delay_s, c.delay_sigma_s);
   text +=
       fmt::format("# 1/m, row by row of the image\noffset_per_m = {}\nsigma_per_m = {}\n",
                   numbers(c.offset_per_m, c.grid.columns), numbers(c.sigma_per_m, c.grid.columns));

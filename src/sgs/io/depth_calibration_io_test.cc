@@ -22,6 +22,8 @@ DepthCalibration example() {
   c.mean_sigma_per_m = 0.0005;
   c.shift_px = {-1.5, 0.25};
   c.shift_sigma_px = {0.125, 0.0625};
+  c.delay_s = 0.00390625;
+  c.delay_sigma_s = 0.000125;
   return c;
 }
 
@@ -49,6 +51,17 @@ TEST_F(DepthCalibrationFile, ComesBackAsItWas) {
   const auto loaded = load_depth_calibration(path);
   ASSERT_TRUE(loaded) << loaded.error().text();
   EXPECT_EQ(*loaded, example());
+}
+
+TEST_F(DepthCalibrationFile, OneFromBeforeDelaysWereKeptHasNone) {
+  ASSERT_TRUE(save_depth_calibration(path, example()));
+  std::string text = *read_file(path);
+  const auto from = text.find("delay_s"), to = text.find("# 1/m, row by row");
+  ASSERT_TRUE(from < to);
+  ASSERT_TRUE(write_file(path, text.erase(from, to - from)));
+  const auto loaded = load_depth_calibration(path);
+  ASSERT_TRUE(loaded) << loaded.error().text();
+  EXPECT_EQ(loaded->delay_s, 0);
 }
 
 TEST_F(DepthCalibrationFile, ALaterFormatIsRefused) {

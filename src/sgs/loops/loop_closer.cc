@@ -83,7 +83,7 @@ void LoopCloser::add_node(const RgbdFrame& frame, const tracker::TrackResult& re
   node.T_world_camera = result.T_world_camera;
   node.mean_depth_m = registration::mean_depth(frame.depth, kFarthestDepth_m);
   if (node.mean_depth_m <= 0) return;
-  node.readout = result.readout;
+  node.motion = result.motion;
   node.view = CompactView(frame);
   node.ferns = ferns_.code(frame);
   const Matrix6d covariance =

@@ -16,8 +16,8 @@ std::optional<LoopVerifier::Found> LoopVerifier::align(const Node& older, const 
                                                        const RgbdFrame& frame,
                                                        const SE3& T_start) const {
   const RgbdFrame reference = older.view.frame();
-  PairAligner aligner(tracker_, reference, older.readout);
-  const auto a = aligner.align(frame, newer.readout, T_start);
+  PairAligner aligner(tracker_, reference, older.motion);
+  const auto a = aligner.align(frame, newer.motion, T_start);
   if (!a || a->overlap < config_.min_overlap) return std::nullopt;
   if (a->used > 0 && a->used < config_.min_used) return std::nullopt;
   const Matrix6d information =

@@ -11,31 +11,32 @@ tracker::SpectralConfig with_own_targets(tracker::SpectralConfig config) {
   return config;
 }
 
-// How the camera turned during a readout was found when the frame was tracked, and is not asked
-// again.
-tracker::ReadoutModel known_readout(const Vector6d& readout) {
+// How the camera moved meanwhile was found when the frame was tracked, and is not asked again.
+tracker::ReadoutModel known(const registration::FrameMotion& motion) {
   constexpr double kCertain = 1e12;  // 1/rad^2
-  const tracker::ReadoutEstimator::Belief belief{readout, kCertain * Eigen::Matrix3d::Identity()};
+  const tracker::ReadoutEstimator::Belief belief{motion.readout,
+                                                 kCertain * Eigen::Matrix3d::Identity()};
   return {[belief](const SE3&) { return belief; },
-          [readout](const Vector6d&) -> Vector6d { return readout; }};
+          [motion](const Vector6d&, const SE3&) { return motion; }};
 }
 
 }  // namespace
 
 PairAligner::PairAligner(const tracker::SpectralConfig& config, const RgbdFrame& reference,
-                         const Vector6d& readout)
+                         const registration::FrameMotion& motion)
     : aligner_(with_own_targets(config), reference.camera, SE3{}) {
   aligner_.look_at(reference, nullptr);
   tracker::Alignment here;
-  here.points_readout = readout;
-  aligner_.extend(here, readout);
+  here.points_motion = motion;
+  aligner_.extend(here, motion.readout);
 }
 
-std::optional<PairAlignment> PairAligner::align(const RgbdFrame& frame, const Vector6d& readout,
+std::optional<PairAlignment> PairAligner::align(const RgbdFrame& frame,
+                                                const registration::FrameMotion& motion,
                                                 const SE3& T_start) {
   if (!aligner_.has_map()) return std::nullopt;
   aligner_.look_at(frame, nullptr);
-  const tracker::Alignment a = aligner_.align(T_start, known_readout(readout));
+  const tracker::Alignment a = aligner_.align(T_start, known(motion));
   if (!a.trusted()) return std::nullopt;
   PairAlignment out;
   out.T_reference_camera = a.T_local_camera.normalized();

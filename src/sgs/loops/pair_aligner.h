@@ -24,13 +24,13 @@ struct PairAlignment {
 /// with the same right to say that it cannot.
 class PairAligner {
  public:
-  /// `readout` is the camera's twist over the readout of the reference.
+  /// `motion` is that of the camera while the reference was measured.
   PairAligner(const tracker::SpectralConfig& config, const RgbdFrame& reference,
-              const Vector6d& readout);
+              const registration::FrameMotion& motion);
 
   /// Empty where the alignment is not to be trusted.
-  std::optional<PairAlignment> align(const RgbdFrame& frame, const Vector6d& readout,
-                                     const SE3& T_start);
+  std::optional<PairAlignment> align(const RgbdFrame& frame,
+                                     const registration::FrameMotion& motion, const SE3& T_start);
 
  private:
   tracker::JointAligner aligner_;

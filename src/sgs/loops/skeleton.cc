@@ -108,7 +108,9 @@ void Skeleton::correct(const PastCorrection& correction) {
   for (Node& n : nodes_) {
     before.push_back(n.T_world_camera);
     n.T_world_camera = correction.corrected(n.T_world_camera, n.timestamp_s);
-    if (correction.depth) n.view.change_depth(*correction.depth);
+    if (!correction.depth) continue;
+    n.view.change_depth(*correction.depth);
+    n.motion.depth_delay_s += correction.depth->delay_s();
   }
   if (!correction.depth) return;
   const auto measured_anew = [&](const SE3& T_from_to, int from, int to) {

@@ -11,6 +11,7 @@
 #include "sgs/features/ferns.h"
 #include "sgs/graph/consistency.h"
 #include "sgs/graph/pose_graph.h"
+#include "sgs/registration/rolling_shutter.h"
 
 namespace sgs::loops {
 
@@ -19,7 +20,7 @@ struct Node {
   double timestamp_s = 0;
   SE3 T_world_camera;  ///< in the tracker's world, as corrected so far
   double mean_depth_m = 0;
-  Vector6d readout = Vector6d::Zero();  ///< camera twist over its readout
+  registration::FrameMotion motion;  ///< of the camera while it was measured
   CompactView view;
   features::FernCode ferns;
   bool left = false;  ///< the camera has looked elsewhere since

@@ -15,6 +15,15 @@ constexpr float kLeastSupport = 0.8f;  // of a window that shows one surface onl
 
 constexpr int kSlopeReach = 3;    // cells on either side that a slope is fitted to
 constexpr int kFewestCells = 20;  // of them that must lie on the surface
+// And their share: beside a crease a window is the mean of two surfaces, in a room's corners one
+// that is always too near. Pictures have their contrast there.
+constexpr float kLeastShare = 0.8f;
+constexpr int kBorderCells = 2;  // whose windows reach beyond the image
+
+bool on_border(const Image<InverseDepthPlane>& planes, int x, int y) {
+  return x < kBorderCells || y < kBorderCells || x >= planes.width() - kBorderCells ||
+         y >= planes.height() - kBorderCells;
+}
 
 /// The slope of a surface around a cell, from the cells that continue it. That of one window alone
 /// is mostly noise, and a residual's derivative that is noise hides how little is known.
@@ -25,11 +34,12 @@ InverseDepthPlane with_slope_around(const Image<InverseDepthPlane>& planes, int 
   const float sigma_q = depth_sigma_m(z) * centre.q * centre.q;
   Eigen::Matrix3f A = Eigen::Matrix3f::Zero();
   Eigen::Vector3f b = Eigen::Vector3f::Zero();
-  int cells = 0;
+  int cells = 0, looked_at = 0;
   for (int j = std::max(0, y - kSlopeReach); j <= std::min(planes.height() - 1, y + kSlopeReach);
        ++j) {
     for (int i = std::max(0, x - kSlopeReach); i <= std::min(planes.width() - 1, x + kSlopeReach);
          ++i) {
+      if (!on_border(planes, i, j)) ++looked_at;
       const float q = planes(i, j).q;
       if (q <= 0) continue;
       const auto du = static_cast<float>(kRaster * (i - x)),
@@ -43,7 +53,10 @@ InverseDepthPlane with_slope_around(const Image<InverseDepthPlane>& planes, int 
       ++cells;
     }
   }
-  if (cells < kFewestCells || std::abs(A.determinant()) < 1) return {};
+  if (cells < kFewestCells ||
+      static_cast<float>(cells) < kLeastShare * static_cast<float>(looked_at))
+    return {};
+  if (std::abs(A.determinant()) < 1) return {};
   const Eigen::Vector3f fit = A.inverse() * b;
   return {centre.q, fit.x(), fit.y(), centre.support};
 }

@@ -44,4 +44,14 @@ class ReadoutMotion {
   Eigen::Vector3f translation_ = Eigen::Vector3f::Zero();
 };
 
+/// How the camera moved while one frame was measured: twists of the camera, rotation first.
+struct FrameMotion {
+  Vector6d readout = Vector6d::Zero();   ///< from the first row of the picture to the last
+  Vector6d velocity = Vector6d::Zero();  ///< per second
+  double depth_delay_s = 0;              ///< by how much later than its colour a row is measured
+
+  /// From a row's colour to its depth.
+  Vector6d lag() const { return depth_delay_s * velocity; }
+};
+
 }  // namespace sgs::registration

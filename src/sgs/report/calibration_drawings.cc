@@ -66,9 +66,10 @@ std::vector<Drawing> calibration_drawings(const ReportData& data) {
       {"depth_offset",
        fmt::format("What was added to the inverse depths, over the image (mean {:+.2f} ± {:.2f} "
                    "/km; 1 /km moves a surface at 2 m by 4 mm). Depth lay {:+.2f}, {:+.2f} px "
-                   "(± {:.2f}, {:.2f}) beside colour.",
+                   "(± {:.2f}, {:.2f}) beside colour and came {:+.1f} ms (± {:.1f}) after it.",
                    kPerKilometre * c.mean_offset_per_m(), kPerKilometre * c.mean_sigma_per_m,
-                   c.shift_px.x(), c.shift_px.y(), c.shift_sigma_px.x(), c.shift_sigma_px.y()),
+                   c.shift_px.x(), c.shift_px.y(), c.shift_sigma_px.x(), c.shift_sigma_px.y(),
+                   1e3 * c.delay_s, 1e3 * c.delay_sigma_s),
        grid_svg(c, offsets, -most, most, "Offset of inverse depth over the image")},
       {"depth_offset_sigma", "Standard deviation of these offsets.",
        grid_svg(c, sigmas, 0, widest, "Standard deviation of the offset over the image")}};

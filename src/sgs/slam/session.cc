@@ -131,6 +131,7 @@ std::shared_ptr<const RgbdFrame> Session::calibrated(
   if (!calibration_) return raw;
   auto frame = std::make_shared<RgbdFrame>(*raw);
   frame->depth = calibration_->apply(raw->depth);
+  frame->depth_delay_s = calibration_->delay_s;
   return frame;
 }
 

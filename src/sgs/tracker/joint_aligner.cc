@@ -85,8 +85,8 @@ Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout) {
   a.fit.set_readout(readout.belief(a.T_local_camera));
   for (int level = coarsest; level >= 0; --level) {
     if (level < coarsest) a.fit.update_belief(readout.belief(a.T_local_camera));
-    a.points_readout = readout.of_frame(a.fit.readout());
-    geometry_.set_readout(a.points_readout);
+    a.points_motion = readout.of_frame(a.fit.readout(), a.T_local_camera);
+    geometry_.set_motion(a.points_motion);
     align_level(level, with_geometry, a);
   }
   if (with_geometry) a.geometry = geometry_at(a.T_local_camera);
@@ -188,14 +188,15 @@ JointAligner::Extension JointAligner::extend(const Alignment& a, const Vector6d&
   if (check_frame() != LostReason::kNone) return out;
   if (vision_.wants_keyframe(a.T_local_camera, a.fit)) {
     const int before = vision_.keyframes();
-    vision_.insert_keyframe(a.T_local_camera, a.fit, readout,
-                            [this](int u, int v) { return geometry_.surface(u, v); });
+    vision_.insert_keyframe(
+        a.T_local_camera, a.fit, readout, a.points_motion.velocity,
+        [&](int u, int v) { return geometry_.surface_with_colour(u, v, a.points_motion.lag()); });
     out.keyframe = vision_.keyframes() > before;
   }
   const bool unexplained =
       a.geometry && a.geometry->overlap < config_.geometry.keyframe.min_overlap;
   if (geometry_.has_targets() && !unexplained) return out;
-  geometry_.insert_keyframe(a.T_local_camera, a.points_readout);
+  geometry_.insert_keyframe(a.T_local_camera, a.points_motion);
   out.targets = true;
   return out;
 }

@@ -38,8 +38,8 @@ struct Alignment {
   std::optional<Geometry> geometry;  ///< empty: there was nothing to register
   std::optional<Picture> picture;    ///< empty: there was no keyframe to align to
   VisualTerm::Fit fit;
-  Vector6d points_readout = Vector6d::Zero();  ///< camera twist that the points are corrected for
-  int iterations = 0;                          ///< Gauss-Newton steps over all levels
+  registration::FrameMotion points_motion;  ///< that the points are corrected for
+  int iterations = 0;                       ///< Gauss-Newton steps over all levels
 
   /// Normal equations of what holds, on twists of the camera.
   Matrix6d information() const;
@@ -47,12 +47,13 @@ struct Alignment {
   bool picture_holds() const { return picture && picture->holds; }
 };
 
-/// What is believed of the camera's motion during the readout of the frame that is aligned.
+/// What is believed of the camera's motion while the frame that is aligned was measured.
 struct ReadoutModel {
   /// Before its picture is asked, at a pose (camera to local).
   std::function<ReadoutEstimator::Belief(const SE3& T_local_camera)> belief;
-  /// The frame's own share of what appears against the newest keyframe.
-  std::function<Vector6d(const Vector6d& readout)> of_frame;
+  /// The frame's own motion, where that readout appears against the newest keyframe.
+  std::function<registration::FrameMotion(const Vector6d& readout, const SE3& T_local_camera)>
+      of_frame;
 };
 
 /// Geometry and photometry in one Gauss-Newton, coarse to fine, with geometry projected off the
@@ -74,7 +75,7 @@ class JointAligner {
     bool targets = false;
   };
   /// Takes the aligned frame in as visual keyframe and as targets, each where it is wanted.
-  /// `readout`: camera twist over its readout.
+  /// `readout`: camera twist over the readout of its picture.
   Extension extend(const Alignment& alignment, const Vector6d& readout);
 
   /// Moves keyframes and targets (in local coordinates).

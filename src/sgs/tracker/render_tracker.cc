@@ -90,7 +90,7 @@ Alignment RenderTracker::align(const RgbdFrame& frame, const SE3& T_world_start)
   if (a.trusted()) {
     const ReadoutModel global_shutter = {
         [](const SE3&) { return no_motion_during_readout(); },
-        [](const Vector6d&) { return Vector6d(Vector6d::Zero()); }};
+        [](const Vector6d&, const SE3&) { return registration::FrameMotion{}; }};
     a = aligner_->align(T_world_local.inverse() * T_world_start, global_shutter);
   }
   a.T_local_camera = (T_world_local * a.T_local_camera).normalized();

@@ -18,6 +18,7 @@ SpectralTracker::SpectralTracker(const SpectralConfig& config, const PinholeCame
 
 TrackResult SpectralTracker::track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) {
   const double t = frame.timestamp_s;
+  depth_delay_s_ = frame.depth_delay_s;
   aligner_.look_at(frame, snapshot);
   const Alignment alignment = !aligner_.has_map()         ? start_map()
                               : motion_.frames_held() > 0 ? find_camera(frame)
@@ -30,7 +31,8 @@ TrackResult SpectralTracker::track(const RgbdFrame& frame, const map::SnapshotPt
   const bool keyframe = !in_doubt() && extend_map(frame, alignment, readout);
   TrackResult result = tracked(alignment);
   result.keyframe = keyframe;
-  result.readout = readout;
+  result.motion = alignment.points_motion;
+  result.motion.readout = readout;
   return result;
 }
 
@@ -136,12 +138,14 @@ bool SpectralTracker::fits_badly(const Alignment& a) const {
 // Aligns from one start pose; `motion` tells which poses are possible.
 Alignment SpectralTracker::align(const SE3& T_start, double timestamp_s,
                                  const MotionModel& motion) {
-  const ReadoutModel readout = {[&](const SE3& T_local_camera) {
-                                  return readout_.predict(
-                                      motion.rate_to(T_local_camera, timestamp_s),
-                                      aligner_.vision().newest_keyframe());
-                                },
-                                [this](const Vector6d& seen) { return frame_readout(seen); }};
+  const ReadoutModel readout = {
+      [&](const SE3& T_local_camera) {
+        return readout_.predict(motion.rate_to(T_local_camera, timestamp_s),
+                                aligner_.vision().newest_keyframe());
+      },
+      [&](const Vector6d& seen, const SE3& T_local_camera) {
+        return frame_motion(seen, motion.rate_to(T_local_camera, timestamp_s));
+      }};
   Alignment a = aligner_.align(T_start, readout);
   if (a.trusted()) a.lost_reason = motion.judge(a.T_local_camera);
   return a;
@@ -152,6 +156,11 @@ Vector6d SpectralTracker::frame_readout(const Vector6d& seen) const {
   Vector6d readout = seen;
   readout.head<3>() -= readout_.keyframe_error(aligner_.vision().newest_keyframe());
   return readout;
+}
+
+registration::FrameMotion SpectralTracker::frame_motion(const Vector6d& seen,
+                                                        const Vector6d& velocity) const {
+  return {frame_readout(seen), velocity, depth_delay_s_};
 }
 
 // What this frame's picture tells about the sensor's readout time, and about how well pictures fit.

@@ -44,6 +44,7 @@ class SpectralTracker : public Tracker {
   bool sees_pixels(const Alignment& a) const;
   bool is_explained(const Alignment& a) const;
   Vector6d frame_readout(const Vector6d& readout) const;
+  registration::FrameMotion frame_motion(const Vector6d& readout, const Vector6d& velocity) const;
 
   SpectralConfig config_;
   SE3 T_world_local_;
@@ -51,6 +52,7 @@ class SpectralTracker : public Tracker {
   Relocaliser relocaliser_;
   MotionModel motion_;  // camera to local
   ReadoutEstimator readout_;
+  double depth_delay_s_ = 0;      // of the frame that is tracked
   double usual_visual_cost_ = 0;  // mean cost per pixel of the last frames
   int poor_frames_ = 0;           // in a row whose picture did not fit, where pictures used to
   double lost_since_s_ = 0;

@@ -48,6 +48,36 @@ TEST(SpectralTracker, HoldsOnToAPaperedWallWhereGeometrySlides) {
   EXPECT_GT(run_wall(config, 40).worst_m, 0.1);
 }
 
+// A camera that goes to and fro before the wall, at up to half a metre a second, and turns. It
+// begins at rest: the motion of the first frame is not known.
+SE3 swinging(double t_s) {
+  const auto swing = [&](double rate) { return 1 - std::cos(rate * t_s); };
+  return SE3(so3_exp({0.04 * swing(5), 0.05 * swing(4), 0}), {0.1 * swing(3), 0, 0.1 * swing(5)});
+}
+
+// Root mean square error of the path where depth comes late.
+double error_with_depth_later_by(double delay_s, double known_delay_s) {
+  constexpr int kFrames = 40;
+  const auto tracker = must_make({}, kWallCamera, swinging(0));
+  double squares = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    RgbdFrame frame = see_wall(swinging(i / 30.0), i);
+    frame.depth = see_wall(swinging(i / 30.0 + delay_s), i).depth;
+    frame.depth_delay_s = known_delay_s;
+    const TrackResult result = tracker->track(frame, nullptr);
+    EXPECT_NE(result.status, TrackingStatus::kLost) << i;
+    const double error = distance_m(result.T_world_camera, swinging(i / 30.0));
+    squares += error * error / kFrames;
+  }
+  return std::sqrt(squares);
+}
+
+TEST(SpectralTracker, DepthThatIsKnownToComeLateIsTakenForWhenItWas) {
+  const double late = error_with_depth_later_by(0.008, 0),
+               known = error_with_depth_later_by(0.008, 0.008);
+  EXPECT_LT(known, 0.4 * late) << late;
+}
+
 TEST(SpectralTracker, DoesNotDependOnTheWorldOrigin) {
   SE3 shift(so3_exp({0.3, -1.0, 0.5}), {100, -100, 50});
   const WallRun here = run_wall({}, 12), there = run_wall({}, 12, shift);

@@ -9,6 +9,7 @@
 
 #include "sgs/core/enum_names.h"
 #include "sgs/geometry/se3.h"
+#include "sgs/registration/rolling_shutter.h"
 #include "sgs/tracker/lost_reason.h"
 
 namespace sgs::tracker {
@@ -83,8 +84,8 @@ struct TrackResult {
   /// What the alignment saw of the pose: its normal equations, on twists of the camera. Pixels and
   /// points are counted as if they were independent. Empty where the tracker does not know.
   std::optional<Matrix6d> information;
-  /// Camera twist over the readout of the rolling shutter, rotation first; zero where not known.
-  Vector6d readout = Vector6d::Zero();
+  /// How the camera moved while the frame was measured; zero where not known.
+  registration::FrameMotion motion;
   Diagnostics diagnostics;
 };
 

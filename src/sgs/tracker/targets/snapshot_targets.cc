@@ -35,7 +35,7 @@ const registration::TargetCloud& SnapshotTargets::cloud() const {
   return has_snapshot_ ? cloud_ : before_.cloud();
 }
 
-void SnapshotTargets::insert(const registration::SourceCloud& source, const StampedPose& keyframe,
+void SnapshotTargets::insert(const registration::SourceCloud& source, const Observer& keyframe,
                              const registration::CorrespondenceSearch* search) {
   if (!has_snapshot_) before_.insert(source, keyframe, search);
 }

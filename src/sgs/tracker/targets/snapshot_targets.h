@@ -20,7 +20,7 @@ class SnapshotTargets : public TargetMap {
                   const TrackablePoints::Spacing& spacing);
 
   void update(const map::SnapshotPtr& snapshot) override;
-  void insert(const registration::SourceCloud& source, const StampedPose& keyframe,
+  void insert(const registration::SourceCloud& source, const Observer& keyframe,
               const registration::CorrespondenceSearch* search) override;
   /// The Gaussians come corrected with the next snapshot.
   void correct(const PastCorrection& correction) override { before_.correct(correction); }

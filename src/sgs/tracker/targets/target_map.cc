@@ -12,7 +12,7 @@ class GridTargets : public TargetMap {
  public:
   explicit GridTargets(const TrackablePoints::Spacing& spacing) : points_(spacing) {}
   void update(const map::SnapshotPtr&) override {}
-  void insert(const registration::SourceCloud& source, const StampedPose& keyframe,
+  void insert(const registration::SourceCloud& source, const Observer& keyframe,
               const registration::CorrespondenceSearch* search) override {
     points_.insert(source, keyframe, search);
   }

@@ -20,7 +20,7 @@ class TargetMap {
   virtual void update(const map::SnapshotPtr& snapshot) = 0;
   /// Extends the targets by a tracking keyframe, if they are the tracker's own. `search` is
   /// prepared for this frame, or null for the first one.
-  virtual void insert(const registration::SourceCloud& source, const StampedPose& keyframe,
+  virtual void insert(const registration::SourceCloud& source, const Observer& keyframe,
                       const registration::CorrespondenceSearch* search) = 0;
   /// Moves the tracker's own targets with the keyframes that saw them.
   virtual void correct(const PastCorrection& correction) = 0;

@@ -4,9 +4,9 @@
 
 namespace sgs::tracker {
 
-int TrackablePoints::insert(const registration::SourceCloud& source, const StampedPose& keyframe,
+int TrackablePoints::insert(const registration::SourceCloud& source, const Observer& keyframe,
                             const registration::CorrespondenceSearch* search) {
-  const SE3& T_local_camera = keyframe.T_world_camera;
+  const SE3& T_local_camera = keyframe.T_local_camera;
   const Eigen::Matrix3f R = T_local_camera.R.cast<float>();
   const Eigen::Vector3f t = T_local_camera.t.cast<float>();
   const SE3 T = search ? search->T_local_reference().inverse() * T_local_camera : SE3{};
@@ -23,7 +23,8 @@ int TrackablePoints::insert(const registration::SourceCloud& source, const Stamp
     cloud_.points.push_back({R * p.point + t, R * p.normal, p.variance_m2});
     if (with_ellipses) cloud_.covariances.push_back(R * source.covariances[i] * R.transpose());
   }
-  keyframes_.push_back({keyframe.timestamp_s, T_local_camera, begin, cloud_.points.size()});
+  keyframes_.push_back(
+      {keyframe.timestamp_s, T_local_camera, keyframe.velocity, begin, cloud_.points.size()});
   return static_cast<int>(cloud_.points.size() - begin);
 }
 
@@ -51,7 +52,7 @@ void TrackablePoints::change_depth(const Keyframe& keyframe, const DepthChange& 
   for (std::size_t i = keyframe.begin; i < keyframe.end; ++i) {
     registration::TargetPoint& p = cloud_.points[i];
     Eigen::Vector3f point = R.transpose() * (p.point - t), normal = R.transpose() * p.normal;
-    change.apply(point, normal);
+    change.apply(point, normal, keyframe.velocity);
     p.point = R * point + t;
     p.normal = R * normal;
   }

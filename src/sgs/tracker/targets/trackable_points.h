@@ -6,10 +6,17 @@
 #include <vector>
 
 #include "sgs/camera/past_correction.h"
-#include "sgs/geometry/trajectory.h"
+#include "sgs/geometry/se3.h"
 #include "sgs/registration/correspondence_search.h"
 
 namespace sgs::tracker {
+
+/// A keyframe that saw target points.
+struct Observer {
+  double timestamp_s = 0;
+  SE3 T_local_camera;
+  Vector6d velocity = Vector6d::Zero();  ///< camera twist per second
+};
 
 /// Target points the tracker keeps itself: a sparse surfel map on the sampling grid. Each point
 /// belongs to the keyframe that saw it and is stored relative to it, so that it can follow when the
@@ -27,7 +34,7 @@ class TrackablePoints {
   /// Adds the points of a keyframe (camera to local) where no target is near, as `search`
   /// (prepared for this frame) tells; all of them when `search` is null. Returns how many were
   /// added.
-  int insert(const registration::SourceCloud& source, const StampedPose& keyframe,
+  int insert(const registration::SourceCloud& source, const Observer& keyframe,
              const registration::CorrespondenceSearch* search);
   /// Moves keyframe number `keyframe` (in order of insertion) and its points to `T_local_camera`.
   void move_keyframe(int keyframe, const SE3& T_local_camera);
@@ -42,6 +49,7 @@ class TrackablePoints {
   struct Keyframe {
     double timestamp_s;
     SE3 T_local_camera;
+    Vector6d velocity;
     std::size_t begin, end;  // of its points
   };
 

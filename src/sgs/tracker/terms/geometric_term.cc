@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/tracker/terms/geometric_term.h"
 
-#include "sgs/registration/rolling_shutter.h"
+#include "sgs/camera/depth_lag.h"
 
 namespace sgs::tracker {
 
+using registration::FrameMotion;
 using registration::make_sampler;
 using registration::ReadoutMotion;
 
@@ -13,12 +14,18 @@ namespace {
 
 // Points as the middle row's camera sees them, given as each row's camera does. `change` is small,
 // and so what it does is linear: corrections may be applied one after the other.
-void move_points(registration::SourceCloud& cloud, const Vector6d& change, int height) {
-  const ReadoutMotion motion(change);
+void move_points(registration::SourceCloud& cloud, const Vector6d& readout, const Vector6d& lag,
+                 int height) {
+  if (readout.isZero(0) && lag.isZero(0)) return;
+  const ReadoutMotion during(readout), since_colour(lag);
+  const bool lags = !lag.isZero(0);
   for (registration::SourcePoint& p : cloud.points) {
     const float offset = ReadoutMotion::offset(static_cast<float>(p.v), height);
-    p.point = motion.to_middle(p.point, offset);
-    p.normal = motion.direction_to_middle(p.normal, offset);
+    p.point = during.to_middle(p.point, offset);
+    p.normal = during.direction_to_middle(p.normal, offset);
+    if (!lags) continue;
+    p.point = since_colour.to_middle(p.point, 1);
+    p.normal = since_colour.direction_to_middle(p.normal, 1);
   }
 }
 
@@ -37,6 +44,7 @@ bool needs_ellipses(const GeometryConfig& config) {
 GeometricTerm::GeometricTerm(const GeometryConfig& config, const PinholeCamera& camera,
                              const SE3& T_local_world)
     : config_(config),
+      camera_(camera),
       source_sampler_(make_sampler(config.points, camera, needs_ellipses(config))),
       search_(registration::make_search(config.search, camera)),
       targets_(make_target_map(config, T_local_world, camera.fx)),
@@ -54,16 +62,16 @@ void GeometricTerm::set_frame(const RgbdFrame& frame, const map::SnapshotPtr& sn
   timestamp_s_ = frame.timestamp_s;
   prepared_ = false;
   T_searched_.reset();
-  readout_.setZero();
+  motion_ = {};
   coarse_source_.points.clear();
   coarse_source_.covariances.clear();
 }
 
-void GeometricTerm::set_readout(const Vector6d& readout) {
-  const Vector6d change = readout - readout_;
-  if (change.isZero(0)) return;
-  move_points(source_, change, depth_->height());
-  readout_ = readout;
+void GeometricTerm::set_motion(const FrameMotion& motion) {
+  const Vector6d readout = motion.readout - motion_.readout, lag = motion.lag() - motion_.lag();
+  motion_ = motion;
+  if (readout.isZero(0) && lag.isZero(0)) return;
+  move_points(source_, readout, lag, depth_->height());
   coarse_source_.points.clear();
   coarse_source_.covariances.clear();
 }
@@ -141,13 +149,22 @@ degeneracy::SurfaceInformation GeometricTerm::surface_information(int noise_stri
                                 noise_stride);
 }
 
-void GeometricTerm::insert_keyframe(const SE3& T_local_camera, const Vector6d& readout) {
+registration::InverseDepthPlane GeometricTerm::surface_with_colour(int u, int v,
+                                                                   const Vector6d& lag) const {
+  registration::InverseDepthPlane plane = source_sampler_->inverse_depth_plane(u, v);
+  if (!(plane.q > 0) || lag.isZero(0)) return plane;
+  const Eigen::Vector3f ray = camera_.back_project(u, v, 1).cast<float>();
+  plane.q += depth_lag_per_m(camera_, ray, plane.q, {plane.slope_u, plane.slope_v}, lag);
+  return plane;
+}
+
+void GeometricTerm::insert_keyframe(const SE3& T_local_camera, const FrameMotion& motion) {
   if (!targets_->wants_keyframes()) return;
   // Denser than the source points: keyframes are rare, and a dense map leaves less of a curved
   // surface between a point and its target.
   target_sampler_->sample(*depth_, keyframe_source_);
-  if (!readout.isZero(0)) move_points(keyframe_source_, readout, depth_->height());
-  targets_->insert(keyframe_source_, {timestamp_s_, T_local_camera},
+  move_points(keyframe_source_, motion.readout, motion.lag(), depth_->height());
+  targets_->insert(keyframe_source_, {timestamp_s_, T_local_camera, motion.velocity},
                    prepared_ ? search_.get() : nullptr);
 }
 

@@ -10,6 +10,7 @@
 #include "sgs/registration/cloud_sampler.h"
 #include "sgs/registration/correspondence_search.h"
 #include "sgs/registration/geometric_cost.h"
+#include "sgs/registration/rolling_shutter.h"
 #include "sgs/tracker/targets/target_map.h"
 #include "sgs/tracker/tracker_config.h"
 
@@ -26,9 +27,9 @@ class GeometricTerm {
 
   /// Samples the frame's points and takes over the newest state of the Gaussian map.
   void set_frame(const RgbdFrame& frame, const map::SnapshotPtr& snapshot);
-  /// Corrects the frame's points for the camera's motion during the readout (twist, rotation
-  /// first); replaces the motion given before.
-  void set_readout(const Vector6d& readout);
+  /// Corrects the frame's points for how the camera moved while they were measured; replaces the
+  /// motion given before.
+  void set_motion(const registration::FrameMotion& motion);
   /// Whether there is anything to register to.
   bool has_targets() const { return !targets_->cloud().points.empty(); }
   /// Prepares the search for a frame expected at `T_local_predicted`; needs targets.
@@ -53,25 +54,23 @@ class GeometricTerm {
   /// `noise_stride`-th point enters the expectation of what noise alone would tell.
   degeneracy::SurfaceInformation surface_information(int noise_stride);
   /// Extends the targets by the frame last given to set_frame(), which must still exist, where the
-  /// search last prepared finds none. `readout` is the camera's motion that its points are
-  /// corrected for.
-  void insert_keyframe(const SE3& T_local_camera, const Vector6d& readout = Vector6d::Zero());
+  /// search last prepared finds none. `motion` is what its points are corrected for.
+  void insert_keyframe(const SE3& T_local_camera, const registration::FrameMotion& motion = {});
 
   /// Moves the tracker's own targets (in local coordinates).
   void correct(const PastCorrection& correction) { targets_->correct(correction); }
 
   const registration::SourceCloud& source() const { return source_; }
   /// The plane fitted around a pixel of the frame (never one with the paper's sampling, which fits
-  /// none).
-  registration::InverseDepthPlane surface(int u, int v) const {
-    return source_sampler_->inverse_depth_plane(u, v);
-  }
+  /// none), as the camera saw it when it saw the colour, if it moved by `lag` (twist) since.
+  registration::InverseDepthPlane surface_with_colour(int u, int v, const Vector6d& lag) const;
   const TargetMap& targets() const { return *targets_; }
 
  private:
   SE3 in_reference(const SE3& T_local_camera) const { return T_reference_local_ * T_local_camera; }
 
   GeometryConfig config_;
+  PinholeCamera camera_;
   std::unique_ptr<registration::CloudSampler> source_sampler_, target_sampler_;
   std::unique_ptr<registration::CorrespondenceSearch> search_;
   std::unique_ptr<TargetMap> targets_;
@@ -81,7 +80,7 @@ class GeometricTerm {
   registration::SourceCloud coarse_source_;  // every n-th point of source_, made on demand
   const DepthImage* depth_ = nullptr;        // of the current frame
   double timestamp_s_ = 0;
-  Vector6d readout_ = Vector6d::Zero();  // that its points are corrected for
+  registration::FrameMotion motion_;  // that its points are corrected for
   SE3 T_reference_local_;
   std::optional<SE3> T_searched_;  // pose of the last full search with these points
   bool prepared_ = false;

@@ -125,6 +125,7 @@ bool VisualTerm::wants_keyframe(const SE3& T_local_camera, const Fit& fit) const
 }
 
 void VisualTerm::insert_keyframe(const SE3& T_local_camera, const Fit& fit, const Vector6d& readout,
+                                 const Vector6d& velocity,
                                  const registration::SurfaceLookup& surface) {
   constexpr double kSameView = 0.8;
   for (const Fit::Reference& r : fit.references_) {
@@ -139,14 +140,14 @@ void VisualTerm::insert_keyframe(const SE3& T_local_camera, const Fit& fit, cons
   keyframes_.push_back({registration::PhotometricReference(pyramid_, frame_->depth, T_local_camera,
                                                            config_.photometric, surface,
                                                            registration::ReadoutMotion(readout)),
-                        depth_m > 0 ? depth_m : kDefaultDepth_m, frame_->timestamp_s});
+                        depth_m > 0 ? depth_m : kDefaultDepth_m, frame_->timestamp_s, velocity});
   newest_ = keyframes_.size() - 1;
 }
 
 void VisualTerm::correct(const PastCorrection& correction) {
   for (Keyframe& k : keyframes_) {
     k.reference.set_pose(correction.corrected(k.reference.T_world_keyframe(), k.timestamp_s));
-    if (correction.depth) k.reference.change_depth(*correction.depth);
+    if (correction.depth) k.reference.change_depth(*correction.depth, k.velocity);
   }
 }
 

@@ -35,9 +35,9 @@ class VisualTerm {
   /// become one.
   bool wants_keyframe(const SE3& T_local_camera, const Fit& fit) const;
   /// Makes the current frame a keyframe, unless an old one that sees the same takes its place.
-  /// `readout`: camera twist over its readout.
+  /// `readout`: camera twist over its readout, `velocity`: per second.
   void insert_keyframe(const SE3& T_local_camera, const Fit& fit, const Vector6d& readout,
-                       const registration::SurfaceLookup& surface);
+                       const Vector6d& velocity, const registration::SurfaceLookup& surface);
   /// Moves the keyframes (in local coordinates).
   void correct(const PastCorrection& correction);
   int keyframes() const { return static_cast<int>(keyframes_.size()); }
@@ -49,6 +49,7 @@ class VisualTerm {
     registration::PhotometricReference reference;
     double mean_depth_m;
     double timestamp_s;
+    Vector6d velocity;  // camera twist per second
   };
   double view_distance(const Keyframe& keyframe, const SE3& T_local_camera) const;
   bool is_near(const Keyframe& keyframe, const SE3& T_local_camera, double share) const;
