@@ -167,6 +167,16 @@ RunState state_of(const Outcome& outcome) {
   return state;
 }
 
+/// Results, and that they are there. Once more where somebody removed the folder meanwhile.
+void write_end(const Run& run, RunFolder& folder) {
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    const int made_again = folder.lock()->times_made_again();
+    save_run(run, folder);
+    folder.end(run.state.stage, run.frames.size(), run.state.reason);
+    if (made_again == folder.lock()->times_made_again()) return;
+  }
+}
+
 /// What is scored is what was written, to the last bit: evaluating the folder later finds the same
 /// numbers.
 void read_back(const RunFolder& folder, Run& run) {
@@ -241,8 +251,7 @@ Result<Outcome> run_in(Input& input, const InputSpec& spec, const slam::SessionC
   outcome.lost = tracking_was_lost(run.frames);
   run.state = state_of(outcome);
   run.metrics.state = run.state.word();
-  save_run(run, folder);
-  folder.end(run.state.stage, run.frames.size(), run.state.reason);
+  write_end(run, folder);
   if (!options.trace.empty()) {
     if (const auto traced = io::write_file(
             options.trace, chrome_trace(times, clock ? clock->events : std::vector<InputEvent>{}));
