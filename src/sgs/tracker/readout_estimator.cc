@@ -34,8 +34,22 @@ double ReadoutEstimator::readout_s() const {
   return std::clamp(moment_ / information_, -kLongest_s, kLongest_s);
 }
 
+ReadoutEstimator::Keyframe ReadoutEstimator::keyframe_or_still(std::size_t keyframe) const {
+  return keyframe < keyframes_.size() ? keyframes_[keyframe] : Keyframe{};
+}
+
+void ReadoutEstimator::add_keyframe(std::size_t keyframe, const Eigen::Vector3d& turning_rate,
+                                    const Eigen::Vector3d& rotation) {
+  if (!turning_rate.allFinite() || !rotation.allFinite()) return;
+  const Eigen::Vector3d none = Eigen::Vector3d::Zero();
+  if (keyframe >= keyframes_.size()) keyframes_.resize(keyframe + 1, {none, none, none, scatter_});
+  keyframes_[keyframe] = {turning_rate, rotation, none, scatter_};
+}
+
 Eigen::Vector3d ReadoutEstimator::keyframe_error(std::size_t keyframe) const {
-  return keyframe < errors_.size() ? errors_[keyframe].mean : Eigen::Vector3d::Zero();
+  if (!config_.estimate) return Eigen::Vector3d::Zero();
+  const Keyframe k = keyframe_or_still(keyframe);
+  return k.rotation - readout_s() * k.turning_rate + k.short_by;
 }
 
 ReadoutEstimator::Belief ReadoutEstimator::predict(const Vector6d& velocity,
@@ -45,7 +59,8 @@ ReadoutEstimator::Belief ReadoutEstimator::predict(const Vector6d& velocity,
   double variance = kTiny_rad * kTiny_rad;
   if (config_.estimate) {
     belief.mean.head<3>() += keyframe_error(keyframe);
-    variance += 2 * scatter_ + velocity.head<3>().squaredNorm() / information_;
+    const Eigen::Vector3d rate = velocity.head<3>() - keyframe_or_still(keyframe).turning_rate;
+    variance += 2 * scatter_ + rate.squaredNorm() / information_;
   }
   belief.information.diagonal().setConstant(kOverconfidence / variance);
   return belief;
@@ -64,17 +79,18 @@ void ReadoutEstimator::update(const Eigen::Vector3d& turning_rate, const Eigen::
   const double measured = covariance.trace() / 3;
   covariance.diagonal().array() += kFloor_rad * kFloor_rad + scatter_;
   const Eigen::Matrix3d weight = covariance.inverse();
-  if (keyframe >= errors_.size()) errors_.resize(keyframe + 1, {{0, 0, 0}, scatter_});
-  KeyframeError& error = errors_[keyframe];
-  const double information_gain = turning_rate.dot(weight * turning_rate);
-  const double moment = turning_rate.dot(weight * (rotation - error.mean));
+  if (keyframe >= keyframes_.size()) add_keyframe(keyframe, {0, 0, 0}, {0, 0, 0});
+  Keyframe& k = keyframes_[keyframe];
+  const Eigen::Vector3d rate = turning_rate - k.turning_rate, turn = rotation - k.rotation;
+  const double information_gain = rate.dot(weight * rate);
+  const double moment = rate.dot(weight * (turn - k.short_by));
   if (!(information_gain >= 0) || !std::isfinite(moment)) return;
   information_ += information_gain;
   moment_ += moment;
-  const Eigen::Vector3d off = rotation - readout_s() * turning_rate - error.mean;
-  const double gain = error.variance / (error.variance + covariance.diagonal().maxCoeff());
-  error.mean += gain * off;
-  error.variance *= 1 - gain;
+  const Eigen::Vector3d off = turn - readout_s() * rate - k.short_by;
+  const double gain = k.variance / (k.variance + covariance.diagonal().maxCoeff());
+  k.short_by += gain * off;
+  k.variance *= 1 - gain;
 
   if (last_off_) {
     constexpr double kForget = 1.0 / 30;

@@ -12,13 +12,13 @@ namespace sgs::tracker {
 
 /// Learns how long the sensor takes to read a picture from top to bottom, and predicts how the
 /// camera moves during one readout. The readout time tau is a constant of the sensor (0 = global
-/// shutter, negative = bottom row first), so it is the slope of a regression over all frames: the
-/// turn seen within each picture against the turning rate from picture to picture.
+/// shutter, negative = bottom row first), so it is the slope of a regression over all frames.
 ///
-/// A picture shows its turn against a keyframe's only. What the keyframe's own turn was wrong by is
-/// common to all frames aligned to it; it is estimated as what they have in common beyond tau times
-/// their rates, and taken off before one of them becomes the next keyframe. Without that the errors
-/// of all keyframes would add up.
+/// A picture shows its turn against a keyframe's only, that is tau times the difference of the two
+/// turning rates: a camera that turns steadily shows nothing, however fast. By how much the
+/// keyframe's own turn differs from tau times its rate is common to all frames aligned to it; it is
+/// estimated as what they have in common beyond, and taken off before one of them becomes the next
+/// keyframe. Without that the errors of all keyframes would add up.
 class ReadoutEstimator {
  public:
   explicit ReadoutEstimator(const ReadoutConfig& config);
@@ -32,6 +32,10 @@ class ReadoutEstimator {
   /// For a camera that moves with `velocity` (camera twist per second), as it will appear against
   /// the keyframe of that number.
   Belief predict(const Vector6d& velocity, std::size_t keyframe) const;
+  /// A new keyframe, taken for having turned by `rotation` during its readout while the camera
+  /// turned at `turning_rate`. One that was never added is taken for standing still.
+  void add_keyframe(std::size_t keyframe, const Eigen::Vector3d& turning_rate,
+                    const Eigen::Vector3d& rotation);
   /// Takes in the rotation over the readout as one frame's picture alone shows it.
   void update(const Eigen::Vector3d& turning_rate, const Eigen::Vector3d& rotation,
               const Eigen::Matrix3d& information, std::size_t keyframe);
@@ -42,10 +46,14 @@ class ReadoutEstimator {
   double readout_s() const;
 
  private:
-  struct KeyframeError {
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    double variance = 0;  // rad^2
+  struct Keyframe {
+    Eigen::Vector3d turning_rate = Eigen::Vector3d::Zero();
+    Eigen::Vector3d rotation = Eigen::Vector3d::Zero();  // that it was taken for
+    // What its own turn is short of tau times its rate.
+    Eigen::Vector3d short_by = Eigen::Vector3d::Zero();
+    double variance = 0;  // of that, rad^2
   };
+  Keyframe keyframe_or_still(std::size_t keyframe) const;
 
   ReadoutConfig config_;
   double information_;  // of the readout time, 1/s^2
@@ -55,7 +63,7 @@ class ReadoutEstimator {
   // next, so that what is wrong with the keyframe does not count.
   double scatter_;  // variance, rad^2
   std::optional<Eigen::Vector3d> last_off_;
-  std::vector<KeyframeError> errors_;
+  std::vector<Keyframe> keyframes_;
 };
 
 }  // namespace sgs::tracker

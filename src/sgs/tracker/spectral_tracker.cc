@@ -179,7 +179,11 @@ bool SpectralTracker::extend_map(const RgbdFrame& frame, const Alignment& a,
                                  const Vector6d& readout) {
   const CpuTimer timer(aligner_.times().update);
   const auto extended = aligner_.extend(a, readout);
-  if (extended.keyframe) relocaliser_.add_keyframe(frame, a.T_local_camera);
+  if (extended.keyframe) {
+    relocaliser_.add_keyframe(frame, a.T_local_camera);
+    readout_.add_keyframe(aligner_.vision().newest_keyframe(), a.points_motion.velocity.head<3>(),
+                          readout.head<3>());
+  }
   return extended.targets;
 }
 
