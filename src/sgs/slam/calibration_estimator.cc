@@ -24,9 +24,8 @@ std::shared_ptr<const PastCorrection> CalibrationEstimator::told(
   log().info(
       "the depth camera was calibrated from {} keyframes: offset {:+.5f} /m in the mean "
       "(sigma {:.5f}), {:.5f} /m about it, depth {:+.2f} {:+.2f} px off colour "
-      "(sigma {:.2f} {:.2f}) and {:+.1f} ms after it (sigma {:.1f}); left over: {:.1f} grey, "
-      "{:.1f} "
-      "of the depth noise",
+      "(sigma {:.2f} {:.2f}) and {:+.1f} ms after it (sigma {:.1f}); "
+      "left over: {:.1f} grey, {:.1f} of the depth noise",
       learned->estimate.keyframes, c.mean_offset_per_m(), c.mean_sigma_per_m,
       learned->estimate.shape_rms_per_m, c.shift_px.x(), c.shift_px.y(), c.shift_sigma_px.x(),
       c.shift_sigma_px.y(), 1e3 * c.delay_s, 1e3 * c.delay_sigma_s, learned->estimate.noise.grey,
