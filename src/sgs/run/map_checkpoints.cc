@@ -22,15 +22,17 @@ namespace sgs::run {
 bool CheckpointSchedule::due(double now_s, std::size_t gaussians) const {
   if (gaussians == 0) return false;
   if (first_) return true;
-  const double since_s = now_s - last_s_;
-  if (since_s < rest_s_) return false;
-  return since_s >= interval_s_ || 2 * gaussians >= 3 * gaussians_;
+  if (now_s - written_s_ < rest_s_) return false;
+  // The next one will be as long on its way as the last one was.
+  const double lead_s = std::min(written_s_ - due_s_, interval_s_ / 2);
+  return now_s - due_s_ >= interval_s_ - lead_s || 2 * gaussians >= 3 * gaussians_;
 }
 
-void CheckpointSchedule::written(double now_s, std::size_t gaussians, double cpu_s) {
+void CheckpointSchedule::written(double due_s, double now_s, std::size_t gaussians, double cpu_s) {
   constexpr double kRest = 50;  // times what writing took
   first_ = false;
-  last_s_ = now_s;
+  due_s_ = due_s;
+  written_s_ = now_s;
   gaussians_ = gaussians;
   rest_s_ = kRest * cpu_s;
 }
@@ -38,7 +40,7 @@ void CheckpointSchedule::written(double now_s, std::size_t gaussians, double cpu
 void CheckpointSchedule::failed(double now_s) {
   constexpr double kMoment_s = 1;
   first_ = false;
-  last_s_ = now_s;
+  due_s_ = written_s_ = now_s;
   rest_s_ = std::max(rest_s_, kMoment_s);
 }
 
@@ -110,6 +112,7 @@ void MapCheckpoints::look() {
     report(look_closely());
   } catch (...) {
     schedule_.failed(wall_time_s());
+    due_s_.reset();
     report(tl::unexpected(current_error()));
   }
 }
@@ -121,7 +124,8 @@ Status MapCheckpoints::look_closely() {
   auto state = take_state();
   if (!state) {
     if (snapshot->version == written_version_) return {};
-    if (!schedule_.due(wall_time_s(), gaussians)) return {};
+    if (!due_s_ && !schedule_.due(wall_time_s(), gaussians)) return {};
+    if (!due_s_) due_s_ = wall_time_s();
     if (source_.state) {
       const std::scoped_lock lock(mutex_);
       state_wanted_ = state_wanted_ || !state_.valid();
@@ -130,7 +134,8 @@ Status MapCheckpoints::look_closely() {
   }
   const double began_cpu_s = thread_cpu_time_s();
   const Status status = write(*snapshot, std::move(state));
-  schedule_.written(wall_time_s(), gaussians, thread_cpu_time_s() - began_cpu_s);
+  schedule_.written(due_s_.value_or(wall_time_s()), wall_time_s(), gaussians, thread_cpu_time_s() - began_cpu_s);
+  due_s_.reset();
   if (status) written_version_ = snapshot->version;
   return status;
 }

@@ -28,17 +28,19 @@ class CheckpointSchedule {
  public:
   explicit CheckpointSchedule(double interval_s) : interval_s_(interval_s) {}
 
-  /// The first map at once, then one that is larger by half, and every `interval_s`; but never so
-  /// often that writing takes more than a fiftieth of one core.
+  /// The first map at once, then one that is larger by half, and so early that no map on the disk
+  /// gets older than `interval_s`; but never so often that writing takes more than a fiftieth of
+  /// one core.
   bool due(double now_s, std::size_t gaussians) const;
-  /// A map of that size was written at `now_s`, which took `cpu_s` of a core.
-  void written(double now_s, std::size_t gaussians, double cpu_s);
+  /// The map that was due at `due_s`, and had that size, was written at `now_s`; it took `cpu_s` of
+  /// a core.
+  void written(double due_s, double now_s, std::size_t gaussians, double cpu_s);
   /// None could be made at `now_s`: the next attempt waits for a moment.
   void failed(double now_s);
 
  private:
   double interval_s_;
-  double last_s_ = 0, rest_s_ = 0;
+  double due_s_ = 0, written_s_ = 0, rest_s_ = 0;  // of the last one
   std::size_t gaussians_ = 0;
   bool first_ = true;
 };
@@ -87,6 +89,7 @@ class MapCheckpoints {
   CheckpointSchedule schedule_;
   std::uint64_t written_version_ = 0;
   bool failing_ = false;
+  std::optional<double> due_s_;  // since when one is wanted
 
   std::mutex mutex_;
   std::condition_variable changed_;

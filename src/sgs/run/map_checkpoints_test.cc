@@ -32,17 +32,26 @@ TEST(CheckpointSchedule, ByTimeAndBySizeButNeverTooOften) {
   CheckpointSchedule schedule(10);
   EXPECT_FALSE(schedule.due(0, 0)) << "there is no map yet";
   EXPECT_TRUE(schedule.due(0, 100));
-  schedule.written(0, 100, 0.01);
+  schedule.written(0, 0, 100, 0.01);
   EXPECT_FALSE(schedule.due(1, 120));
   EXPECT_TRUE(schedule.due(1, 150)) << "larger by half";
   EXPECT_TRUE(schedule.due(10, 100));
   EXPECT_FALSE(schedule.due(0.4, 1000)) << "rests fifty times as long as it wrote";
-  schedule.written(10, 100, 1);
+  schedule.written(10, 10, 100, 1);
   EXPECT_FALSE(schedule.due(59, 1000));
   EXPECT_TRUE(schedule.due(61, 100));
   schedule.failed(61);
   EXPECT_FALSE(schedule.due(61.5, 1000)) << "not again at once";
   EXPECT_TRUE(schedule.due(112, 1000));
+}
+
+TEST(CheckpointSchedule, BeginsEarlierBySoMuchAsTheLastOneWasOnItsWay) {
+  CheckpointSchedule schedule(10);
+  schedule.written(0, 3, 100, 0.01);
+  EXPECT_FALSE(schedule.due(6, 100));
+  EXPECT_TRUE(schedule.due(7, 100)) << "to be there at 10, when the map on the disk is 10 s old";
+  schedule.written(7, 27, 100, 0.01);
+  EXPECT_TRUE(schedule.due(28, 100)) << "it is late already";
 }
 
 /// The newest snapshot, for checkpoints that ask for it; tells when it was asked.
