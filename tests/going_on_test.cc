@@ -141,5 +141,37 @@ TEST(GoingOn, ComesToTheSameBitsWhereverDepthIsCalibrated) {
   go_on_from_each(recording, whole);
 }
 
+// Where poses are given, nothing that is tracked tells that the depth images are others.
+TEST(GoingOn, OtherDepthUnderGivenPosesIsFoundOut) {
+  synthetic::SynthOptions options = desk_there_and_back();
+  options.frames = 6;
+  const Recording recording = record(options);
+  const auto feed = [&](slam::Session& session, float depth_factor) {
+    for (const auto& frame : recording.frames) {
+      auto given = std::make_shared<RgbdFrame>(*frame);
+      given->given_T_world_camera = SE3{};
+      for (std::size_t k = 0; k < given->depth.size(); ++k) given->depth.data()[k] *= depth_factor;
+      session.feed(given);
+    }
+  };
+  const auto session_of_given_poses = [&] {
+    auto config = config_with_corrections();
+    config.tracker.type = tracker::TrackerType::kGiven;
+    auto session = slam::Session::create(config, recording.camera, {});
+    EXPECT_TRUE(session);
+    return std::move(*session);
+  };
+  const auto before = session_of_given_poses();
+  feed(*before, 1);
+  const std::string state = before->save().get();
+  const auto same = session_of_given_poses(), other = session_of_given_poses();
+  ASSERT_TRUE(same->restore(state));
+  ASSERT_TRUE(other->restore(state));
+  feed(*same, 1);
+  EXPECT_FALSE(same->replay_differs_at());
+  feed(*other, 1.01f);
+  EXPECT_EQ(other->replay_differs_at(), 0u);
+}
+
 }  // namespace
 }  // namespace sgs

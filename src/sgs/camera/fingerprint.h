@@ -13,4 +13,7 @@ namespace sgs {
 /// it. A recording that was replaced or edited is noticed; a few changed pixels need not be.
 std::int64_t fingerprint(const RgbdFrame& frame);
 
+/// The same of the depths of those pixels, to the last bit.
+std::int64_t depth_fingerprint(const RgbdFrame& frame);
+
 }  // namespace sgs

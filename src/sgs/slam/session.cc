@@ -28,7 +28,7 @@ Status check_arguments(const SessionConfig& config, const PinholeCamera& camera,
 }
 
 /// Of an item and of what became of it.
-std::uint64_t hash_of(const FrameRecord& record) {
+std::uint64_t hash_of(const FrameRecord& record, std::int64_t depth_print) {
   ArchiveWriter bytes;
   auto index = record.index, fingerprint = record.fingerprint;
   auto bad = record.bad;
@@ -36,7 +36,7 @@ std::uint64_t hash_of(const FrameRecord& record) {
   auto loops = record.loops, calibrations = record.calibrations;
   auto correction_m = record.correction_m;
   SE3 T = record.T_online_camera;
-  bytes(index, fingerprint, bad, status, loops, calibrations, correction_m, T);
+  bytes(index, fingerprint, depth_print, bad, status, loops, calibrations, correction_m, T);
   return std::hash<std::string>{}(bytes.take());
 }
 
@@ -101,7 +101,7 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& raw) {
   record.track_ms = cpu_ms;
   record.fingerprint = fingerprint(*raw);  // as the recording has it
   estimate_past(raw, frame, result, record);
-  if (comes_as_before(record)) hand_to_mapper(frame, record);
+  if (comes_as_before(record, depth_fingerprint(*raw))) hand_to_mapper(frame, record);
   report_loss(record);
   records_.push_back(std::move(record));
   if (on_frame_) on_frame_(records_.back());
@@ -236,8 +236,8 @@ void Session::hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame, Fram
 }
 
 // Notes what became of an item; false where that is not what became of it before (replay).
-bool Session::comes_as_before(const FrameRecord& record) {
-  const std::uint64_t hash = hash_of(record);
+bool Session::comes_as_before(const FrameRecord& record, std::int64_t depth_print) {
+  const std::uint64_t hash = hash_of(record, depth_print);
   if (left_to_replay() == 0) {
     hashes_.push_back(hash);
   } else if (hash != hashes_[records_.size()] && !differs_at_) {
@@ -283,7 +283,7 @@ void Session::feed_bad(std::int64_t index, double timestamp_s, const std::string
   record.timestamp_s = timestamp_s;
   record.bad = true;
   record.bad_reason = reason;
-  comes_as_before(record);
+  comes_as_before(record, 0);
   records_.push_back(std::move(record));
 }
 

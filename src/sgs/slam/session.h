@@ -134,7 +134,7 @@ class Session {
   bool wants_mapping_keyframe(const FrameRecord& record) const;
   void hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame, FrameRecord& record);
   void report_loss(const FrameRecord& record);
-  bool comes_as_before(const FrameRecord& record);
+  bool comes_as_before(const FrameRecord& record, std::int64_t depth_print);
 
   SessionConfig config_;
   PinholeCamera camera_;
