@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <utility>
 
 #include "sgs/io/system_error.h"
 
@@ -41,20 +42,48 @@ class Descriptor {
 /// have done what they do.
 bool synced(int fd) { return ::fsync(fd) == 0 || errno == EINVAL || errno == ENOSYS; }
 
-/// Opens, writes everything, closes; returns errno of the first failure, else 0.
-int write_all(const fs::path& path, int flags, std::string_view bytes,
-              Durability durability = Durability::kRelaxed) {
-  Descriptor file(::open(path.c_str(), flags | O_WRONLY | O_CREAT | O_CLOEXEC, 0666));
-  if (file.get() < 0) return errno;
+/// Writes everything; returns errno of the first failure, else 0.
+int write_bytes(int fd, std::string_view bytes) {
   while (!bytes.empty()) {
-    const ssize_t written = ::write(file.get(), bytes.data(), bytes.size());
+    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) return errno;
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
+  return 0;
+}
+
+/// One piece and no more.
+NextBlock one_block(std::string_view bytes) {
+  return [bytes]() mutable { return std::exchange(bytes, {}); };
+}
+
+/// Opens, writes everything, closes; returns errno of the first failure, else 0.
+int write_all(const fs::path& path, int flags, const NextBlock& next,
+              Durability durability = Durability::kRelaxed) {
+  Descriptor file(::open(path.c_str(), flags | O_WRONLY | O_CREAT | O_CLOEXEC, 0666));
+  if (file.get() < 0) return errno;
+  for (auto block = next(); !block.empty(); block = next()) {
+    if (const int code = write_bytes(file.get(), block); code != 0) return code;
+  }
   if (durability == Durability::kSynced && !synced(file.get())) return errno;
   return file.close() ? 0 : errno;
 }
+
+/// Removes a file when it goes, unless that is called off: also where an exception leaves a write.
+class Remover {
+ public:
+  explicit Remover(const fs::path& path) : path_(&path) {}
+  ~Remover() {
+    if (path_ != nullptr) ::unlink(path_->c_str());
+  }
+  Remover(const Remover&) = delete;
+  Remover& operator=(const Remover&) = delete;
+  void call_off() { path_ = nullptr; }
+
+ private:
+  const fs::path* path_;
+};
 
 /// Puts a renamed entry of a folder on the disk; returns errno, else 0.
 int sync_folder(const fs::path& path) {
@@ -121,21 +150,25 @@ Status make_folder(const fs::path& path) {
 }
 
 Status write_file(const fs::path& path, std::string_view bytes, Durability durability) {
+  return write_file_in_blocks(path, one_block(bytes), durability);
+}
+
+Status write_file_in_blocks(const fs::path& path, const NextBlock& next, Durability durability) {
   SGS_RETURN_IF_ERROR(make_parent(path));
   struct stat info {};
   if (::stat(path.c_str(), &info) == 0 && !S_ISREG(info.st_mode)) {
     // A device or a pipe cannot be replaced by a rename (a folder fails here, as it should).
-    const int code = write_all(path, 0, bytes);
+    const int code = write_all(path, 0, next);
     return code == 0 ? Status{} : system_error("write", path, code);
   }
   fs::path temporary = path;
   temporary += fmt::format(".{}{}", ::getpid(), kTemporary);
-  int code = write_all(temporary, O_TRUNC, bytes, durability);
+  Remover remover(temporary);
+  int code = write_all(temporary, O_TRUNC, next, durability);
   if (code == 0 && ::rename(temporary.c_str(), path.c_str()) != 0) code = errno;
+  if (code == 0) remover.call_off();
   if (code == 0 && durability == Durability::kSynced) code = sync_folder(path.parent_path());
-  if (code == 0) return {};
-  ::unlink(temporary.c_str());
-  return system_error("write", path, code);
+  return code == 0 ? Status{} : system_error("write", path, code);
 }
 
 bool is_temporary_of(std::string_view name, std::string_view file) {
@@ -148,7 +181,7 @@ bool is_temporary_of(std::string_view name, std::string_view file) {
 
 Status append_file(const fs::path& path, std::string_view bytes) {
   SGS_RETURN_IF_ERROR(make_parent(path));
-  const int code = write_all(path, O_APPEND, bytes);
+  const int code = write_all(path, O_APPEND, one_block(bytes));
   return code == 0 ? Status{} : system_error("write", path, code);
 }
 

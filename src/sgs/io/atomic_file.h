@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -32,6 +33,13 @@ enum class Durability {
 /// full disk included, is an error that names the file and the system's reason.
 Status write_file(const std::filesystem::path& path, std::string_view bytes,
                   Durability durability = Durability::kSynced);
+
+/// The next piece of a file, good until the next call; empty at the end.
+using NextBlock = std::function<std::string_view()>;
+
+/// The same of a file that need not be in memory as a whole.
+Status write_file_in_blocks(const std::filesystem::path& path, const NextBlock& next,
+                            Durability durability = Durability::kSynced);
 
 /// Whether `name` is that of a temporary file of write_file() for a file called `file`: a program
 /// that is killed while it writes leaves one behind.

@@ -8,6 +8,7 @@
 #include <zlib.h>
 
 #include <limits>
+#include <new>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -234,6 +235,22 @@ TEST(AtomicFile, ReplacesReportsAndLeavesNoTemporaries) {
   EXPECT_FALSE(write_file(folder / "sub", "a folder"));
   EXPECT_FALSE(read_file(folder / "sub"));
   EXPECT_FALSE(write_file(folder / "sub/a.txt/b.txt", "below a file"));
+}
+
+TEST(AtomicFile, ComesInBlocks) {
+  const TemporaryFolder folder;
+  int left = 3;
+  const auto count_down = [&]() -> std::string_view { return left-- > 0 ? "block " : ""; };
+  ASSERT_TRUE(write_file_in_blocks(folder / "a.txt", count_down));
+  EXPECT_EQ(read_file(folder / "a.txt"), "block block block ");
+  const auto out_of_memory = [&]() -> std::string_view {
+    if (left++ > 0) throw std::bad_alloc();
+    return "first";
+  };
+  left = 0;
+  EXPECT_THROW((void)write_file_in_blocks(folder / "a.txt", out_of_memory), std::bad_alloc);
+  EXPECT_EQ(read_file(folder / "a.txt"), "block block block ") << "the old one stays";
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "no temporary is left";
 }
 
 TEST(AtomicFile, FullDiskIsAnErrorWithARemedy) {

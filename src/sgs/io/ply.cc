@@ -10,6 +10,7 @@
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/ply_header.h"
@@ -182,25 +183,37 @@ Result<std::vector<map::Gaussian>> load_splats(const fs::path& path) {
                        : read_binary(path, *header, columns, body);
 }
 
+namespace {
+
+void append_splat(std::string& out, const map::Gaussian& g) {
+  for (const float v : g.mean) append_float(out, v);
+  for (int k = 0; k < 3; ++k) append_float(out, 0);
+  for (const float v : g.rgb) append_float(out, (double{v} - 0.5) / kSh0);
+  append_float(out, g.opacity_logit);
+  for (const float v : g.log_scale) append_float(out, v);
+  for (const double v : unit_rotation(g)) append_float(out, v);
+}
+
+}  // namespace
+
 Status save_splats(const fs::path& path, std::span<const map::Gaussian> splats) {
   SGS_RETURN_IF_ERROR(check_splats(path, splats));
-  std::string out =
+  std::string block =
       fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", splats.size());
   for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "opacity",
                            "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"}) {
-    out += fmt::format("property float {}\n", name);
+    block += fmt::format("property float {}\n", name);
   }
-  out += "end_header\n";
-  out.reserve(out.size() + splats.size() * 17 * sizeof(float));
-  for (const map::Gaussian& g : splats) {
-    for (const float v : g.mean) append_float(out, v);
-    for (int k = 0; k < 3; ++k) append_float(out, 0);
-    for (const float v : g.rgb) append_float(out, (double{v} - 0.5) / kSh0);
-    append_float(out, g.opacity_logit);
-    for (const float v : g.log_scale) append_float(out, v);
-    for (const double v : unit_rotation(g)) append_float(out, v);
-  }
-  return write_file(path, out);
+  block += "end_header\n";
+  // In blocks: a map is written where memory has run out, too.
+  constexpr std::size_t kBlock_bytes = 1 << 15;
+  bool begun = false;
+  std::size_t next = 0;
+  return write_file_in_blocks(path, [&]() -> std::string_view {
+    if (std::exchange(begun, true)) block.clear();
+    while (next < splats.size() && block.size() < kBlock_bytes) append_splat(block, splats[next++]);
+    return block;
+  });
 }
 
 Status save_points(const fs::path& path, std::span<const ColoredPoint> points) {

@@ -3,10 +3,11 @@
 #include <png.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <csetjmp>
 #include <cstring>
-#include <string>
+#include <string_view>
 #include <vector>
 
 #include "sgs/io/image_decoder.h"
@@ -19,7 +20,7 @@ namespace {
 /// lives here, outside of the functions that are left.
 struct PngDecoding {
   std::string_view rest;  ///< of the file, not read yet
-  std::string problem;
+  std::array<char, 100> problem{};
   std::vector<png_bytep> rows;
   png_structp png = nullptr;
   png_infop info = nullptr;
@@ -31,7 +32,8 @@ struct PngDecoding {
 };
 
 [[noreturn]] void on_png_error(png_structp png, png_const_charp message) {
-  static_cast<PngDecoding*>(png_get_error_ptr(png))->problem = message;
+  auto& problem = static_cast<PngDecoding*>(png_get_error_ptr(png))->problem;
+  std::string_view(message).substr(0, problem.size() - 1).copy(problem.data(), problem.size() - 1);
   png_longjmp(png, 1);
 }
 
@@ -90,7 +92,8 @@ bool read_rows(PngDecoding& decoding, std::size_t bytes_per_row) {
 
 tl::unexpected<Error> damaged_png(const PngDecoding& decoding) {
   return fail(ErrorCode::kInvalidFormat,
-              "damaged PNG: " + (decoding.problem.empty() ? "no memory" : decoding.problem),
+              fmt::format("damaged PNG: {}",
+                          decoding.problem[0] == 0 ? "no memory" : decoding.problem.data()),
               "copy or record the image again");
 }
 
