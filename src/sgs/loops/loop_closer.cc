@@ -119,8 +119,9 @@ std::vector<int> LoopCloser::candidates(const std::vector<graph::UncertainPose>&
   }
   std::sort(alike.begin(), alike.end());
   std::vector<int> out;
-  for (const auto& [similarity, k] : alike) {
+  for (const auto& likeness_and_node : alike) {
     if (static_cast<int>(out.size()) >= config_.candidates) break;
+    const int k = likeness_and_node.second;
     const auto next_to = [&](int other) { return std::abs(other - k) < config_.spacing_nodes; };
     if (std::none_of(out.begin(), out.end(), next_to)) out.push_back(k);
   }

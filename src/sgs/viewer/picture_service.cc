@@ -167,7 +167,8 @@ void PictureService::loop() {
     if (view_due) {
       auto it = views_.upper_bound(last_client_);
       if (it == views_.end()) it = views_.begin();
-      const auto [client, request] = *it;
+      const auto client = it->first;
+      const auto request = it->second;
       views_.erase(it);
       last_client_ = client;
       lock.unlock();
