@@ -418,5 +418,11 @@ TEST(DegeneracyConfig, DeclaresItsParameters) {
   EXPECT_FALSE(list.set("hysteresis", "0.5").has_value());
 }
 
+TEST(SurfaceInformation, WithoutASurfaceTwistsStayAsTheyAre) {
+  const SurfaceInformation nothing = accumulate({}, 1);
+  EXPECT_TRUE(nothing.camera_from_scaled().isIdentity(0));
+  EXPECT_TRUE(nothing.scaled_from_camera().isIdentity(0));
+}
+
 }  // namespace
 }  // namespace sgs::degeneracy

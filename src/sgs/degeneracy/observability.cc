@@ -13,14 +13,14 @@ namespace sgs::degeneracy {
 
 Matrix6d SurfaceInformation::camera_from_scaled() const {
   Matrix6d A = Matrix6d::Identity();
-  A.topLeftCorner<3, 3>() /= radius_m;
-  A.bottomLeftCorner<3, 3>() = hat(centroid_m) / radius_m;
+  A.topLeftCorner<3, 3>() /= scale_m();
+  A.bottomLeftCorner<3, 3>() = hat(centroid_m) / scale_m();
   return A;
 }
 
 Matrix6d SurfaceInformation::scaled_from_camera() const {
   Matrix6d A = Matrix6d::Identity();
-  A.topLeftCorner<3, 3>() *= radius_m;
+  A.topLeftCorner<3, 3>() *= scale_m();
   A.bottomLeftCorner<3, 3>() = -hat(centroid_m);
   return A;
 }

@@ -27,6 +27,8 @@ struct SurfaceInformation {
   Eigen::Vector3d centroid_m = Eigen::Vector3d::Zero();
   double radius_m = 0;  ///< RMS distance from the centroid
   int count = 0;
+  /// What rotations are divided by: the radius; 1 m where there is no surface.
+  double scale_m() const { return radius_m > 0 ? radius_m : 1.0; }
   /// Camera twist of a scaled and centred one.
   Matrix6d camera_from_scaled() const;
   Matrix6d scaled_from_camera() const;

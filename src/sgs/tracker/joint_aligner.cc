@@ -70,12 +70,12 @@ void JointAligner::look_at(const RgbdFrame& frame, const map::SnapshotPtr& snaps
 
 LostReason JointAligner::check_frame() const { return check_points(source_points(), config_.loss); }
 
-Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout) {
+Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout,
+                              bool with_geometry) {
   Alignment a;
   a.T_local_camera = T_start;
   a.lost_reason = LostReason::kNotFinite;
   if (!T_start.all_finite()) return a;
-  const bool with_geometry = geometry_.has_targets() && check_frame() == LostReason::kNone;
   {
     const CpuTimer timer(times_.index);
     a.fit = vision_.start(T_start);
@@ -160,9 +160,8 @@ LostReason JointAligner::judge(const Alignment& a) const {
   for (int k = 0; k < 6; ++k) {
     const bool seen = geometry_holds && ((observability_.mask >> k) & 1u) == 0;
     const Vector6d axis = observability_.axes.col(k);
-    if (!seen && axis.dot(H_vision * axis) < config_.alignment.min_information) {
-      return why_unseen(a);
-    }
+    const bool filled = axis.dot(H_vision * axis) >= config_.alignment.min_information;
+    if (!seen && !filled) return why_unseen(a);  // not filled: also where it is not a number
   }
   return LostReason::kNone;
 }
