@@ -68,7 +68,13 @@ class JointAligner {
   /// Samples the frame, which must outlive its use, and tells which axes its own surfaces observe.
   void look_at(const RgbdFrame& frame, const map::SnapshotPtr& snapshot);
   /// Coarse to fine from one start pose. Not trusted where an axis is observed by neither half.
-  Alignment align(const SE3& T_start, const ReadoutModel& readout);
+  Alignment align(const SE3& T_start, const ReadoutModel& readout) {
+    return align(T_start, readout, geometry_.has_targets() && check_frame() == LostReason::kNone);
+  }
+  /// The same by the picture alone.
+  Alignment align_picture(const SE3& T_start, const ReadoutModel& readout) {
+    return align(T_start, readout, false);
+  }
   /// Which of the maps took in the frame.
   struct Extension {
     bool keyframe = false;  ///< a new one of the visual term
@@ -96,6 +102,7 @@ class JointAligner {
   const StepTimes& times() const { return times_; }
 
  private:
+  Alignment align(const SE3& T_start, const ReadoutModel& readout, bool with_geometry);
   // While an alignment lasts, geometry_ holds its points and matches; what outlives it is the value
   // alone.
   void align_level(int level, bool with_geometry, Alignment& a);

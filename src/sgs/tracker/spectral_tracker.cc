@@ -7,6 +7,10 @@
 #include "sgs/tracker/loss_checks.h"
 
 namespace sgs::tracker {
+namespace {
+constexpr int kDoubtFrames = 30;  // for so long a picture that does not fit is held against a pose
+}  // namespace
+
 SpectralTracker::SpectralTracker(const SpectralConfig& config, const PinholeCamera& camera,
                                  const SE3& T_world_first)
     : config_(config),
@@ -60,6 +64,8 @@ Alignment SpectralTracker::follow_camera(double timestamp_s) {
 
 // A camera that was carried off between two frames may find surfaces that fit where it is not. Its
 // picture does not: where pictures did fit until now, the frame is looked for among the keyframes.
+// Surfaces that have drifted may also pull a pose away from what the picture says: then the picture
+// alone still fits there.
 Alignment SpectralTracker::follow_unless_elsewhere(const RgbdFrame& frame) {
   Alignment followed = follow_camera(frame.timestamp_s);
   poor_frames_ = is_doubtful(followed) ? poor_frames_ + 1 : 0;
@@ -67,19 +73,31 @@ Alignment SpectralTracker::follow_unless_elsewhere(const RgbdFrame& frame) {
   if ((poor_frames_ - 1) % config_.alignment.relocalise_interval == 0) {
     if (const auto elsewhere = relocalised(frame)) return *elsewhere;
   }
-  if (followed.trusted() && sees_pixels(followed) && !is_explained(followed)) {
-    followed.lost_reason = LostReason::kPoorPictureFit;
-  }
+  if (!followed.trusted()) return followed;
+  const bool believed = sees_enough(followed)
+                            ? picture_of_this_place(followed, frame.timestamp_s).has_value()
+                            : is_explained(followed);
+  if (!believed) followed.lost_reason = LostReason::kPoorPictureFit;
   return followed;
 }
 
 // The frames after a loss: from the pose carried on, and now and then from where the camera is
 // found among the keyframes. A camera that has just come back is rather held to be lost than put in
-// a wrong place.
+// a wrong place: surfaces are not believed against the picture, but for a place that has become
+// dark.
 Alignment SpectralTracker::find_camera(const RgbdFrame& frame) {
+  constexpr int kPatience = 60;  // frames in a row
   Alignment carried_on = align(T_bridge_, frame.timestamp_s, motion_);
+  const bool contradicted =
+      carried_on.trusted() && sees_enough(carried_on) && !is_confirmed(carried_on);
+  poor_frames_ = contradicted ? poor_frames_ + 1 : 0;
+  if (is_confirmed(carried_on)) return carried_on;
   if (carried_on.trusted()) {
-    if (!is_doubtful(carried_on) || is_explained(carried_on)) return carried_on;
+    if (contradicted && poor_frames_ <= kPatience) {
+      if (auto seen = picture_of_this_place(carried_on, frame.timestamp_s)) return *seen;
+    } else if (is_explained(carried_on)) {
+      return carried_on;
+    }
     carried_on.lost_reason = LostReason::kPoorPictureFit;
   }
   if (motion_.frames_held() % config_.alignment.relocalise_interval != 0) return carried_on;
@@ -94,25 +112,39 @@ bool SpectralTracker::is_doubtful(const Alignment& a) const {
 }
 
 // For so long a picture that has stopped fitting is held against the pose; then it has become dark.
-bool SpectralTracker::in_doubt() const {
-  constexpr int kFrames = 30;
-  return poor_frames_ > 0 && poor_frames_ <= kFrames;
+bool SpectralTracker::in_doubt() const { return poor_frames_ > 0 && poor_frames_ <= kDoubtFrames; }
+
+// A picture that says something. A few pixels of what is usual fit anywhere.
+bool SpectralTracker::sees_enough(const Alignment& a) const {
+  constexpr double kShare = 0.2;
+  return a.picture && a.picture->pixels >= config_.alignment.min_pixels &&
+         a.picture->pixels >= kShare * usual_pixels_;
 }
 
-bool SpectralTracker::sees_pixels(const Alignment& a) const {
-  return a.picture && a.picture->pixels >= config_.alignment.min_pixels;
+bool SpectralTracker::is_confirmed(const Alignment& a) const {
+  return a.trusted() && a.picture_holds() && sees_enough(a) && !is_doubtful(a);
 }
 
-// Surfaces cannot agree so far by chance; less will do where no picture speaks against them.
+// Surfaces cannot agree so far by chance.
 bool SpectralTracker::is_explained(const Alignment& a) const {
-  constexpr double kMost = 0.6, kMuch = 0.3;
-  const double least = sees_pixels(a) ? kMost : kMuch;
-  return a.geometry && a.geometry->holds && a.geometry->overlap >= least;
+  constexpr double kMost = 0.6;
+  return a.geometry && a.geometry->holds && a.geometry->overlap >= kMost;
 }
 
-// From where the keyframes say that the camera is; empty where they do not know, or where its
-// picture does not fit.
+// Where the picture alone fits, as pictures usually do, near a pose that surfaces have agreed to.
+std::optional<Alignment> SpectralTracker::picture_of_this_place(const Alignment& a,
+                                                                double timestamp_s) {
+  constexpr double kNear_m = 0.1, kNear_rad = 0.1;
+  Alignment picture = align_picture(a.T_local_camera, timestamp_s);
+  const SE3 T = a.T_local_camera.inverse() * picture.T_local_camera;
+  if (!is_confirmed(picture) || T.t.norm() > kNear_m || T.angle() > kNear_rad) return std::nullopt;
+  return picture;
+}
+
+// From where the keyframes say that the camera is; empty where they do not know, or where neither
+// its picture nor features and surfaces together say the same.
 std::optional<Alignment> SpectralTracker::relocalised(const RgbdFrame& frame) {
+  constexpr double kNotStrange = 1.5;  // cost per pixel
   std::optional<SE3> found;
   {
     const CpuTimer timer(aligner_.times().visual);
@@ -123,7 +155,9 @@ std::optional<Alignment> SpectralTracker::relocalised(const RgbdFrame& frame) {
   MotionModel motion = motion_;
   motion.jump_to(*found);
   Alignment a = align(*found, frame.timestamp_s, motion);
-  if (!a.trusted() || is_doubtful(a)) return std::nullopt;
+  const bool agreed = a.trusted() && is_explained(a) && a.picture_holds() && sees_enough(a) &&
+                      a.picture->mean_cost <= kNotStrange;
+  if (!is_confirmed(a) && !agreed) return std::nullopt;
   motion_ = motion;
   poor_frames_ = 0;
   return a;
@@ -138,17 +172,25 @@ bool SpectralTracker::fits_badly(const Alignment& a) const {
 // Aligns from one start pose; `motion` tells which poses are possible.
 Alignment SpectralTracker::align(const SE3& T_start, double timestamp_s,
                                  const MotionModel& motion) {
-  const ReadoutModel readout = {
-      [&](const SE3& T_local_camera) {
-        return readout_.predict(motion.rate_to(T_local_camera, timestamp_s),
-                                aligner_.vision().newest_keyframe());
-      },
-      [&](const Vector6d& seen, const SE3& T_local_camera) {
-        return frame_motion(seen, motion.rate_to(T_local_camera, timestamp_s));
-      }};
-  Alignment a = aligner_.align(T_start, readout);
+  Alignment a = aligner_.align(T_start, readout_model(timestamp_s, motion));
   if (a.trusted()) a.lost_reason = motion.judge(a.T_local_camera);
   return a;
+}
+
+Alignment SpectralTracker::align_picture(const SE3& T_start, double timestamp_s) {
+  Alignment a = aligner_.align_picture(T_start, readout_model(timestamp_s, motion_));
+  if (a.trusted()) a.lost_reason = motion_.judge(a.T_local_camera);
+  return a;
+}
+
+ReadoutModel SpectralTracker::readout_model(double timestamp_s, const MotionModel& motion) const {
+  return {[this, timestamp_s, &motion](const SE3& T_local_camera) {
+            return readout_.predict(motion.rate_to(T_local_camera, timestamp_s),
+                                    aligner_.vision().newest_keyframe());
+          },
+          [this, timestamp_s, &motion](const Vector6d& seen, const SE3& T_local_camera) {
+            return frame_motion(seen, motion.rate_to(T_local_camera, timestamp_s));
+          }};
 }
 
 // Camera twist over the readout of the frame: what is seen, without the keyframe's share.
@@ -170,8 +212,12 @@ void SpectralTracker::learn_from(const Alignment& a, double timestamp_s) {
   const auto seen = a.fit.measured_readout(a.geometry ? a.geometry->H : Matrix6d(Matrix6d::Zero()));
   readout_.update(rate, seen.rotation, seen.information, aligner_.vision().newest_keyframe());
   constexpr double kForget = 0.1;
-  if (usual_visual_cost_ <= 0) usual_visual_cost_ = a.picture->mean_cost;
-  usual_visual_cost_ += kForget * (a.picture->mean_cost - usual_visual_cost_);
+  const bool first = usual_visual_cost_ <= 0;
+  const auto learn = [&](double& usual, double now) {
+    usual = first ? now : usual + kForget * (now - usual);
+  };
+  learn(usual_visual_cost_, a.picture->mean_cost);
+  learn(usual_pixels_, a.picture->pixels);
 }
 
 // Targets and visual keyframes grow independently; true when the targets did.
@@ -216,6 +262,11 @@ TrackResult SpectralTracker::lost(const Alignment& alignment, double timestamp_s
   if (T_carried_on.all_finite() &&
       (timestamp_s - lost_since_s_ <= config_.alignment.bridge_s || motion_.frames_held() == 1)) {
     T_bridge_ = T_carried_on;
+  }
+  // Surfaces that were not believed are still the best guess of how the camera went on.
+  if (alignment.lost_reason == LostReason::kPoorPictureFit && is_explained(alignment) &&
+      motion_.judge(alignment.T_local_camera) == LostReason::kNone) {
+    T_bridge_ = alignment.T_local_camera;
   }
   TrackResult result;
   result.status = TrackingStatus::kLost;

@@ -38,10 +38,14 @@ class SpectralTracker : public Tracker {
   TrackResult lost(const Alignment& alignment, double timestamp_s);
 
   Alignment align(const SE3& T_start, double timestamp_s, const MotionModel& motion);
+  Alignment align_picture(const SE3& T_start, double timestamp_s);
+  std::optional<Alignment> picture_of_this_place(const Alignment& a, double timestamp_s);
+  ReadoutModel readout_model(double timestamp_s, const MotionModel& motion) const;
   bool fits_badly(const Alignment& a) const;
   bool is_doubtful(const Alignment& a) const;
   bool in_doubt() const;
-  bool sees_pixels(const Alignment& a) const;
+  bool sees_enough(const Alignment& a) const;
+  bool is_confirmed(const Alignment& a) const;
   bool is_explained(const Alignment& a) const;
   Vector6d frame_readout(const Vector6d& readout) const;
   registration::FrameMotion frame_motion(const Vector6d& readout, const Vector6d& velocity) const;
@@ -53,7 +57,8 @@ class SpectralTracker : public Tracker {
   MotionModel motion_;  // camera to local
   ReadoutEstimator readout_;
   double depth_delay_s_ = 0;      // of the frame that is tracked
-  double usual_visual_cost_ = 0;  // mean cost per pixel of the last frames
+  double usual_visual_cost_ = 0;  // mean cost per pixel of the last frames; 0: no picture did fit
+  double usual_pixels_ = 0;       // that they were fitted by
   int poor_frames_ = 0;           // in a row whose picture did not fit, where pictures used to
   double lost_since_s_ = 0;
   SE3 T_bridge_;  // camera to local while lost

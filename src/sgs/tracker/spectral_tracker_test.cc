@@ -136,6 +136,45 @@ TEST(SpectralTracker, WaitsForDepth) {
   EXPECT_NE(tracker->track(see_wall(wall_pose(1), 2), nullptr).status, TrackingStatus::kLost);
 }
 
+// Neither a picture nor depth: nothing was observed, and nothing may be said to be.
+TEST(SpectralTracker, ABlackFrameIsLost) {
+  const auto tracker = must_make({}, kWallCamera, wall_pose(0));
+  for (int i = 0; i < 5; ++i) tracker->track(see_wall(wall_pose(i), i), nullptr);
+  RgbdFrame black = see_wall(wall_pose(5), 5);
+  black.depth.fill(0);
+  black.color.fill({});
+  const TrackResult result = tracker->track(black, nullptr);
+  EXPECT_EQ(result.status, TrackingStatus::kLost);
+  EXPECT_EQ(result.lost_reason, LostReason::kNoDepth);
+}
+
+TEST(SpectralTracker, FollowsThePictureWhereDepthFails) {
+  const auto tracker = must_make({}, kWallCamera, wall_pose(0));
+  for (int i = 0; i < 10; ++i) {
+    RgbdFrame frame = see_wall(wall_pose(i), i);
+    if (i >= 5) frame.depth.fill(0);
+    const TrackResult result = tracker->track(frame, nullptr);
+    EXPECT_NE(result.status, TrackingStatus::kLost) << i;
+    EXPECT_LT(distance_m(result.T_world_camera, wall_pose(i)), 0.01) << i;
+  }
+}
+
+// Carried along a wall whose surface is everywhere the same: only the picture tells.
+TEST(SpectralTracker, SurfacesAreNotBelievedAgainstThePicture) {
+  const auto tracker = must_make({}, kWallCamera, wall_pose(0));
+  for (int i = 0; i < 10; ++i) tracker->track(see_wall(wall_pose(i), i), nullptr);
+  SE3 elsewhere = wall_pose(10);
+  elsewhere.t.x() += 50;
+  int lost = 0;
+  for (int i = 10; i < 40; ++i) {
+    lost += tracker->track(see_wall(elsewhere, i), nullptr).status == TrackingStatus::kLost;
+  }
+  EXPECT_EQ(lost, 30);
+  const TrackResult back = tracker->track(see_wall(wall_pose(9), 40), nullptr);
+  EXPECT_NE(back.status, TrackingStatus::kLost);
+  EXPECT_LT(distance_m(back.T_world_camera, wall_pose(9)), 0.01);
+}
+
 TEST(SpectralTracker, SurvivesBrightnessChanges) {
   const auto tracker = must_make({}, kWallCamera, wall_pose(0));
   for (int i = 0; i < 20; ++i) {
