@@ -17,7 +17,6 @@ struct Definition {
   std::string_view type, ros1, ros2;
 };
 
-constexpr std::string_view kStampedRos1 = "Header header\n";
 constexpr std::string_view kPoint = "float64 x\nfloat64 y\nfloat64 z\n";
 
 constexpr std::array kDefinitions = {

@@ -192,8 +192,8 @@ EnumField EnumField::of(E& field) {
             }
             return std::nullopt;
           },
-          [](void* pointer, std::size_t place) {
-            *static_cast<E*>(pointer) = enum_names(E{})[place].value;
+          [](void* pointer, std::size_t number_in_table) {
+            *static_cast<E*>(pointer) = enum_names(E{})[number_in_table].value;
           }};
 }
 
