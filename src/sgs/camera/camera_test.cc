@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "sgs/camera/depth_noise.h"
+#include "sgs/camera/pair_rectifier.h"
 #include "sgs/camera/pinhole.h"
 #include "sgs/camera/undistort.h"
 
@@ -132,6 +134,37 @@ TEST(Undistorter, ZeroDistortionChangesNothingAndSizesAreChecked) {
 TEST(DepthNoise, GrowsWithRange) {
   EXPECT_NEAR(depth_sigma_m(0.4f), 0.0012, 1e-6);
   EXPECT_NEAR(depth_sigma_m(3.4f), 0.0012 + 0.0019 * 9, 1e-5);
+}
+
+template <class Pixel>
+bool same(const Image<Pixel>& a, const Image<Pixel>& b) {
+  return std::equal(a.data(), a.data() + a.size(), b.data(), b.data() + b.size());
+}
+
+TEST(PairRectifier, DoesWhatItsPartsDo) {
+  ColorImage color(kCamera.width, kCamera.height);
+  DepthImage depth(kCamera.width, kCamera.height);
+  for (std::size_t i = 0; i < color.size(); ++i) {
+    color.data()[i].g = static_cast<std::uint8_t>(i % 251);
+    depth.data()[i] = 1 + 0.001f * static_cast<float>(i % 97);
+  }
+  const SE3 T_color_depth(Eigen::Matrix3d::Identity(), {0.02, 0, 0});
+  const Undistorter undistorter(kCamera, kFr1);
+  RgbdFrame frame;
+  PairRectifier one_camera({kCamera, kFr1}, std::nullopt, {});
+  one_camera.rectify(color, depth, frame);
+  EXPECT_TRUE(same(frame.color, undistorter.color(color)));
+  EXPECT_TRUE(same(frame.depth, undistorter.depth(depth)));
+  PairRectifier two_cameras({kCamera, kFr1}, LensCamera{kCamera, {}}, T_color_depth);
+  two_cameras.rectify(color, depth, frame);
+  EXPECT_TRUE(same(frame.color, undistorter.color(color)));
+  EXPECT_TRUE(
+      same(frame.depth, DepthRegistration({kCamera, {}}, {kCamera, {}}, T_color_depth)(depth)));
+}
+
+TEST(PairRectifier, TakesNothingOnTheWordOfACamera) {
+  const PinholeCamera huge{1 << 20, 1 << 20, 500, 500, 320, 240};
+  EXPECT_EQ(PairRectifier({huge, kFr1}, LensCamera{huge, kFr1}, {}).depth_camera().width, 1 << 20);
 }
 
 }  // namespace

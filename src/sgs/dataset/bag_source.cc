@@ -9,8 +9,7 @@
 #include "sgs/bag/bag.h"
 #include "sgs/bag/messages.h"
 #include "sgs/bag/pictures.h"
-#include "sgs/camera/register_depth.h"
-#include "sgs/camera/undistort.h"
+#include "sgs/camera/pair_rectifier.h"
 #include "sgs/core/log.h"
 #include "sgs/dataset/bag_cameras.h"
 #include "sgs/dataset/bag_pairs.h"
@@ -34,15 +33,10 @@ class BagDecoder {
  public:
   BagDecoder(const bag::Bag& bag, const BagTopics& topics, const BagCameras& cameras)
       : topics_(topics),
-        cameras_(cameras),
+        unit_(cameras.unit),
         color_encoding_(bag.channels()[topics.color.channel].encoding),
-        depth_encoding_(bag.channels()[topics.depth.channel].encoding) {
-    const LensCamera flat{cameras.color.camera, {}};
-    if (!cameras.color.distortion.is_zero()) {
-      undistorter_.emplace(cameras.color.camera, cameras.color.distortion);
-    }
-    if (cameras.depth) registration_.emplace(*cameras.depth, flat, cameras.T_color_depth);
-  }
+        depth_encoding_(bag.channels()[topics.depth.channel].encoding),
+        rectifier_(cameras.color, cameras.depth, cameras.T_color_depth) {}
 
   Result<ColorImage> color(const bag::Message& message) const {
     if (topics_.color.compressed) {
@@ -55,26 +49,19 @@ class BagDecoder {
   Result<DepthImage> depth(const bag::Message& message) const {
     if (topics_.depth.compressed) {
       SGS_ASSIGN_OR_RETURN(const auto image, bag::read_compressed_image(message, depth_encoding_));
-      return bag::decode_depth(image, cameras_.unit);
+      return bag::decode_depth(image, unit_);
     }
     SGS_ASSIGN_OR_RETURN(const auto image, bag::read_image(message, depth_encoding_));
-    return bag::decode_depth(image, cameras_.unit);
+    return bag::decode_depth(image, unit_);
   }
 
   /// Undistorted colour and depth in the colour camera.
-  Status read(const BagPairs::Event& pair, RgbdFrame& frame) const {
+  Status read(const BagPairs::Event& pair, RgbdFrame& frame) {
     SGS_ASSIGN_OR_RETURN(ColorImage color_seen, color(pair.color));
     SGS_ASSIGN_OR_RETURN(DepthImage depth_seen, depth(pair.depth));
-    const PinholeCamera& camera = cameras_.color.camera;
-    const PinholeCamera& depth_camera = cameras_.depth ? cameras_.depth->camera : camera;
-    SGS_RETURN_IF_ERROR(check(color_seen, camera, "colour"));
-    SGS_RETURN_IF_ERROR(check(depth_seen, depth_camera, "depth"));
-    frame.color = undistorter_ ? undistorter_->color(color_seen) : std::move(color_seen);
-    if (registration_) {
-      frame.depth = (*registration_)(depth_seen);
-    } else {
-      frame.depth = undistorter_ ? undistorter_->depth(depth_seen) : std::move(depth_seen);
-    }
+    SGS_RETURN_IF_ERROR(check(color_seen, rectifier_.color_camera(), "colour"));
+    SGS_RETURN_IF_ERROR(check(depth_seen, rectifier_.depth_camera(), "depth"));
+    rectifier_.rectify(std::move(color_seen), std::move(depth_seen), frame);
     return {};
   }
 
@@ -90,10 +77,9 @@ class BagDecoder {
   }
 
   BagTopics topics_;
-  BagCameras cameras_;
+  bag::DepthUnit unit_;
   bag::Encoding color_encoding_, depth_encoding_;
-  std::optional<Undistorter> undistorter_;
-  std::optional<DepthRegistration> registration_;
+  PairRectifier rectifier_;
 };
 
 /// Everything that was found out about a bag.
@@ -240,7 +226,7 @@ Status probe_bag(const bag::Bag& bag, BagPlan& plan, double& first_time_s) {
         camera.width = color.width();
         camera.height = color.height();
       }
-      const BagDecoder decoder(bag, plan.topics, plan.cameras);
+      BagDecoder decoder(bag, plan.topics, plan.cameras);
       SGS_ASSIGN_OR_RETURN(const auto seen, decoder.depth(event.depth));
       has_depth = median_of(seen) > 0;
       SGS_RETURN_IF_ERROR(

@@ -250,7 +250,8 @@ TEST(AtomicFile, ComesInBlocks) {
   left = 0;
   EXPECT_THROW((void)write_file_in_blocks(folder / "a.txt", out_of_memory), std::bad_alloc);
   EXPECT_EQ(read_file(folder / "a.txt"), "block block block ") << "the old one stays";
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "no temporary is left";
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1)
+      << "no temporary is left";
 }
 
 TEST(AtomicFile, FullDiskIsAnErrorWithARemedy) {

@@ -134,7 +134,8 @@ Status MapCheckpoints::look_closely() {
   }
   const double began_cpu_s = thread_cpu_time_s();
   const Status status = write(*snapshot, std::move(state));
-  schedule_.written(due_s_.value_or(wall_time_s()), wall_time_s(), gaussians, thread_cpu_time_s() - began_cpu_s);
+  schedule_.written(due_s_.value_or(wall_time_s()), wall_time_s(), gaussians,
+                    thread_cpu_time_s() - began_cpu_s);
   due_s_.reset();
   if (status) written_version_ = snapshot->version;
   return status;

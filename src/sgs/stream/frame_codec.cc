@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <type_traits>
+#include <utility>
 
 #include "sgs/io/image_io.h"
 
@@ -91,15 +92,10 @@ io::RawDepth raw_depth(const DepthImage& depth, double scale) {
 
 }  // namespace
 
-FrameDecoder::FrameDecoder(const Hello& hello) : hello_(hello) {
-  const LensCamera& color = hello.color_camera;
-  if (!color.distortion.is_zero()) undistorter_.emplace(color.camera, color.distortion);
-  if (hello.depth_camera) {
-    registration_.emplace(*hello.depth_camera, LensCamera{color.camera, {}}, hello.T_color_depth);
-  }
-}
+FrameDecoder::FrameDecoder(const Hello& hello)
+    : hello_(hello), rectifier_(hello.color_camera, hello.depth_camera, hello.T_color_depth) {}
 
-Status FrameDecoder::decode(Packet packet, RgbdFrame& frame) const {
+Status FrameDecoder::decode(Packet packet, RgbdFrame& frame) {
   frame.timestamp_s = packet.timestamp_s;
   frame.camera = camera();
   frame.given_T_world_camera = packet.given_T_world_camera;
@@ -108,12 +104,7 @@ Status FrameDecoder::decode(Packet packet, RgbdFrame& frame) const {
   }
   SGS_ASSIGN_OR_RETURN(auto color, color_of(packet, hello_));
   SGS_ASSIGN_OR_RETURN(auto depth, depth_of(packet, hello_));
-  frame.color = undistorter_ ? undistorter_->color(color) : std::move(color);
-  if (registration_) {
-    frame.depth = (*registration_)(depth);
-  } else {
-    frame.depth = undistorter_ ? undistorter_->depth(depth) : std::move(depth);
-  }
+  rectifier_.rectify(std::move(color), std::move(depth), frame);
   return {};
 }
 

@@ -2,11 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
-
-#include "sgs/camera/register_depth.h"
-#include "sgs/camera/rgbd_frame.h"
-#include "sgs/camera/undistort.h"
+#include "sgs/camera/pair_rectifier.h"
 #include "sgs/core/error.h"
 #include "sgs/stream/protocol.h"
 
@@ -22,12 +18,11 @@ class FrameDecoder {
   const PinholeCamera& camera() const { return hello_.color_camera.camera; }
   /// Sets everything in `frame` but its index. Images of another size than the greeting's, damaged
   /// ones and times that are not finite are errors.
-  Status decode(Packet packet, RgbdFrame& frame) const;
+  Status decode(Packet packet, RgbdFrame& frame);
 
  private:
   Hello hello_;
-  std::optional<Undistorter> undistorter_;
-  std::optional<DepthRegistration> registration_;
+  PairRectifier rectifier_;
 };
 
 /// The images of a frame as the greeting promises them: rgb8 and f32 lose nothing; u16 rounds depth

@@ -110,7 +110,7 @@ TEST(FrameCodec, RawUnitsRoundAndWhatIsNoMeasurementIsZero) {
 }
 
 TEST(FrameCodec, ImagesOfAnotherSizeAreRefused) {
-  const FrameDecoder decoder(sent_hello());
+  FrameDecoder decoder(sent_hello());
   Packet packet = encode_frame(some_frame(), sent_hello()).value();
   RgbdFrame frame;
   Packet cut = packet;

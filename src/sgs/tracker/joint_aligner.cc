@@ -70,8 +70,7 @@ void JointAligner::look_at(const RgbdFrame& frame, const map::SnapshotPtr& snaps
 
 LostReason JointAligner::check_frame() const { return check_points(source_points(), config_.loss); }
 
-Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout,
-                              bool with_geometry) {
+Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout, bool with_geometry) {
   Alignment a;
   a.T_local_camera = T_start;
   a.lost_reason = LostReason::kNotFinite;

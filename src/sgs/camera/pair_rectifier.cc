@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/camera/pair_rectifier.h"
+
+#include <utility>
+
+namespace sgs {
+
+void PairRectifier::rectify(ColorImage color, DepthImage depth, RgbdFrame& frame) {
+  if (!std::exchange(ready_, true)) {
+    if (!color_.distortion.is_zero()) undistorter_.emplace(color_.camera, color_.distortion);
+    if (depth_) registration_.emplace(*depth_, LensCamera{color_.camera, {}}, T_color_depth_);
+  }
+  frame.color = undistorter_ ? undistorter_->color(color) : std::move(color);
+  if (registration_) {
+    frame.depth = (*registration_)(depth);
+  } else {
+    frame.depth = undistorter_ ? undistorter_->depth(depth) : std::move(depth);
+  }
+}
+
+}  // namespace sgs
