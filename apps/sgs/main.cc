@@ -11,6 +11,7 @@
 #include "sgs/core/print.h"
 #include "sgs/run/run_state.h"
 #include "sgs/run/version.h"
+#include "standard_streams.h"
 
 namespace sgs::app {
 
@@ -80,8 +81,8 @@ int parse_and_run(int argc, char** argv) {
   add_bench(app, action);
   add_sweep(app, action);
   add_manual(app, action);
-  install_interrupt_handler();
   try {
+    install_interrupt_handler();
     app.parse(argc, argv);
     return action();
   } catch (const CLI::ParseError& error) {
@@ -96,5 +97,6 @@ int parse_and_run(int argc, char** argv) {
 }  // namespace sgs::app
 
 int main(int argc, char** argv) {
+  sgs::app::open_standard_streams();
   return sgs::app::close_stdout(sgs::app::explain_shortage(sgs::app::parse_and_run(argc, argv)));
 }

@@ -81,6 +81,15 @@ class Case(unittest.TestCase):
         done = self.sgs("run", *arguments, "-o", out, "--quiet", code=code)
         return out, done
 
+    @staticmethod
+    def run_command(out, frames=8):
+        """A shell's command line for a short run."""
+        options = f"--frames 0:{frames} --no-eval -o '{out}'"
+        return f"'{SGS}' run synth:room_desk {options}"
+
+    def lists_so_far(self, sequence, name):
+        return self.lists(sequence, name) if (sequence / name).exists() else []
+
     def lists(self, sequence, name):
         return [
             line
@@ -324,6 +333,56 @@ class Contract(Case):
             done = subprocess.run(command, stderr=full, stdout=subprocess.DEVNULL, timeout=240)
         self.assertEqual(done.returncode, 0)
         self.assertEqual(len(self.lists(out, "trajectory.txt")), 8)
+
+    def test_streams_that_are_closed_cost_no_run(self):
+        for closed in (">&- 2>&-", "<&- >&- 2>&-", "2>&-", "2>&1 | head -n 1"):
+            with self.subTest(closed):
+                out = self.folder / "out"
+                done = subprocess.run(
+                    ["bash", "-o", "pipefail", "-c", f"{self.run_command(out)} {closed}"],
+                    stdout=subprocess.DEVNULL,
+                    timeout=240,
+                )
+                self.assertEqual(done.returncode, 0)
+                self.assertEqual(len(self.lists(out, "trajectory.txt")), 8)
+                self.assertRegex((out / "lock.txt").read_text(), r"\A[^\n]*\d+")
+
+    def test_a_hang_up_keeps_what_was_done(self):
+        out = self.folder / "out"
+        command = self.run_command(out, frames=2000)
+        run = subprocess.Popen(
+            ["bash", "-c", f"exec {command}"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
+        while run.poll() is None and len(self.lists_so_far(out, "trajectory.txt")) < 2:
+            time.sleep(0.05)
+        run.send_signal(signal.SIGHUP)
+        self.assertEqual(run.wait(timeout=240), 130)
+        self.assertGreater(len(self.lists(out, "trajectory.txt")), 1)
+        self.assertIn("interrupted", (out / "state.toml").read_text())
+
+    def test_a_trace_that_cannot_be_written_costs_no_run(self):
+        out = self.folder / "out"
+        command = f"{self.run_command(out)} --trace '{self.folder}/none.txt/trace.json'"
+        (self.folder / "none.txt").write_text("a file, no folder")
+        done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=240)
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("none.txt", done.stderr)
+        self.assertEqual(len(self.lists(out, "trajectory.txt")), 8)
+        self.assertTrue((out / "map.ply").exists())
+
+    def test_a_scoring_that_is_stopped_is_no_score(self):
+        out = self.folder / "out"
+        self.sgs("run", "synth:room_desk", "--frames", "0:90", "--no-eval", "--quiet", "-o", out)
+        run = subprocess.Popen([SGS, "eval", out], stderr=subprocess.PIPE, text=True)
+        for line in run.stderr:  # it has begun
+            if "scor" in line or "eval" in line or "frame" in line:
+                break
+        run.send_signal(signal.SIGINT)
+        run.stderr.read()
+        run.stderr.close()
+        if run.wait(timeout=240) != 0:  # not over before
+            self.assertEqual(run.returncode, 130)
+            self.assertIsNone(json.loads((out / "metrics.json").read_text()).get("psnr_db"))
 
     def test_results_that_cannot_be_printed_are_a_failure(self):
         with open("/dev/full", "w") as full:
@@ -828,7 +887,7 @@ class BadInput(Case):
             [
                 "bash",
                 "-c",
-                f"trap '' XFSZ; ulimit -f 64; exec '{SGS}' run '{self.master}' -o out --quiet --no-eval",
+                f"ulimit -f 64; exec '{SGS}' run '{self.master}' -o out --quiet --no-eval",
             ],
             capture_output=True,
             text=True,

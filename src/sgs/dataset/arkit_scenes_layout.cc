@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
+#include "sgs/camera/image_side.h"
 #include "sgs/dataset/association.h"
 #include "sgs/dataset/frame_list.h"
 #include "sgs/dataset/pairing.h"
@@ -38,7 +39,7 @@ Result<PinholeCamera> read_pincam(const fs::path& path) {
                 "needed: 'width height fx fy cx cy'");
   }
   return PinholeCamera{
-      static_cast<int>((*n)[0]), static_cast<int>((*n)[1]), (*n)[2], (*n)[3], (*n)[4], (*n)[5]};
+      image_side_px((*n)[0]), image_side_px((*n)[1]), (*n)[2], (*n)[3], (*n)[4], (*n)[5]};
 }
 
 /// Rows "time rx ry rz tx ty tz", a rotation vector and a position of the world in the camera.

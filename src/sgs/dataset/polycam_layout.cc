@@ -4,6 +4,7 @@
 #include <charconv>
 #include <nlohmann/json.hpp>
 
+#include "sgs/camera/image_side.h"
 #include "sgs/dataset/frame_list.h"
 #include "sgs/dataset/json_file.h"
 #include "sgs/dataset/pairing.h"
@@ -41,8 +42,8 @@ Result<PolycamCamera> read_polycam_camera(const fs::path& path) {
       path, "fx, fy, cx, cy, width, height and t_00 .. t_23", [&]() -> Result<PolycamCamera> {
         const auto number = [&](const char* key) { return json.at(key).get<double>(); };
         PolycamCamera out;
-        out.camera = {json.at("width").get<int>(),
-                      json.at("height").get<int>(),
+        out.camera = {image_side_px(number("width")),
+                      image_side_px(number("height")),
                       number("fx"),
                       number("fy"),
                       number("cx"),

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "sgs/camera/image_side.h"
 #include "sgs/dataset/frame_list.h"
 #include "sgs/dataset/json_file.h"
 #include "sgs/dataset/rigid.h"
@@ -41,8 +42,8 @@ std::optional<PinholeCamera> transforms_camera(const Json& frame, const Json& al
   }
   if (!fx) return std::nullopt;
   PinholeCamera camera;
-  camera.width = static_cast<int>(width.value_or(0));
-  camera.height = static_cast<int>(height.value_or(0));
+  camera.width = image_side_px(width.value_or(0));
+  camera.height = image_side_px(height.value_or(0));
   camera.fx = *fx;
   camera.fy = number("fl_y").value_or(*fx);
   const auto cx = number("cx"), cy = number("cy");

@@ -67,6 +67,14 @@ TEST(Metrics, BadFilesAreErrorsThatNameTheKey) {
   EXPECT_TRUE(metrics_from_json(R"({"later": 1, "ssim": 1})", "m.json"));
 }
 
+// Whoever reads a run folder reads what somebody else wrote into it.
+TEST(Metrics, ValuesOfEndlessDepthAreRefused) {
+  constexpr std::size_t kDeep = 200'000;
+  const std::string deep = std::string(kDeep, '[') + std::string(kDeep, ']');
+  EXPECT_FALSE(metrics_from_json(R"({"ssim": )" + deep + "}", "m.json"));
+  (void)metrics_from_json(R"({"later": )" + deep + "}", "m.json");  // ends, whatever it says
+}
+
 TEST(Metrics, AnEvaluationReplacesItsGroupAsAWhole) {
   Metrics m;
   m.rpe_rot_1s_deg = 99;

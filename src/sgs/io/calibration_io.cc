@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "sgs/camera/image_side.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/text.h"
 
@@ -129,9 +130,12 @@ Result<Calibration> load_cam_params_json(const fs::path& path) {
   try {
     const auto json = nlohmann::json::parse(content);
     const auto& camera = json.at("camera");
-    c.camera = {camera.at("w").get<int>(),     camera.at("h").get<int>(),
-                camera.at("fx").get<double>(), camera.at("fy").get<double>(),
-                camera.at("cx").get<double>(), camera.at("cy").get<double>()};
+    c.camera = {image_side_px(camera.at("w").get<double>()),
+                image_side_px(camera.at("h").get<double>()),
+                camera.at("fx").get<double>(),
+                camera.at("fy").get<double>(),
+                camera.at("cx").get<double>(),
+                camera.at("cy").get<double>()};
     c.depth_scale = camera.at("scale").get<double>();
   } catch (const nlohmann::json::exception& e) {
     return fail(ErrorCode::kInvalidFormat, fmt::format("{}: {}", path.string(), e.what()),

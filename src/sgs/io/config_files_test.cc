@@ -160,6 +160,19 @@ TEST(Calibration, CamParamsJson) {
   EXPECT_FALSE(load_cam_params_json(path));
 }
 
+// A number in JSON need not fit into any type (found by fuzzing).
+TEST(Calibration, WidthsThatAreNoneAreRefused) {
+  const TemporaryFolder folder;
+  const auto path = folder / "cam_params.json";
+  for (const char* width : {"1e27", "-5", "12.5", "0", "1e400"}) {
+    ASSERT_TRUE(
+        write_file(path, fmt::format(R"({{"camera": {{"w": {}, "h": 680, "fx": 600.0, "fy": 600.0,
+                             "cx": 599.5, "cy": 339.5, "scale": 6553.5}}}})",
+                                     width)));
+    EXPECT_FALSE(load_cam_params_json(path)) << width;
+  }
+}
+
 TEST(Calibration, SequenceTomlRoundTripAndErrors) {
   const TemporaryFolder folder;
   SequenceToml content;

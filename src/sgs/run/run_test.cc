@@ -10,6 +10,7 @@
 #include <condition_variable>
 #include <mutex>
 #include <new>
+#include <regex>
 #include <stop_token>
 #include <utility>
 
@@ -85,6 +86,20 @@ TEST_F(RunTest, LoadedIsWhatWasMade) {
   EXPECT_EQ(loaded->frames_total, 6);
   EXPECT_EQ(slam::frames_csv(loaded->frames), slam::frames_csv(made.frames));
   EXPECT_THAT(loaded->timings_json, HasSubstr("track"));
+}
+
+TEST_F(RunTest, ANumberOfFramesThatCannotBeIsNotBelieved) {
+  const fs::path damaged = copy("damaged_frames");
+  const std::string text = *io::read_file(damaged / files::kMetrics);
+  for (const char* frames : {"1000000000000000000", "-5"}) {
+    const std::string changed = std::regex_replace(text, std::regex("\"frames\": 6"),
+                                                   fmt::format("\"frames\": {}", frames));
+    ASSERT_NE(changed, text);
+    ASSERT_TRUE(io::write_file(damaged / files::kMetrics, changed));
+    const auto loaded = load_run(damaged, kAllParts);
+    ASSERT_TRUE(loaded) << loaded.error().text();
+    EXPECT_EQ(loaded->frames_total, 6) << frames;
+  }
 }
 
 // What is scored right after the run is what is scored from its folder later.

@@ -9,6 +9,7 @@ namespace {
 
 // limit: side of the images of a camera that a program gives, px
 constexpr int kLargestSide_px = 16384;
+constexpr int kSmallestSide_px = 8;  // nothing can be tracked in less
 
 tl::unexpected<sgs::Error> bad_argument(std::string message, std::string remedy) {
   return fail(sgs::ErrorCode::kInvalidArgument, std::move(message), std::move(remedy));
@@ -42,11 +43,13 @@ Trajectory to_api(const sgs::Trajectory& trajectory) {
 Result<LensCamera> from_api(const Camera& camera) {
   LensCamera lens;
   lens.camera = {camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy};
-  if (!lens.camera.valid() || camera.width > kLargestSide_px || camera.height > kLargestSide_px) {
+  const auto fits = [](int side) { return side >= kSmallestSide_px && side <= kLargestSide_px; };
+  if (!lens.camera.valid() || !fits(camera.width) || !fits(camera.height)) {
     return bad_argument(
         fmt::format("a camera of {}x{} pixels with fx {}, fy {}, cx {}, cy {} cannot be",
                     camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy),
-        fmt::format("sizes are 1 to {} pixels, focal lengths positive", kLargestSide_px));
+        fmt::format("sizes are {} to {} pixels, focal lengths positive", kSmallestSide_px,
+                    kLargestSide_px));
   }
   const auto distortion = Distortion::from_coefficients(camera.distortion);
   bool finite = distortion.has_value();
