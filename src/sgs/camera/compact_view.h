@@ -18,6 +18,9 @@ class CompactView {
   explicit CompactView(const RgbdFrame& frame, int level = 0);
 
   const PinholeCamera& camera() const { return camera_; }
+  bool empty() const { return gray_.size() == 0; }
+  /// What it takes in memory.
+  std::size_t bytes() const { return gray_.size() * 3; }
   /// Depth is known better now.
   void change_depth(const DepthChange& change);
   /// The frame again, without its colours.

@@ -90,6 +90,7 @@ void LoopCloser::add_node(const RgbdFrame& frame, const tracker::TrackResult& re
       motion_covariance(*result.information, node.mean_depth_m, path_m_, gap_s_, config_.drift);
   skeleton_.add(std::move(node), covariance);
   skeleton_.note_left(camera_, config_.left_distance);
+  skeleton_.bound_views(camera_, static_cast<std::size_t>(config_.memory_mb) * 1'000'000);
   path_m_ = gap_s_ = 0;
 }
 
@@ -110,7 +111,7 @@ std::vector<int> LoopCloser::candidates(const std::vector<graph::UncertainPose>&
   std::vector<std::pair<double, int>> alike;
   for (int k = 0; k < newest; ++k) {
     const Node& m = skeleton_.node(k);
-    if (!m.left || n.timestamp_s - m.timestamp_s < config_.min_gap_s) continue;
+    if (!m.left || m.view.empty() || n.timestamp_s - m.timestamp_s < config_.min_gap_s) continue;
     const graph::UncertainPose& p = predicted[static_cast<std::size_t>(k)];
     const double distance = registration::view_distance(camera_, m.mean_depth_m, p.T);
     const double reach = config_.reach_sigmas * view_sigma(p.covariance, camera_, m.mean_depth_m);

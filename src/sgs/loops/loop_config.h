@@ -55,6 +55,7 @@ struct LoopConfig {
   double max_odometry_chi2 = 30;
   double apply_m = 0.004;
   double apply_deg = 0.1;
+  int memory_mb = 400;
   DriftConfig drift;
 
   void declare(ParameterList& p) {
@@ -99,6 +100,10 @@ struct LoopConfig {
     p.add("apply_m", apply_m, "Corrections that move no pose by more are not applied.", "m",
           {0, 10});
     p.add("apply_deg", apply_deg, "The same of rotation; either suffices.", "deg", {0, 90});
+    p.add("memory_mb", memory_mb,
+          "What views of places may hold in memory; beyond, of views that show the same the newer "
+          "ones go.",
+          "MB", {10, 100000});
     p.add_group("drift", drift);
   }
 };

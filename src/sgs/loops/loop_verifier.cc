@@ -66,8 +66,11 @@ std::optional<graph::Edge> LoopVerifier::verify(const Skeleton& skeleton, int ol
   }
   constexpr double kFarthestNeighbour = 0.7;  // a view that hardly overlaps says nothing
   int confirmed = 0;
-  for (const int neighbour : {older - 1, older + 1}) {
-    if (neighbour < 0 || neighbour >= newer - 1) continue;
+  for (const int step : {-1, 1}) {
+    int neighbour = older + step;
+    const auto exists = [&] { return neighbour >= 0 && neighbour < newer - 1; };
+    while (exists() && skeleton.node(neighbour).view.empty()) neighbour += step;
+    if (!exists()) continue;
     const SE3 T_older_neighbour = skeleton.tracked(older, neighbour).T;
     const SE3 expected = T_older_neighbour.inverse() * found->T_older_newer;
     const Node& k = skeleton.node(neighbour);

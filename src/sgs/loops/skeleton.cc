@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/loops/skeleton.h"
 
+#include <algorithm>
 #include <queue>
+#include <tuple>
 
 #include "sgs/core/error.h"
 #include "sgs/registration/view_distance.h"
@@ -22,6 +24,42 @@ void Skeleton::note_left(const PinholeCamera& camera, double left_distance) {
     n.left =
         n.left || registration::view_distance(camera, n.mean_depth_m,
                                               n.T_world_camera.inverse() * newest) > left_distance;
+  }
+}
+
+void Skeleton::bound_views(const PinholeCamera& camera, std::size_t most_bytes) {
+  std::vector<int> kept;
+  std::size_t bytes = 0;
+  for (int k = 0; k < size(); ++k) {
+    if (node(k).view.empty()) continue;
+    kept.push_back(k);
+    bytes += node(k).view.bytes();
+  }
+  if (bytes <= most_bytes) return;
+  const auto one_way = [&](int a, int b) {
+    return registration::view_distance(camera, node(a).mean_depth_m,
+                                       node(a).T_world_camera.inverse() * node(b).T_world_camera);
+  };
+  struct Likeness {
+    double distance;
+    int newer, older;
+  };
+  std::vector<Likeness> pairs;
+  for (std::size_t b = 0; b < kept.size(); ++b) {
+    for (std::size_t a = 0; a < b && node(kept[b]).left; ++a) {
+      const double distance = std::min(one_way(kept[a], kept[b]), one_way(kept[b], kept[a]));
+      pairs.push_back({distance, kept[b], kept[a]});
+    }
+  }
+  std::sort(pairs.begin(), pairs.end(), [](const Likeness& x, const Likeness& y) {
+    return std::tie(x.distance, y.newer, y.older) < std::tie(y.distance, x.newer, x.older);
+  });
+  for (const Likeness& pair : pairs) {
+    if (bytes <= most_bytes - most_bytes / 8) break;
+    CompactView& view = nodes_[static_cast<std::size_t>(pair.newer)].view;
+    if (view.empty() || node(pair.older).view.empty()) continue;
+    bytes -= view.bytes();
+    view = {};
   }
 }
 
@@ -109,7 +147,7 @@ void Skeleton::correct(const PastCorrection& correction) {
     before.push_back(n.T_world_camera);
     n.T_world_camera = correction.corrected(n.T_world_camera, n.timestamp_s);
     if (!correction.depth) continue;
-    n.view.change_depth(*correction.depth);
+    if (!n.view.empty()) n.view.change_depth(*correction.depth);
     n.motion.depth_delay_s += correction.depth->delay_s();
   }
   if (!correction.depth) return;

@@ -21,7 +21,7 @@ struct Node {
   SE3 T_world_camera;  ///< in the tracker's world, as corrected so far
   double mean_depth_m = 0;
   registration::FrameMotion motion;  ///< of the camera while it was measured
-  CompactView view;
+  CompactView view;                  ///< empty: forgotten, the place is known by others
   features::FernCode ferns;
   bool left = false;  ///< the camera has looked elsewhere since
 };
@@ -37,6 +37,11 @@ class Skeleton {
   void add(Node node, const Matrix6d& motion_covariance);
   /// Notes which nodes the newest one no longer sees.
   void note_left(const PinholeCamera& camera, double left_distance);
+
+  /// Forgets views of places that were left until at most seven eighths of `most_bytes` are held,
+  /// once there are more: always one of the two that show most alike, the newer one, as it has
+  /// drifted more.
+  void bound_views(const PinholeCamera& camera, std::size_t most_bytes);
 
   const std::vector<graph::Edge>& loops() const { return loops_; }
   void add_loop(const graph::Edge& loop);

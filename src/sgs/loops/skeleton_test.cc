@@ -111,5 +111,29 @@ TEST(CompactView, KeepsWhatAlignmentsNeed) {
   for (int x = 0; x < 64; ++x) EXPECT_NEAR(back.color(x, 5).g, frame.color(x, 5).g, 1);
 }
 
+// To and fro past the same eight places: what is kept of them is what was seen first.
+TEST(Skeleton, ViewsOfPlacesThatAreKnownAreForgotten) {
+  constexpr int kPlaces = 8, kRounds = 6;
+  RgbdFrame frame;
+  frame.camera = kCamera;
+  frame.color = ColorImage(kCamera.width, kCamera.height);
+  frame.depth = DepthImage(kCamera.width, kCamera.height, 2.0f);
+  const std::size_t one = CompactView(frame).bytes();
+  Skeleton s;
+  for (int k = 0; k < kPlaces * kRounds; ++k) {
+    const int phase = k % (2 * kPlaces), place = phase < kPlaces ? phase : 2 * kPlaces - 1 - phase;
+    Node n = node(k, at(0.5 * place + 0.001 * k));
+    n.view = CompactView(frame);
+    s.add(std::move(n), Matrix6d::Identity() * 1e-4);
+    s.note_left(kCamera, 0.3);
+    s.bound_views(kCamera, 12 * one);
+    std::size_t views = 0;
+    for (int i = 0; i < s.size(); ++i) views += s.node(i).view.empty() ? 0 : 1;
+    EXPECT_LE(views, 12u);
+    EXPECT_FALSE(s.node(k).view.empty()) << "the newest one is asked for";
+  }
+  for (int k = 0; k < kPlaces; ++k) EXPECT_FALSE(s.node(k).view.empty()) << k;
+}
+
 }  // namespace
 }  // namespace sgs::loops
