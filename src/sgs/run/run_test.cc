@@ -10,7 +10,6 @@
 #include <condition_variable>
 #include <mutex>
 #include <new>
-#include <regex>
 #include <stop_token>
 #include <utility>
 
@@ -90,12 +89,9 @@ TEST_F(RunTest, LoadedIsWhatWasMade) {
 
 TEST_F(RunTest, ANumberOfFramesThatCannotBeIsNotBelieved) {
   const fs::path damaged = copy("damaged_frames");
-  const std::string text = *io::read_file(damaged / files::kMetrics);
   for (const char* frames : {"1000000000000000000", "-5"}) {
-    const std::string changed = std::regex_replace(text, std::regex("\"frames\": 6"),
-                                                   fmt::format("\"frames\": {}", frames));
-    ASSERT_NE(changed, text);
-    ASSERT_TRUE(io::write_file(damaged / files::kMetrics, changed));
+    ASSERT_TRUE(
+        io::write_file(damaged / files::kMetrics, fmt::format(R"({{"frames": {}}})", frames)));
     const auto loaded = load_run(damaged, kAllParts);
     ASSERT_TRUE(loaded) << loaded.error().text();
     EXPECT_EQ(loaded->frames_total, 6) << frames;
