@@ -47,14 +47,27 @@ def read_folder(folder):
     return frames
 
 
-def as_png(pixels):
+def packed_picture(pixels, kind, **options):
     import io
 
     from skimage.io import imsave
 
     data = io.BytesIO()
-    imsave(data, pixels, format="png", check_contrast=False)
+    imsave(data, pixels, format=kind, check_contrast=False, **options)
     return data.getvalue()
+
+
+def as_png(pixels):
+    return packed_picture(pixels, "png")
+
+
+def as_inverse_depth(metres, largest_m=10.0, resolution=100.0):
+    """What compressed_depth_image_transport makes of floats: 16-bit inverse depths in a PNG."""
+    a = resolution * (resolution + 1)
+    b = 1 - a / largest_m
+    seen = (metres > 0) & (metres < largest_m)
+    values = np.where(seen, a / np.where(seen, metres, 1) + b, 0).astype(np.uint16)
+    return struct.pack("<iff", 0, a, b) + as_png(values)
 
 
 class BagTest(unittest.TestCase):
@@ -114,6 +127,23 @@ class BagTest(unittest.TestCase):
     def info_messages(self, time_ns, depth_frame=rec.COLOR_FRAME):
         info = rec.camera_info(COLOR_CAMERA, COLOR_SIZE, time_ns, rec.COLOR_FRAME)
         return [("/camera/color/camera_info", "sensor_msgs/CameraInfo", info, time_ns)]
+
+    def packed(self, color_format, pack_color, depth_format, pack_depth):
+        """Both images as image_transport's plugins pack them."""
+        messages = []
+        for time_ns, color, depth in self.frames:
+            messages += self.info_messages(time_ns)
+            for topic, form, data in (
+                (rec.COLOR + "/compressed", color_format, pack_color(color)),
+                (rec.DEPTH + "/compressedDepth", depth_format, pack_depth(depth)),
+            ):
+                value = {
+                    "header": rec.header(time_ns, rec.COLOR_FRAME),
+                    "format": form,
+                    "data": data,
+                }
+                messages.append((topic, "sensor_msgs/CompressedImage", value, time_ns))
+        return messages
 
     def aligned(self, color_encoding="rgb8", depth_encoding="16UC1", stamps=None, padding=0):
         messages = []
@@ -195,24 +225,24 @@ class Lossless(BagTest):
         self.check(rec.write_rosbag(self.folder / "l.bag", messages, "lz4"))
 
     def test_rosbag_packed_pictures(self):
-        messages = []
-        for time_ns, color, depth in self.frames:
-            messages += self.info_messages(time_ns)
-            for topic, form, data in (
-                (rec.COLOR + "/compressed", "rgb8; png compressed bgr8", as_png(color)),
-                (
-                    rec.DEPTH + "/compressedDepth",
-                    "16UC1; compressedDepth",
-                    struct.pack("<iff", 0, 0, 0) + as_png(depth),
-                ),
-            ):
-                value = {
-                    "header": rec.header(time_ns, rec.COLOR_FRAME),
-                    "format": form,
-                    "data": data,
-                }
-                messages.append((topic, "sensor_msgs/CompressedImage", value, time_ns))
+        messages = self.packed(
+            *("rgb8; png compressed bgr8", as_png),
+            *("16UC1; compressedDepth", lambda depth: struct.pack("<iff", 0, 0, 0) + as_png(depth)),
+        )
         self.check(rec.write_rosbag(self.folder / "packed.bag", messages))
+
+    def test_lens_of_eight_numbers(self):
+        lens = (0.05, -0.02, 0.001, -0.0005, 0.01, 0.03, -0.01, 0.004)
+        messages = []
+        for topic, kind, value, time_ns in self.aligned():
+            if "info" in topic:
+                value = dict(value, distortion_model="rational_polynomial", D=list(lens))
+            messages.append((topic, kind, value, time_ns))
+        path = rec.write_rosbag(self.folder / "lens.bag", messages)
+        camera = ",".join(str(v) for v in (*COLOR_CAMERA, *lens))
+        of_folder = self.track(self.color_folder, "--camera", camera, "--depth-scale", 1000)
+        self.assertEqual(self.track(path), of_folder)
+        self.assertNotEqual(of_folder, self.reference())
 
     def test_mcap_of_ros2(self):
         for compression in ("", "lz4", "zstd"):
@@ -259,6 +289,36 @@ class Lossless(BagTest):
         self.check(self.folder / "converted")
 
 
+class Lossy(BagTest):
+    """What packing has changed moves no pose by more than a millimetre."""
+
+    def check(self, messages):
+        trajectory = self.track(rec.write_rosbag(self.folder / "lossy.bag", messages))
+        mine, theirs = (
+            np.array([line.split() for line in text.splitlines()], float)
+            for text in (trajectory, self.reference())
+        )
+        self.assertEqual(mine.shape, theirs.shape)
+        self.assertNotEqual(trajectory, self.reference())
+        self.assertLess(np.linalg.norm(mine[:, 1:4] - theirs[:, 1:4], axis=1).max(), 0.001)
+
+    def test_jpeg_of_colour(self):
+        self.check(
+            self.packed(
+                *("rgb8; jpeg compressed bgr8", lambda c: packed_picture(c, "jpeg", quality=95)),
+                *("16UC1; compressedDepth", lambda d: struct.pack("<iff", 0, 0, 0) + as_png(d)),
+            )
+        )
+
+    def test_compressed_depth_of_floats(self):
+        self.check(
+            self.packed(
+                *("rgb8; png compressed bgr8", as_png),
+                *("32FC1; compressedDepth", lambda depth: as_inverse_depth(depth / 1000.0)),
+            )
+        )
+
+
 class Unaligned(BagTest):
     def error_mm(self, trajectory):
         """RMSE against the truth of the colour camera after shifting and turning."""
@@ -277,6 +337,9 @@ class Unaligned(BagTest):
     def test_frames_of_tf(self):
         path = rec.write_rosbag(self.folder / "tf.bag", self.unaligned())
         self.check(self.track(path))
+
+    def test_frames_of_tf_in_mcap(self):
+        self.check(self.track(self.node.write_mcap(self.folder / "tf.mcap", self.unaligned())))
 
     def test_realsense_sdk(self):
         self.check(self.track(rec.write_rosbag(self.folder / "sdk.bag", self.sdk(), "lz4")))
@@ -336,13 +399,17 @@ class Info(BagTest):
         same = rec.transform("body", rec.COLOR_FRAME, (0, 0, 0), (0, 0, 0, 1), self.frames[0][0])
         tf = {"transforms": [same]}
         messages.append(("/tf_static", "tf2_msgs/TFMessage", tf, self.frames[0][0]))
-        path = rec.write_rosbag(self.folder / "truth.bag", messages)
+        self.check_truth(rec.write_rosbag(self.folder / "truth.bag", messages), truth)
+        self.check_truth(self.node.write_mcap(self.folder / "truth.mcap", messages), truth)
+
+    def check_truth(self, path, truth):
         for option in (
             [],
             ["--truth-topic", "/vrpn/pose"],
+            ["--truth-topic", "/odom_groundtruth"],
             ["--truth-topic", "world:" + rec.COLOR_FRAME],
         ):
-            with self.subTest(option=option):
+            with self.subTest(path=path.name, option=option):
                 done = self.sgs("convert", path, self.folder / "truth", "--quiet", *option)
                 self.assertEqual(done.returncode, 0, done.stderr)
                 got = tum(self.folder / "truth/groundtruth.txt")

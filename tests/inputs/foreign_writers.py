@@ -6,6 +6,7 @@ Shares no code with the program under test. A `Recording` is what a TUM folder h
 `write_...` puts it into another layout.
 """
 import dataclasses
+import io
 import json
 import math
 import pathlib
@@ -65,6 +66,17 @@ def png(array):
     )
 
 
+@dataclasses.dataclass
+class Picture:
+    """How colour is kept."""
+
+    ending: str
+    pack: object  # of an array
+
+    def put(self, path, array):
+        put(path.with_name(path.name + self.ending), self.pack(array))
+
+
 def put(path, content):
     path.parent.mkdir(parents=True, exist_ok=True)
     if isinstance(content, bytes):
@@ -73,9 +85,13 @@ def put(path, content):
         path.write_text(content)
 
 
-def put_jpeg(path, array):
-    path.parent.mkdir(parents=True, exist_ok=True)
-    Image.fromarray(array).save(path, quality=100, subsampling=0)
+def jpeg(array):
+    data = io.BytesIO()
+    Image.fromarray(array).save(data, "jpeg", quality=95)
+    return data.getvalue()
+
+
+PNG, JPEG = Picture(".png", png), Picture(".jpg", jpeg)
 
 
 def matrix_text(matrix):
@@ -182,9 +198,9 @@ def write_icl(r, out):
     put(out / "livingRoom2.gt.freiburg", truth)
 
 
-def write_scannet(r, out):
+def write_scannet(r, out, picture=PNG):
     for i in range(len(r.times)):
-        put(out / f"color/{i}.png", png(r.color[i]))
+        picture.put(out / f"color/{i}", r.color[i])
         put(out / f"depth/{i}.png", png(r.depth[i]))
         pose = r.poses[i] if i != 2 else np.full((4, 4), -math.inf)
         put(out / f"pose/{i}.txt", matrix_text(pose))
@@ -228,8 +244,13 @@ def sens_frame(r, i, color=None, depth=None, lengths=None):
     )
 
 
-def write_sens(r, out, **header):
-    put(out, sens_header(r, **header) + b"".join(sens_frame(r, i) for i in range(len(r.times))))
+def write_sens(r, out, pack_color=png, pack_depth=None, **header):
+    """`pack_...`: how an array becomes bytes; the codings in the header have to say the same."""
+    frames = [
+        sens_frame(r, i, pack_color(r.color[i]), pack_depth(r.depth[i]) if pack_depth else None)
+        for i in range(len(r.times))
+    ]
+    put(out, sens_header(r, **header) + b"".join(frames))
 
 
 def write_seven_scenes(r, out):
@@ -241,10 +262,10 @@ def write_seven_scenes(r, out):
         put(out / f"frame-{i:06}.pose.txt", matrix_text(r.poses[i]).replace(" ", "\t "))
 
 
-def write_open3d(r, out):
+def write_open3d(r, out, picture=PNG):
     log = ""
     for i in range(len(r.times)):
-        put(out / f"color/{i + 1:05}.png", png(r.color[i]))
+        picture.put(out / f"color/{i + 1:05}", r.color[i])
         put(out / f"depth/{i + 1:05}.png", png(r.depth[i]))
         log += f"{i} {i} {i + 1}\n" + matrix_text(r.poses[i])
     put(out / "trajectory.log", log)
@@ -252,28 +273,28 @@ def write_open3d(r, out):
     put(out / "camera_intrinsic.json", json.dumps(intrinsics))
 
 
-def write_sun3d(r, out):
+def write_sun3d(r, out, picture=PNG):
     poses = ""
     for i, t in enumerate(r.times):
-        name = f"{i + 1:07}-{round(t * 1e6):012}.png"
+        name = f"{i + 1:07}-{round(t * 1e6):012}"
         turned = (r.depth[i].astype(np.uint32) << 3 | r.depth[i].astype(np.uint32) >> 13) & 0xFFFF
-        put(out / "image" / name, png(r.color[i]))
-        put(out / "depth" / name, png(turned.astype(np.uint16)))
+        picture.put(out / "image" / name, r.color[i])
+        PNG.put(out / "depth" / name, turned.astype(np.uint16))
         poses += matrix_text(r.poses[i][:3])
     put(out / "intrinsics.txt", matrix_text(r.K))
     put(out / "extrinsics/20140312192711.txt", poses)
 
 
-def write_transforms(r, out, names=None, times=True, order=None, cameras=None):
+def write_transforms(r, out, names=None, times=True, order=None, cameras=None, picture=PNG):
     """nerfstudio: pixel centres at halves, OpenGL axes, frames in any order."""
     frames = []
     for i in range(len(r.times)):
         name = names[i] if names else f"{i}"
-        put(out / f"images/{name}.png", png(r.color[i]))
+        picture.put(out / f"images/{name}", r.color[i])
         put(out / f"depths/{name}.png", png(r.depth[i]))
         frames.append(
             dict(
-                file_path=f"images/{name}.png",
+                file_path=f"images/{name}{picture.ending}",
                 depth_file_path=f"depths/{name}.png",
                 transform_matrix=(r.poses[i] @ OPENGL).tolist(),
             )
@@ -296,12 +317,12 @@ def write_transforms(r, out, names=None, times=True, order=None, cameras=None):
     put(out / "transforms.json", json.dumps(document))
 
 
-def write_polycam(r, out, corrected=True):
+def write_polycam(r, out, corrected=True, picture=PNG):
     """Names are microseconds, ARKit's axes, a camera per picture."""
     folders = ("corrected_images", "corrected_cameras") if corrected else ("images", "cameras")
     for i, t in enumerate(r.times):
         name = f"{round(t * 1e6)}"
-        put(out / f"keyframes/{folders[0]}/{name}.png", png(r.color[i]))
+        picture.put(out / f"keyframes/{folders[0]}/{name}", r.color[i])
         put(out / f"keyframes/depth/{name}.png", png(r.depth[i]))
         confidence = np.where(r.depth[i] > 0, 255, 0).astype(np.uint8)
         put(out / f"keyframes/confidence/{name}.png", png(confidence))

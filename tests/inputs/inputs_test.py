@@ -149,6 +149,36 @@ class Layouts(Case):
         self.lossless(foreign.write_polycam, "polycam", "timed")
         self.lossless(foreign.write_arkit_scenes, "arkitscenes", "timed")
 
+    def test_other_codings_and_folders_without_loss(self):
+        as_bytes = dict(
+            pack_color=lambda array: array.tobytes(),
+            pack_depth=lambda array: array.astype("<u2").tobytes(),
+            color_coding=0,
+            depth_coding=0,
+        )
+        self.lossless(foreign.write_sens, "scannet .sens", "timed", file="raw.sens", **as_bytes)
+        self.lossless(foreign.write_polycam, "polycam", "timed", corrected=False)
+
+    def test_jpegs_move_no_pose_by_more_than_a_millimetre(self):
+        jpeg = dict(picture=foreign.JPEG)
+        for write, layout, recording, file, options in (
+            (foreign.write_scannet, "scannet", "counted", None, jpeg),
+            (
+                *(foreign.write_sens, "scannet .sens", "timed", "scene.sens"),
+                dict(pack_color=foreign.jpeg, color_coding=2),
+            ),
+            (foreign.write_open3d, "open3d", "counted", None, jpeg),
+            (foreign.write_sun3d, "sun3d", "timed", None, jpeg),
+            (foreign.write_transforms, "nerfstudio", "timed", None, jpeg),
+            (foreign.write_polycam, "polycam", "timed", None, jpeg),
+        ):
+            with self.subTest(layout):
+                folder = self.folder / layout.replace(" ", "_")
+                what = folder / file if file else folder
+                write(getattr(self, recording), what, **options)
+                self.assertEqual(self.info(what)["layout"], layout)
+                self.assert_near_trajectory(self.run_sequence(what), recording)
+
     def test_layouts_with_published_calibrations(self):
         c = self.counted
         camera = ("--camera", f"{c.fx},{c.fy},{c.cx},{c.cy}", "--depth-scale", c.depth_scale)
