@@ -265,7 +265,8 @@ Result<Sequence> open_file(const fs::path& file, const OpenOptions& options) {
   }
   return fail(ErrorCode::kUnsupported,
               fmt::format("{}: not a folder, and no recording that is known", file.string()),
-              "give the folder of an RGB-D sequence, or a ScanNet .sens file");
+              "give the folder of an RGB-D sequence, a bag (.bag, .mcap, .db3), or a ScanNet .sens "
+              "file");
 }
 
 /// What is no bag.
@@ -313,8 +314,8 @@ Result<Sequence> open_sequence(const fs::path& input, const OpenOptions& options
   SGS_RETURN_IF_ERROR(check_options(options));
   std::error_code error;
   if (!fs::exists(input, error)) {
-    return fail(ErrorCode::kNotFound, fmt::format("{}: no such folder", input.string()),
-                "give the folder of an RGB-D sequence");
+    return fail(ErrorCode::kNotFound, fmt::format("{}: no such file or folder", input.string()),
+                "give the folder of an RGB-D sequence, a bag, or synth:NAME");
   }
   SGS_ASSIGN_OR_RETURN(Sequence sequence, bag::looks_like_bag(input) ? open_bag(input, options)
                                                                      : open_images(input, options));

@@ -135,7 +135,7 @@ TEST_F(TumFolder, FrameRangeAndOneFrameOnly) {
 }
 
 TEST_F(TumFolder, MissingFolderAndUnknownLayout) {
-  EXPECT_THAT(open_error(), HasSubstr("no such folder"));
+  EXPECT_THAT(open_error(), HasSubstr("no such file or folder"));
   fs::create_directories(folder());
   for (const char* wanted : {"rgb.txt", "associations.txt", "results/", "sgs.toml"}) {
     EXPECT_THAT(open_error(), HasSubstr(wanted));
