@@ -163,7 +163,7 @@ void Bundle::add_offset_priors(BundleEquations& out) const {
   const double mean_weight = 1 / (c.mean_sigma * c.mean_sigma);
   const std::vector<double> areas = problem_.grid.area();
   const Eigen::Map<const Eigen::VectorXd> area(areas.data(), n);
-  out.H.block(first, first, n, n) += mean_weight * area * area.transpose();
+  out.H.block(first, first, n, n).noalias() += mean_weight * area * area.transpose();
   out.b.segment(first, n) += mean_weight * area.dot(D) * area;
   const double smooth_weight = 1 / (c.smooth_sigma * c.smooth_sigma);
   const auto join = [&](int a, int b) {
@@ -186,6 +186,7 @@ void Bundle::add_offset_priors(BundleEquations& out) const {
 
 BundleEquations Bundle::linearize(int level, const BundleNoise& noise) {
   BundleEquations out;
+  out.H = std::move(H_);
   out.H.setZero(unknowns(), unknowns());
   out.b.setZero(unknowns());
   Measured measured;

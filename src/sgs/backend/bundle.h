@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <utility>
 #include <vector>
 
 #include "sgs/backend/bundle_problem.h"
@@ -38,6 +39,8 @@ class Bundle {
 
   /// Linearizes at a level of the pyramid with the noise given.
   BundleEquations linearize(int level, const BundleNoise& noise);
+  /// Gives the memory of equations that are not needed any more to the next linearization.
+  void reuse(BundleEquations&& equations) { H_ = std::move(equations.H); }
   /// Moves the state by a step of the last linearization's unknowns and the inverse depths along.
   void apply(const Eigen::VectorXd& step);
   /// Other priors of the calibration from here on.
@@ -64,7 +67,9 @@ class Bundle {
   BundleProblem problem_;
   BundleState state_;
   std::vector<std::vector<Elimination>> eliminated_;
-  BundleSums sums_;  // of a linearization; kept, because the kernel clears new memory page by page
+  // Of a linearization; kept, because the kernel clears new memory page by page.
+  BundleSums sums_;
+  Eigen::MatrixXd H_;
 };
 
 }  // namespace sgs::backend

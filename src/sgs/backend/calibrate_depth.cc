@@ -93,11 +93,12 @@ BundleState start_of(const std::vector<const Keyframe*>& keyframes, int grid_siz
   return state;
 }
 
-using Factors = Eigen::LLT<Eigen::MatrixXd, Eigen::Upper>;
+/// Factors that take the place of what is factored.
+using Factors = Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Upper>;
 
-/// None where the equations have no solution. The factors take the place of their H.
+/// None where the equations have no solution. Their H is lost.
 std::optional<Eigen::VectorXd> newton_step(BundleEquations& equations) {
-  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Upper> factors(equations.H);
+  const Factors factors(equations.H);
   if (factors.info() != Eigen::Success) return {};
   Eigen::VectorXd step = -factors.solve(equations.b);
   if (!step.allFinite()) return {};
@@ -123,7 +124,9 @@ bool descend(Bundle& bundle, int level, int steps, BundleNoise& noise) {
         level, k, equations.cost, equations.grey_residuals, equations.depth_residuals, noise.grey,
         noise.depth, bundle.state().offsets_per_m.mean(), bundle.state().shift_px.x(),
         bundle.state().shift_px.y(), bundle.state().delay_s);
-    if (-0.5 * equations.b.dot(*step) < kConverged) break;
+    const bool converged = -0.5 * equations.b.dot(*step) < kConverged;
+    bundle.reuse(std::move(equations));
+    if (converged) break;
   }
   return true;
 }
@@ -146,7 +149,8 @@ std::optional<Solution> solution_of(Bundle& bundle, const BundleNoise& noise) {
   const auto corner =
       factors.matrixLLT().bottomRightCorner(globals, globals).triangularView<Eigen::Upper>();
   const Eigen::MatrixXd inverse = corner.solve(Eigen::MatrixXd::Identity(globals, globals));
-  out.covariance = inverse * inverse.transpose();
+  out.covariance.noalias() = inverse * inverse.transpose();
+  bundle.reuse(std::move(out.equations));
   const std::vector<double> areas = bundle.problem().grid.area();
   const Eigen::Map<const Eigen::VectorXd> area(areas.data(), n);
   const Eigen::VectorXd& offsets = bundle.state().offsets_per_m;

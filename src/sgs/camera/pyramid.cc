@@ -4,14 +4,12 @@
 
 #include <algorithm>
 
+#include "sgs/camera/luma_row.h"
+
 namespace sgs {
 namespace {
 
 constexpr int kMinSide = 8;
-
-void luma_row(const Rgb8* in, float* out, int width) {
-  for (int x = 0; x < width; ++x) out[x] = luma(in[x]);
-}
 
 void halve_row(const float* upper, const float* lower, float* out, int width) {
   for (int x = 0; x < width; ++x) {
@@ -57,7 +55,7 @@ void GrayPyramid::build(const ColorImage& color, const PinholeCamera& camera, in
   prepare(camera, levels);
   Level& top = levels_.front();
   for (int y = 0; y < color.height(); ++y) {
-    luma_row(color.row(y), top.gray.row(y), color.width());
+    luma_row(color.row(y), top.gray.row(y), static_cast<std::size_t>(color.width()));
   }
   build_coarse_levels();
 }

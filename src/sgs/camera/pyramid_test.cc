@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
+
+#include "sgs/camera/luma_row.h"
 
 namespace sgs {
 namespace {
@@ -22,6 +25,20 @@ Image<float> ramp(const PinholeCamera& c) {
     }
   }
   return image;
+}
+
+TEST(LumaRow, IsLumaToTheBitForAnyWidth) {
+  std::vector<Rgb8> pixels(300);
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const auto byte = [&](std::size_t factor) { return static_cast<std::uint8_t>(factor * i); };
+    pixels[i] = {byte(37), byte(101), byte(211)};
+  }
+  for (const std::size_t width : {1, 2, 3, 7, 8, 9, 15, 16, 17, 255, 300}) {
+    std::vector<float> row(width + 1, -1);
+    luma_row(pixels.data(), row.data(), width);
+    for (std::size_t i = 0; i < width; ++i) EXPECT_EQ(row[i], luma(pixels[i])) << i;
+    EXPECT_EQ(row[width], -1);
+  }
 }
 
 TEST(GrayPyramid, RampKeepsItsPlaneOnEveryLevel) {

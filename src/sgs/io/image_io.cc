@@ -94,9 +94,20 @@ Result<RawDepth> decode_raw_depth(std::string bytes, const std::string& name) {
 DepthImage depth_in_metres(const RawDepth& raw, double depth_scale) {
   SGS_CHECK(depth_scale > 0 && std::isfinite(depth_scale), "depth scale must be positive");
   DepthImage image(raw.width(), raw.height());
-  std::transform(raw.data(), raw.data() + raw.size(), image.data(), [&](std::uint16_t value) {
-    return value == kRawSaturated ? 0.0f : static_cast<float>(value / depth_scale);
-  });
+  const auto convert = [&](auto scale) {
+    std::transform(raw.data(), raw.data() + raw.size(), image.data(), [=](std::uint16_t value) {
+      return value == kRawSaturated ? 0.0f : static_cast<float>(value / scale);
+    });
+  };
+  // A quotient of floats that is rounded to double first and to float then is the one that is
+  // rounded to float at once (double has more than twice the digits), so the quick division gives
+  // the same.
+  const auto short_scale = static_cast<float>(depth_scale);
+  if (static_cast<double>(short_scale) == depth_scale) {
+    convert(short_scale);
+  } else {
+    convert(depth_scale);
+  }
   return image;
 }
 

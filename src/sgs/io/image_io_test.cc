@@ -86,6 +86,19 @@ TEST(ImageIo, DepthRoundTripAndInvalidValues) {
   EXPECT_EQ(loaded(2, 0), 1.0f);
 }
 
+TEST(ImageIo, EveryRawDepthBecomesTheNearestFloat) {
+  constexpr int kValues = 65536;
+  RawDepth raw(kValues, 1);
+  for (int v = 0; v < kValues; ++v) raw(v, 0) = static_cast<std::uint16_t>(v);
+  for (const double scale : {1.0, 1000.0, 5000.0, 6553.5, 3000.1, 1e8 / 3}) {
+    const DepthImage metres = depth_in_metres(raw, scale);
+    for (int v = 0; v < kValues - 1; ++v) {
+      ASSERT_EQ(metres(v, 0), static_cast<float>(v / scale)) << v << " of " << scale;
+    }
+    EXPECT_EQ(metres(kValues - 1, 0), 0);
+  }
+}
+
 TEST(ImageIo, EightBitDepthAndSwappedImagesAreNamed) {
   const TemporaryFolder folder;
   cv::imwrite((folder / "d8.png").string(), cv::Mat(8, 8, CV_8UC1, cv::Scalar(77)));

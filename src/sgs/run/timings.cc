@@ -79,9 +79,9 @@ std::string chrome_trace(const StageTimes& times, std::span<const InputEvent> ha
 void return_freed_images() {
 #if defined(__GLIBC__)
   constexpr int kMebibyte = 1 << 20;
-  mallopt(M_MMAP_THRESHOLD, kMebibyte);
-  // What is smaller, a colour image for one, is used again with the next frame: to give that back
-  // as well costs hundreds of page faults a frame.
+  // Images of 640x480 are smaller and used again with the next frame: to give those back as well
+  // costs hundreds of page faults for each.
+  mallopt(M_MMAP_THRESHOLD, 2 * kMebibyte);
   mallopt(M_TRIM_THRESHOLD, 16 * kMebibyte);
 #endif
 }
