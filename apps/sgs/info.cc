@@ -87,13 +87,17 @@ int print_sequence(const InfoOptions& options) {
   if (!input) return report(input.error());
   const auto& info = input->info;
   const auto& c = info.calibration;
+  const bool counted = info.frames_in_folder > 0;  // bags without an index are not
   if (options.json) {
+    const auto if_counted = [&](auto number) {
+      return counted ? nlohmann::json(number) : nlohmann::json();
+    };
     nlohmann::json json = {{"layout", info.layout},
                            {"name", info.name},
-                           {"frames", info.frames},
-                           {"frames_in_folder", info.frames_in_folder},
+                           {"frames", if_counted(info.frames)},
+                           {"frames_in_folder", if_counted(info.frames_in_folder)},
                            {"first_time_s", info.first_time_s},
-                           {"last_time_s", info.last_time_s},
+                           {"last_time_s", if_counted(info.last_time_s)},
                            {"width", c.camera.width},
                            {"height", c.camera.height},
                            {"fx", c.camera.fx},
@@ -125,8 +129,10 @@ int print_sequence(const InfoOptions& options) {
     return kExitDone;
   }
   print("name         {}\nlayout       {}\n", info.name, info.layout);
-  print("frames       {} of {}, {:.3f} s\n", info.frames, info.frames_in_folder,
-        info.last_time_s - info.first_time_s);
+  print("frames       {}\n",
+        counted ? fmt::format("{} of {}, {:.3f} s", info.frames, info.frames_in_folder,
+                              info.last_time_s - info.first_time_s)
+                : "not known before it is read");
   print("camera       {}x{}  fx {} fy {} cx {} cy {}  (from {})\n", c.camera.width, c.camera.height,
         c.camera.fx, c.camera.fy, c.camera.cx, c.camera.cy, info.calibration_source);
   if (!c.distortion.is_zero()) {

@@ -230,9 +230,10 @@ class Node:
         return packed
 
 
-def write_db3(path, messages, packed):
+def write_db3(path, messages, packed, journal="delete"):
     """A file of rosbag2's SQLite storage; `packed` are the messages as CDR."""
     base = sqlite3.connect(path)
+    base.execute(f"PRAGMA journal_mode={journal}")
     base.execute(
         "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, "
         "serialization_format TEXT NOT NULL, offered_qos_profiles TEXT NOT NULL)"

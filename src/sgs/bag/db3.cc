@@ -21,13 +21,40 @@ std::string text_column(sqlite3_stmt* row, int column) {
   return text == nullptr ? std::string() : reinterpret_cast<const char*>(text);
 }
 
+/// Whether SQLite would make files beside this one to read it, and needs none of them: it was
+/// written with a write-ahead log, all of which has found its way into the file.
+bool is_complete_with_log(const std::filesystem::path& path, std::string_view head) {
+  constexpr std::size_t kReadVersion = 19;  // place in the file's head; 2: write-ahead log
+  if (head.size() <= kReadVersion || head[kReadVersion] != 2) return false;
+  std::error_code none;
+  const auto bytes = std::filesystem::file_size(path.string() + "-wal", none);
+  return none || bytes == 0;
+}
+
+/// "file:/..." with what has a meaning there as numbers.
+std::string uri_of(const std::filesystem::path& path) {
+  std::string uri = "file:";
+  for (const char c : std::filesystem::absolute(path).lexically_normal().string()) {
+    if (c == '%' || c == '?' || c == '#') {
+      uri += fmt::format("%{:02X}", static_cast<unsigned char>(c));
+    } else {
+      uri += c;
+    }
+  }
+  return uri;
+}
+
 class Db3 : public Bag {
  public:
   explicit Db3(std::filesystem::path path) : path_(std::move(path)) { format_ = "ROS 2 db3"; }
 
-  Status open() {
+  /// `head` are the first bytes of the file.
+  Status open(std::string_view head) {
     sqlite3* database = nullptr;
-    const int status = sqlite3_open_v2(path_.c_str(), &database, SQLITE_OPEN_READONLY, nullptr);
+    const bool alone = is_complete_with_log(path_, head);
+    const std::string name = alone ? uri_of(path_) + "?immutable=1" : path_.string();
+    const int status = sqlite3_open_v2(
+        name.c_str(), &database, SQLITE_OPEN_READONLY | (alone ? SQLITE_OPEN_URI : 0), nullptr);
     database_.reset(database);
     if (status != SQLITE_OK) return tl::unexpected(problem());
     SGS_ASSIGN_OR_RETURN(auto topics,
@@ -135,14 +162,15 @@ std::unique_ptr<Cursor> Db3::read(const std::vector<std::size_t>& channels) cons
 Result<std::unique_ptr<Bag>> open_db3(const std::filesystem::path& path) {
   SGS_ASSIGN_OR_RETURN(ByteFile file, ByteFile::open(path));
   constexpr std::string_view kSqliteMagic("SQLite format 3\0", 16);
-  const auto magic = file.view(0, std::min<std::uint64_t>(file.size(), kSqliteMagic.size()));
-  if (!magic) return tl::unexpected(magic.error());
-  if (*magic != kSqliteMagic) {
+  constexpr std::uint64_t kHeadBytes = 100;
+  const auto head = file.view(0, std::min(file.size(), kHeadBytes));
+  if (!head) return tl::unexpected(head.error());
+  if (!head->starts_with(kSqliteMagic)) {
     return fail(ErrorCode::kInvalidFormat, fmt::format("{}: not a SQLite file", path.string()),
                 "is the file whole, and its name right?");
   }
   auto bag = std::make_unique<Db3>(path);
-  SGS_RETURN_IF_ERROR(bag->open());
+  SGS_RETURN_IF_ERROR(bag->open(*head));
   return bag;
 }
 
