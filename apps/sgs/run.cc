@@ -168,7 +168,7 @@ int resume_command(RunCommand command) {
 }
 
 int run_command(RunCommand command) {
-  run::return_freed_images();
+  run::return_freed_images(command.preload);
   if (!command.resume.empty()) return resume_command(std::move(command));
   const auto config = run::resolve_config(command.config, command.input);
   if (!config) return report(config.error());

@@ -76,12 +76,12 @@ std::string chrome_trace(const StageTimes& times, std::span<const InputEvent> ha
   return Json({{"traceEvents", std::move(events)}, {"displayTimeUnit", "ms"}}).dump() + "\n";
 }
 
-void return_freed_images() {
+void return_freed_images([[maybe_unused]] bool frames_stay) {
 #if defined(__GLIBC__)
   constexpr int kMebibyte = 1 << 20;
   // Images of 640x480 are smaller and used again with the next frame: to give those back as well
   // costs hundreds of page faults for each.
-  mallopt(M_MMAP_THRESHOLD, 2 * kMebibyte);
+  mallopt(M_MMAP_THRESHOLD, frames_stay ? kMebibyte : 2 * kMebibyte);
   mallopt(M_TRIM_THRESHOLD, 16 * kMebibyte);
 #endif
 }
