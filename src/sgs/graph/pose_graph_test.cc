@@ -141,6 +141,13 @@ TEST(PoseGraph, DoesNotDependOnWhereTheWorldIs) {
   }
 }
 
+TEST(PoseGraph, SaysWhereThereIsNoSolution) {
+  World w = circles(3, 10, 2);
+  EXPECT_TRUE(optimise(w.drifted, w.edges).found);
+  w.edges[3].information *= 1e304;  // overflows on the way
+  EXPECT_FALSE(optimise(w.drifted, w.edges).found);
+}
+
 TEST(PoseGraph, EdgesThatJoinNothingAreRefused) {
   EXPECT_THROW(optimise({SE3{}}, {{0, 1, {}, Matrix6d::Identity(), false}}), ContractViolation);
   EXPECT_THROW(optimise({SE3{}, SE3{}}, {{1, 1, {}, Matrix6d::Identity(), false}}),
