@@ -139,7 +139,7 @@ TEST(Session, HasACoreToItselfWhileItTracks) {
     // A single thread takes turns between tracking and mapping.
     EXPECT_EQ(waits != stages.end(), threads > 1);
     if (waits != stages.end()) {
-      EXPECT_EQ(waits->second.size(), frames.size());
+      EXPECT_EQ(waits->second.calls, frames.size());
     }
   }
 }

@@ -21,8 +21,26 @@ double thread_cpu_time_s() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
+namespace {
+
+/// Halves what is kept of a stage's observations.
+void thin(StageTimes::Stage& stage) {
+  std::vector<double>& values = stage.values_ms;
+  for (std::size_t i = 0; 2 * i < values.size(); ++i) values[i] = values[2 * i];
+  values.resize((values.size() + 1) / 2);
+  stage.stride *= 2;
+}
+
+}  // namespace
+
 void StageTimes::add(const std::string& name, double milliseconds) {
-  stages_[name].push_back(milliseconds);
+  Stage& stage = stages_[name];
+  if (stage.calls % stage.stride == 0) {
+    stage.values_ms.push_back(milliseconds);
+    if (stage.values_ms.size() >= kMostValues) thin(stage);
+  }
+  ++stage.calls;
+  stage.total_ms += milliseconds;
 }
 
 void StageTimes::add_interval(const std::string& name, double start_s, double milliseconds) {
@@ -34,15 +52,46 @@ void StageTimes::add_interval(const std::string& name, double start_s, double mi
 }
 
 void StageTimes::add_trace_only(const std::string& name, double start_s, double milliseconds) {
-  intervals_.push_back({name, thread_, start_s, milliseconds});
+  note({start_s, static_cast<float>(milliseconds), number_of(name), number_of(thread_)});
+}
+
+std::uint16_t StageTimes::number_of(const std::string& name) {
+  return numbers_.try_emplace(name, static_cast<std::uint16_t>(numbers_.size())).first->second;
+}
+
+void StageTimes::note(const Place& place) {
+  if (places_.size() >= kMostIntervals) places_.pop_front();
+  places_.push_back(place);
 }
 
 void StageTimes::merge(const StageTimes& other) {
-  intervals_.insert(intervals_.end(), other.intervals_.begin(), other.intervals_.end());
-  for (const auto& [name, values] : other.stages_) {
-    auto& mine = stages_[name];
-    mine.insert(mine.end(), values.begin(), values.end());
+  std::vector<std::uint16_t> numbers(other.numbers_.size());
+  for (const auto& [name, number] : other.numbers_) numbers[number] = number_of(name);
+  for (Place place : other.places_) {
+    place.stage = numbers[place.stage];
+    place.thread = numbers[place.thread];
+    places_.push_back(place);
   }
+  for (const auto& [name, theirs] : other.stages_) {
+    Stage& mine = stages_[name];
+    Stage added = theirs;
+    while (mine.stride < added.stride) thin(mine);
+    while (added.stride < mine.stride) thin(added);
+    mine.values_ms.insert(mine.values_ms.end(), added.values_ms.begin(), added.values_ms.end());
+    mine.calls += added.calls;
+    mine.total_ms += added.total_ms;
+  }
+}
+
+std::vector<StageTimes::Interval> StageTimes::intervals() const {
+  std::vector<std::string_view> names(numbers_.size());
+  for (const auto& [name, number] : numbers_) names[number] = name;
+  std::vector<Interval> out;
+  out.reserve(places_.size());
+  for (const Place& p : places_) {
+    out.push_back({names[p.stage], names[p.thread], p.start_s, double{p.duration_ms}});
+  }
+  return out;
 }
 
 double quantile(std::vector<double> values, double q) {

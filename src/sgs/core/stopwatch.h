@@ -2,8 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <deque>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -14,16 +18,28 @@ double wall_time_s();
 /// CPU seconds used by the calling thread.
 double thread_cpu_time_s();
 
-/// Durations collected per named stage. Not thread-safe: one per thread, merged at the end.
+/// Durations collected per named stage, in memory that ends somewhere however long a run takes. Not
+/// thread-safe: one per thread, merged at the end.
 class StageTimes {
  public:
+  /// The observations of a stage.
+  struct Stage {
+    std::size_t calls = 0;
+    double total_ms = 0;
+    /// All of them, in order of arrival; of more than kMostValues every second, fourth, ...
+    std::vector<double> values_ms;
+    std::size_t stride = 1;  ///< of the observations in values_ms
+  };
+  static constexpr std::size_t kMostValues = std::size_t{1} << 16;
+
   /// One observation's place in time.
   struct Interval {
-    std::string stage;
-    std::string thread;  ///< of the StageTimes that it was added to
-    double start_s = 0;  ///< as wall_time_s()
+    std::string_view stage;
+    std::string_view thread;  ///< of the StageTimes that it was added to
+    double start_s = 0;       ///< as wall_time_s()
     double duration_ms = 0;
   };
+  static constexpr std::size_t kMostIntervals = std::size_t{1} << 20;  ///< the newest ones
 
   /// `thread` names the thread that the observations belong to.
   explicit StageTimes(std::string thread = "") : thread_(std::move(thread)) {}
@@ -36,15 +52,25 @@ class StageTimes {
   void add_trace_only(const std::string& name, double start_s, double milliseconds);
   /// Appends all of another thread's observations.
   void merge(const StageTimes& other);
-  /// All observations of each stage, in order of arrival.
-  const std::map<std::string, std::vector<double>>& stages() const { return stages_; }
-  /// Those with a place in time, in order of arrival within each thread.
-  const std::vector<Interval>& intervals() const { return intervals_; }
+  /// All observations of each stage.
+  const std::map<std::string, Stage>& stages() const { return stages_; }
+  /// Those with a place in time, in order of arrival within each thread. Names are valid as long as
+  /// this object.
+  std::vector<Interval> intervals() const;
 
  private:
+  struct Place {
+    double start_s;
+    float duration_ms;
+    std::uint16_t stage, thread;  // in names_
+  };
+  std::uint16_t number_of(const std::string& name);
+  void note(const Place& place);
+
   std::string thread_;
-  std::map<std::string, std::vector<double>> stages_;
-  std::vector<Interval> intervals_;
+  std::map<std::string, Stage> stages_;
+  std::map<std::string, std::uint16_t> numbers_;
+  std::deque<Place> places_;
 };
 
 /// Measures the wall time of a scope and adds it to a StageTimes.

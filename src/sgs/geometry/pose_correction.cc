@@ -9,8 +9,10 @@
 namespace sgs {
 namespace {
 
+// What is moved now is what the next correction moves from: unless it is a rotation again each
+// time, its rounding errors double with every correction, and after fifty of them they are metres.
 SE3 moved(const MovedPose& pose, const SE3& T_world_camera) {
-  return pose.after * pose.before.inverse() * T_world_camera;
+  return (pose.after * pose.before.inverse() * T_world_camera).normalized();
 }
 
 }  // namespace

@@ -42,6 +42,21 @@ TEST(PoseCorrection, DoesNotDependOnTheWorld) {
   expect_same(c.in_frame(W).corrected(W * T, 1.7), W * c.corrected(T, 1.7));
 }
 
+// A long recording is corrected hundreds of times, each time from where the last one has left it.
+TEST(PoseCorrection, ManyInARowLeaveARotation) {
+  SE3 first = pose(0.3, -0.2, 0.1, 4, 0, 0), last = pose(0, 0.4, 0.7, 0, 5, 0);
+  for (int i = 0; i < 500; ++i) {
+    const SE3 step = pose(1e-4 * (i % 3 - 1), 2e-4, -1e-4 * (i % 5), 1e-3, -1e-3, 0);
+    const PoseCorrection c(
+        {{1, first, (step * first).normalized()}, {3, last, (last * step).normalized()}});
+    first = c.corrected(first, 1);
+    last = c.corrected(last, 3);
+  }
+  for (const SE3& T : {first, last}) {
+    EXPECT_LT((T.R * T.R.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-12);
+  }
+}
+
 TEST(PoseCorrection, TimesRise) {
   EXPECT_THROW(PoseCorrection({{1, {}, {}}, {1, {}, {}}}), ContractViolation);
 }

@@ -6,6 +6,7 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "sgs/core/error.h"
 
@@ -35,13 +36,15 @@ class NormalEquations {
     add_gradient(edge.to, by_to.transpose() * (L * e));
   }
 
-  /// The step that solves H x = -b.
-  Eigen::VectorXd solve() const {
+  /// The step that solves H x = -b; empty where there is none.
+  std::optional<Eigen::VectorXd> solve() const {
     Eigen::SparseMatrix<double> H(b_.size(), b_.size());
     H.setFromTriplets(entries_.begin(), entries_.end());
     const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factors(H);
-    SGS_CHECK(factors.info() == Eigen::Success, "a node hangs on nothing");
-    return factors.solve(-b_);
+    if (factors.info() != Eigen::Success) return std::nullopt;
+    Eigen::VectorXd x = factors.solve(-b_);
+    if (!x.allFinite()) return std::nullopt;
+    return x;
   }
 
  private:
@@ -99,8 +102,13 @@ class Solver {
         if (out_.weights[k] <= 0) continue;
         equations.add(edges_[k], out_.weights[k], pose(edges_[k].from), pose(edges_[k].to));
       }
-      const Eigen::VectorXd x = equations.solve();
+      const auto solved = equations.solve();
       ++out_.steps;
+      if (!solved) {
+        out_.found = false;
+        return;
+      }
+      const Eigen::VectorXd& x = *solved;
       for (std::size_t n = 1; n < out_.T_world_node.size(); ++n) {
         SE3& T = out_.T_world_node[n];
         T = (T * SE3::exp(x.segment<6>(6 * static_cast<Eigen::Index>(n - 1)))).normalized();
@@ -141,11 +149,12 @@ class Solver {
   void graduate() {
     relax();
     const double ratio = worst();
-    if (ratio <= 1) return;
+    if (ratio <= 1 || !out_.found) return;
     double mu = 1 / (2 * ratio - 1);
     for (int i = 0; i < kMaxGraduations; ++i, mu *= kGrowth) {
       const bool undecided = reweight(mu);
       relax();
+      if (!out_.found) return;
       if (!undecided && mu > 1) break;
     }
     for (std::size_t k = 0; k < edges_.size(); ++k) {

@@ -33,6 +33,7 @@ struct GraphSolution {
   std::vector<double> weights;  ///< per edge: 1 = believed, 0 = left out
   std::vector<double> chi2;     ///< per edge, unweighted
   int steps = 0;                ///< Gauss-Newton steps in all
+  bool found = true;            ///< false: the steps led nowhere, the poses are of no meaning
 };
 
 /// The poses that agree best with all edges: min sum w e^T Lambda e, the first node held. Doubtful

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "sgs/core/error.h"
 #include "sgs/core/random.h"
@@ -139,6 +140,13 @@ TEST(PoseGraph, DoesNotDependOnWhereTheWorldIs) {
   for (std::size_t k = 0; k < moved.size(); ++k) {
     EXPECT_LT(((far * here.T_world_node[k]).inverse() * there.T_world_node[k]).log().norm(), 1e-7);
   }
+}
+
+TEST(PoseGraph, SaysWhereThereIsNoSolution) {
+  World w = circles(3, 10, 2);
+  EXPECT_TRUE(optimise(w.drifted, w.edges).found);
+  w.edges[3].T_from_to.t.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(optimise(w.drifted, w.edges).found);
 }
 
 TEST(PoseGraph, EdgesThatJoinNothingAreRefused) {

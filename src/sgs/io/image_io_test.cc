@@ -306,5 +306,14 @@ TEST(ImageIo, GiganticImagesAreRefusedByTheirHeader) {
   EXPECT_THAT(load_color(folder / "a.png").error().text(), HasSubstr("20000x20000"));
 }
 
+TEST(ImageIo, ASecondHeaderHidesNoSize) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(save_color(folder / "a.png", test_picture()));
+  std::string bytes = read_file(folder / "a.png").value();
+  bytes.insert(33, bytes.substr(8, 25));  // behind the first one
+  ASSERT_TRUE(write_file(folder / "a.png", bytes));
+  EXPECT_THAT(load_color(folder / "a.png").error().text(), HasSubstr("second header"));
+}
+
 }  // namespace
 }  // namespace sgs::io

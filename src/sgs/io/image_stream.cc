@@ -39,6 +39,11 @@ StreamCheck check_png(std::string_view bytes) {
       result.problem = fmt::format("damaged PNG: wrong checksum at byte {}", at);
       return result;
     }
+    if (type == "IHDR" && at > kPngSignature.size()) {
+      // Decoders go by the first one: a second one must not hide how large the image is.
+      result.problem = fmt::format("damaged PNG: a second header at byte {}", at);
+      return result;
+    }
     if (type == "IHDR" && length >= 9) {
       result.width = static_cast<int>(big_endian(bytes, at + 8, 4) & 0x7fffffff);
       result.height = static_cast<int>(big_endian(bytes, at + 12, 4) & 0x7fffffff);
@@ -80,6 +85,10 @@ StreamCheck check_jpeg(std::string_view bytes) {
     const std::size_t length = big_endian(bytes, at + 2, 2);
     const bool frame_header =
         code >= 0xC0 && code <= 0xCF && code != 0xC4 && code != 0xC8 && code != 0xCC;
+    if (frame_header && result.width > 0) {  // as above
+      result.problem = fmt::format("damaged JPEG: a second header at byte {}", at);
+      return result;
+    }
     if (frame_header && at + 9 <= bytes.size()) {
       result.height = static_cast<int>(big_endian(bytes, at + 5, 2));
       result.width = static_cast<int>(big_endian(bytes, at + 7, 2));

@@ -172,8 +172,9 @@ std::optional<PoseCorrection> LoopCloser::correction() {
   if (fresh == 0 || in_flight_) return std::nullopt;
   const graph::GraphSolution solution = skeleton_.solve();
   const bool bent =
+      !solution.found ||
       std::any_of(solution.chi2.begin(), solution.chi2.begin() + skeleton_.tracked_edges(),
-                  [&](double c) { return c > config_.max_odometry_chi2; });
+                  [&](double c) { return !(c <= config_.max_odometry_chi2); });
   const bool refused = std::any_of(solution.weights.end() - static_cast<std::ptrdiff_t>(fresh),
                                    solution.weights.end(), [](double w) { return w <= 0; });
   if (bent || refused) {

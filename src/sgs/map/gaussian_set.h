@@ -32,6 +32,9 @@ class GaussianSet {
     if (word * kWord >= size_) return ~std::uint64_t{0};
     return words_[word] | ~std::uint64_t{0} << (size_ - word * kWord);
   }
+  /// Word number `word`: one bit for each of its Gaussians, those beyond size() are 0.
+  std::uint64_t word(std::size_t word) const { return words_[word]; }
+  void insert_word(std::size_t word, std::uint64_t bits) { words_[word] |= bits; }
   /// Follows a removal of Gaussians that keeps the order of the others (GaussianStore::remove_if).
   /// `removed` tells about all Gaussians before it.
   void follow_removal(const GaussianSet& removed);

@@ -77,15 +77,21 @@ void MapKeyframe::take_pictures(const RgbdFrame& frame, double max_depth_m) {
 std::shared_ptr<const KeyframePictures> MapKeyframe::pictures() const {
   if (pictures_) return pictures_;
   auto pictures = std::make_shared<KeyframePictures>();
-  pictures->color = ColorImage(camera_.width, camera_.height);
-  pictures->depth = Image<std::uint16_t>(camera_.width, camera_.height);
-  pictures->depth_unit_m = depth_unit_m_;
-  const std::size_t color_bytes = pictures->color.size() * sizeof(Rgb8);
-  file_->read(parked_at_, pictures->color.data(), color_bytes);
-  file_->read(parked_at_ + static_cast<std::int64_t>(color_bytes), pictures->depth.data(),
-              pictures->depth.size() * sizeof(std::uint16_t));
-  for (const auto& change : changes_) change_depth_of(*pictures, *change);
+  read_parked(*pictures);
   return pictures;
+}
+
+void MapKeyframe::read_parked(KeyframePictures& pictures) const {
+  if (pictures.color.width() != camera_.width || pictures.color.height() != camera_.height) {
+    pictures.color = ColorImage(camera_.width, camera_.height);
+    pictures.depth = Image<std::uint16_t>(camera_.width, camera_.height);
+  }
+  pictures.depth_unit_m = depth_unit_m_;
+  const std::size_t color_bytes = pictures.color.size() * sizeof(Rgb8);
+  file_->read(parked_at_, pictures.color.data(), color_bytes);
+  file_->read(parked_at_ + static_cast<std::int64_t>(color_bytes), pictures.depth.data(),
+              pictures.depth.size() * sizeof(std::uint16_t));
+  for (const auto& change : changes_) change_depth_of(pictures, *change);
 }
 
 void MapKeyframe::change_depth(const std::shared_ptr<const DepthChange>& change) {
@@ -128,16 +134,18 @@ std::size_t half_view_bytes(const PinholeCamera& camera) {
 
 render::TrainingImage MapKeyframe::training_image(int level) const {
   render::TrainingImage image;
-  write_training_image(level, image);
+  KeyframePictures room;
+  write_training_image(level, image, room);
   return image;
 }
 
-void MapKeyframe::write_training_image(int level, render::TrainingImage& image) const {
+void MapKeyframe::write_training_image(int level, render::TrainingImage& image,
+                                       KeyframePictures& room) const {
   SGS_CHECK(level == 0 || level == 1, "training images exist at full and half resolution");
   image.camera = camera_.halved(level);
   const int width = image.camera.width, height = image.camera.height;
-  const auto kept = pictures();
-  const KeyframePictures& from = *kept;
+  if (!pictures_) read_parked(room);
+  const KeyframePictures& from = pictures_ ? *pictures_ : room;
   if (image.depth.width() != width || image.depth.height() != height) {
     image.color = Image<render::Rgbf>(width, height);
     image.depth = DepthImage(width, height);
@@ -179,13 +187,13 @@ void TrainingViewCache::forget() {
 std::shared_ptr<const render::TrainingView> TrainingViewCache::get(const MapKeyframe& keyframe,
                                                                    std::size_t index, int level) {
   if (level == 1 && index < first_half_kept_) {
-    keyframe.write_training_image(1, scratch_[1]);
+    keyframe.write_training_image(1, scratch_[1], room_);
     return rasterizer_.prepare(scratch_[1]);
   }
   if (level == 1) {
     if (half_.size() <= index) half_.resize(index + 1);
     if (!half_[index]) {
-      keyframe.write_training_image(1, scratch_[1]);
+      keyframe.write_training_image(1, scratch_[1], room_);
       half_[index] = rasterizer_.prepare(scratch_[1]);
     }
     return half_[index];
@@ -196,7 +204,7 @@ std::shared_ptr<const render::TrainingView> TrainingViewCache::get(const MapKeyf
   if (found != full_.end()) {
     entry = *found;
   } else {
-    keyframe.write_training_image(0, scratch_[0]);
+    keyframe.write_training_image(0, scratch_[0], room_);
     entry = {index, rasterizer_.prepare(scratch_[0])};
   }
   if (found != full_.end()) {

@@ -40,8 +40,9 @@ class MapKeyframe {
   /// The images at full (0) or half (1) resolution. Half resolution averages 2x2 pixels; depth only
   /// where at least two of the four agree, so that no depth floats between fore- and background.
   render::TrainingImage training_image(int level) const;
-  /// The same into an image whose memory is used again where its size fits.
-  void write_training_image(int level, render::TrainingImage& image) const;
+  /// The same into an image whose memory is used again where its size fits. `room` is where parked
+  /// pictures are read to: likewise.
+  void write_training_image(int level, render::TrainingImage& image, KeyframePictures& room) const;
   /// Read from disk where they were parked.
   std::shared_ptr<const KeyframePictures> pictures() const;
   /// Moves the pictures to `file`, which must outlive this object.
@@ -69,6 +70,8 @@ class MapKeyframe {
   }
 
  private:
+  void read_parked(KeyframePictures& pictures) const;
+
   PinholeCamera camera_;
   std::int64_t frame_index_ = 0;
   float depth_unit_m_ = 0;
@@ -107,6 +110,7 @@ class TrainingViewCache {
   const render::Rasterizer& rasterizer_;
   std::size_t full_kept_;
   std::array<render::TrainingImage, 2> scratch_;  // per level
+  KeyframePictures room_;                         // for parked ones
   std::vector<std::shared_ptr<const render::TrainingView>> half_;
   std::size_t first_half_kept_ = 0;
   /// Most recently used last.

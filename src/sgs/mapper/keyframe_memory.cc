@@ -14,13 +14,14 @@ constexpr std::size_t kViewsKept = 64;     // likewise: they are visited most
 
 }  // namespace
 
-void KeyframeMemory::make_room(std::vector<MapKeyframe>& keyframes, TrainingViewCache& views) {
+void KeyframeMemory::make_room(std::vector<MapKeyframe>& keyframes, TrainingViewCache& views,
+                               std::size_t other_bytes) {
   const std::size_t count = keyframes.size();
   if (count == 0) return;
   const std::size_t picture = keyframes.front().picture_bytes();
   const std::size_t view = half_view_bytes(keyframes.front().camera());
   const auto used = [&] {
-    return picture * (count - parked_) + view * (count - views.first_half_kept());
+    return picture * (count - parked_) + view * (count - views.first_half_kept()) + other_bytes;
   };
   while (used() > budget_bytes_ && parked_ + kPicturesKept < count && park(keyframes[parked_])) {
     ++parked_;

@@ -19,9 +19,11 @@ class KeyframeMemory {
  public:
   explicit KeyframeMemory(std::size_t budget_bytes) : budget_bytes_(budget_bytes) {}
 
-  /// To be called when a keyframe has been added. A disk that is full, or none that can be written
+  /// To be called when a keyframe has been added; `other_bytes` is what else there is that grows
+  /// with their number. A disk that is full, or none that can be written
   /// to, is one warning: more memory is used then.
-  void make_room(std::vector<MapKeyframe>& keyframes, TrainingViewCache& views);
+  void make_room(std::vector<MapKeyframe>& keyframes, TrainingViewCache& views,
+                 std::size_t other_bytes = 0);
 
  private:
   bool park(MapKeyframe& keyframe);

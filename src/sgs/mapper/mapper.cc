@@ -215,7 +215,7 @@ int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE
   m.schedule.add_keyframe(static_cast<std::size_t>(index));
   {
     const ScopedTimer part(m.times, "map/insertion/memory");
-    m.memory.make_room(m.keyframes, m.training_views);
+    m.memory.make_room(m.keyframes, m.training_views, m.views.bytes());
   }
   m.changed = true;
   if (index == 0) iterate(m.config.first_keyframe_iterations);
@@ -265,7 +265,7 @@ void Mapper::save(ArchiveWriter& archive) {
   SGS_CHECK(m.awaited.empty(), "a mapper is saved once it is restored");
   const ScopedTimer timer(m.times, "map/save");
   constexpr std::size_t kBytesPerGaussian = 2 * sizeof(map::Gaussian) + sizeof(map::Moments) + 48;
-  archive.reserve(m.store.size() * (kBytesPerGaussian + m.keyframes.size() / 8) + (1 << 20));
+  archive.reserve(m.store.size() * kBytesPerGaussian + m.views.bytes() + (1 << 20));
   std::uint64_t count = m.keyframes.size();
   archive(count);
   for (MapKeyframe& keyframe : m.keyframes) archive(keyframe);
@@ -314,7 +314,7 @@ void Mapper::restore_keyframe(const RgbdFrame& frame) {
   m.awaited.front().take_pictures(frame, m.config.insertion.max_depth_m);
   m.keyframes.push_back(std::move(m.awaited.front()));
   m.awaited.pop_front();
-  m.memory.make_room(m.keyframes, m.training_views);
+  m.memory.make_room(m.keyframes, m.training_views, m.views.bytes());
 }
 
 void Mapper::restore_depth_change(const std::shared_ptr<const DepthChange>& change) {

@@ -232,7 +232,7 @@ struct KeyframeRefinementConfig {
 struct MapperConfig {
   double iterations_per_frame = 1.5;
   int first_keyframe_iterations = 30;
-  int memory_mb = 1000;
+  int memory_mb = 300;
   InsertionConfig insertion;
   OptimizerConfig optimizer;
   ObjectiveConfig objective;

@@ -3,11 +3,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "sgs/core/archive.h"
 #include "sgs/map/gaussian_set.h"
-#include "sgs/mapper/map_archive.h"
+#include "sgs/map/packed_set.h"
 
 namespace sgs::mapper {
 
@@ -28,29 +29,41 @@ class ViewCandidates {
   /// The next visit of a keyframe, to a map of so many Gaussians. Valid until the next call.
   Visit next(std::size_t keyframe, std::size_t gaussians);
   /// Gaussians have moved: the next visit of each keyframe looks at everything.
-  void forget() { keyframes_.clear(); }
+  void forget();
   /// `removed` Gaussians are about to go, the others move up.
   void follow_removal(const map::GaussianSet& removed);
   /// False for what cannot be with so many keyframes and Gaussians: read from a file.
   bool consistent(std::size_t keyframes, std::size_t gaussians) const;
+  /// Memory that it holds.
+  std::size_t bytes() const { return bytes_; }
 
   template <class Archive>
   void archive(Archive& a) {
+    keep();
     a(keyframes_);
+    if constexpr (Archive::kReads) {
+      for (const Keyframe& keyframe : keyframes_) bytes_ += keyframe.seen.bytes();
+    }
   }
 
  private:
   struct Keyframe {
     int visits = 0;
-    map::GaussianSet seen;
+    map::PackedSet seen;
 
     template <class Archive>
     void archive(Archive& a) {
       a(visits, seen);
     }
   };
+  /// Packs what the last visit has noted.
+  void keep();
+
   int interval_;
   std::vector<Keyframe> keyframes_;
+  std::size_t bytes_ = 0;              // of keyframes_
+  map::GaussianSet seen_;              // of the last visit
+  std::optional<std::size_t> noting_;  // the keyframe whose visit notes in seen_
 };
 
 }  // namespace sgs::mapper

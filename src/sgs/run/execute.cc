@@ -42,7 +42,7 @@ eval::Metrics run_metrics(const RunOptions& options, const slam::SessionConfig& 
   if (fed > 1 && system_s > 0) m.fps_system = fed / system_s;
   if (fed > 1 && clock.wall_s > 0) m.fps_wall = fed / clock.wall_s;
   if (const auto it = times.stages().find("map/iteration"); it != times.stages().end()) {
-    m.map_iteration_ms_p50 = quantile(it->second, 0.5);
+    m.map_iteration_ms_p50 = quantile(it->second.values_ms, 0.5);
   }
   if (const auto rss = peak_rss_bytes(); rss > 0) m.peak_rss_bytes = rss;
   if (const auto loops = session.loop_counts()) {

@@ -12,7 +12,7 @@
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <numeric>
+#include <vector>
 
 namespace sgs::run {
 
@@ -31,26 +31,27 @@ Json& node_of(Json& root, const std::string& name) {
 
 std::string timings_json(const StageTimes& times) {
   Json root = Json::object();
-  for (const auto& [name, values] : times.stages()) {  // parents come before their parts
+  for (const auto& [name, stage] : times.stages()) {  // parents come before their parts
     Json& node = node_of(root, name);
-    node["calls"] = values.size();
-    node["total_ms"] = std::accumulate(values.begin(), values.end(), 0.0);
-    node["p50_ms"] = quantile(values, 0.5);
-    node["p95_ms"] = quantile(values, 0.95);
+    node["calls"] = stage.calls;
+    node["total_ms"] = stage.total_ms;
+    node["p50_ms"] = quantile(stage.values_ms, 0.5);
+    node["p95_ms"] = quantile(stage.values_ms, 0.95);
   }
   return root.dump(2) + "\n";
 }
 
 std::string chrome_trace(const StageTimes& times, std::span<const InputEvent> happened) {
   double begin_s = std::numeric_limits<double>::infinity();
-  for (const auto& interval : times.intervals()) begin_s = std::min(begin_s, interval.start_s);
+  const std::vector<StageTimes::Interval> intervals = times.intervals();
+  for (const auto& interval : intervals) begin_s = std::min(begin_s, interval.start_s);
   for (const InputEvent& event : happened) begin_s = std::min(begin_s, event.wall_s);
   constexpr double kMicroseconds = 1e6, kPerMillisecond = 1e3;
   std::map<std::string, int> threads;
   Json events = Json::array();
-  for (const auto& interval : times.intervals()) {
+  for (const auto& interval : intervals) {
     const auto [thread, is_new] =
-        threads.try_emplace(interval.thread, static_cast<int>(threads.size()) + 1);
+        threads.try_emplace(std::string(interval.thread), static_cast<int>(threads.size()) + 1);
     if (is_new) {
       events.push_back({{"ph", "M"},
                         {"name", "thread_name"},

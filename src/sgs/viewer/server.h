@@ -17,7 +17,7 @@ namespace sgs::viewer {
 /// What keeps a hostile or clumsy client from hurting anybody.
 struct ServerLimits {
   // limit: viewers at once
-  std::size_t clients = 32;  ///< WebSockets at once; more are refused with 503
+  std::size_t clients = 64;  ///< WebSockets at once; more are refused with 503
   // limit: HTTP connections at once
   std::size_t pending = 128;  ///< connections still busy with HTTP; the oldest gives way
   // limit: header of an HTTP request, bytes
