@@ -342,6 +342,32 @@ TEST(TrackablePoints, AddsOnlyWhereNothingIsAndFollowsKeyframes) {
   EXPECT_THROW(points.move_keyframe(9, SE3{}), ContractViolation);
 }
 
+// A wall seen again ten centimetres further back hides the new one: nothing behind it is found, and
+// every frame would add it anew.
+TEST(TrackablePoints, WhatAFrameLooksThroughGoes) {
+  const registration::FreeSpace space(render(room(), true, pose_at(0), 0).depth, kCamera);
+  registration::SourceCloud source;
+  registration::make_sampler({}, kCamera, false)
+      ->sample(render(room(), true, pose_at(0), 0).depth, source);
+  TrackablePoints points({0.03f, 0.03f});
+  const int all = points.insert(source, {0, pose_at(0)}, nullptr);
+  EXPECT_EQ(points.remove_in(space, pose_at(0)), 0);
+  EXPECT_EQ(points.cloud().moves, 0u);
+
+  registration::SourceCloud nearer = source;
+  for (registration::SourcePoint& p : nearer.points) p.point *= 0.85f;
+  const int more = points.insert(nearer, {1, pose_at(0)}, nullptr);
+  const int removed = points.remove_in(space, pose_at(0));
+  EXPECT_GT(removed, more / 2);  // the others lie beside edges
+  EXPECT_GT(points.cloud().moves, 0u);
+  int alive = 0;
+  for (int i = 0; i < all; ++i) {
+    alive += points.cloud().points[static_cast<std::size_t>(i)].alive() ? 1 : 0;
+  }
+  EXPECT_EQ(alive, all);
+  EXPECT_EQ(points.remove_in(space, pose_at(0)), 0);
+}
+
 TEST(MotionModel, RepeatsTheDecayedMotionScaledWithTime) {
   MotionModel motion(MotionConfig{}, SE3{});
   Vector6d xi;

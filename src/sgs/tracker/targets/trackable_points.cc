@@ -28,6 +28,20 @@ int TrackablePoints::insert(const registration::SourceCloud& source, const Obser
   return static_cast<int>(cloud_.points.size() - begin);
 }
 
+int TrackablePoints::remove_in(const registration::FreeSpace& space, const SE3& T_local_camera) {
+  const SE3 inverse = T_local_camera.inverse();
+  const Eigen::Matrix3f R = inverse.R.cast<float>();
+  const Eigen::Vector3f t = inverse.t.cast<float>();
+  int removed = 0;
+  for (registration::TargetPoint& p : cloud_.points) {
+    if (!p.alive() || !space.contains(R * p.point + t, spacing_.distance_m)) continue;
+    p.variance_m2 = 0;
+    ++removed;
+  }
+  if (removed > 0) ++cloud_.moves;
+  return removed;
+}
+
 void TrackablePoints::move_keyframe(int keyframe, const SE3& T_local_camera) {
   SGS_CHECK(keyframe >= 0 && keyframe < keyframes(), "no such keyframe");
   Keyframe& k = keyframes_[static_cast<std::size_t>(keyframe)];

@@ -8,6 +8,7 @@
 #include "sgs/camera/past_correction.h"
 #include "sgs/geometry/se3.h"
 #include "sgs/registration/correspondence_search.h"
+#include "sgs/registration/free_space.h"
 
 namespace sgs::tracker {
 
@@ -36,6 +37,9 @@ class TrackablePoints {
   /// added.
   int insert(const registration::SourceCloud& source, const Observer& keyframe,
              const registration::CorrespondenceSearch* search);
+  /// Removes the points that a camera at `T_local_camera` looks through by more than the spacing's
+  /// distance. Returns how many there were.
+  int remove_in(const registration::FreeSpace& space, const SE3& T_local_camera);
   /// Moves keyframe number `keyframe` (in order of insertion) and its points to `T_local_camera`.
   void move_keyframe(int keyframe, const SE3& T_local_camera);
 

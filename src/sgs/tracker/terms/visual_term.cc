@@ -31,11 +31,14 @@ double VisualTerm::view_distance(const Keyframe& keyframe, const SE3& T_local_ca
       keyframe.reference.T_world_keyframe().inverse() * T_local_camera);
 }
 
-VisualTerm::Fit VisualTerm::start(const SE3& T_local_predicted) const {
+VisualTerm::Fit VisualTerm::start(const SE3& T_local_predicted) {
   Fit fit;
   fit.term_ = this;
   if (keyframes_.empty()) return fit;
-  const auto add = [&](std::size_t index) { fit.references_.push_back({index, {}, {}}); };
+  const auto add = [&](std::size_t index) {
+    catch_up(keyframes_[index]);
+    fit.references_.push_back({index, {}, {}});
+  };
   add(newest_);
   std::vector<std::pair<double, std::size_t>> near;
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
@@ -140,15 +143,25 @@ void VisualTerm::insert_keyframe(const SE3& T_local_camera, const Fit& fit, cons
   keyframes_.push_back({registration::PhotometricReference(pyramid_, frame_->depth, T_local_camera,
                                                            config_.photometric, surface,
                                                            registration::ReadoutMotion(readout)),
-                        depth_m > 0 ? depth_m : kDefaultDepth_m, frame_->timestamp_s, velocity});
+                        depth_m > 0 ? depth_m : kDefaultDepth_m,
+                        frame_->timestamp_s,
+                        velocity,
+                        {}});
   newest_ = keyframes_.size() - 1;
 }
 
 void VisualTerm::correct(const PastCorrection& correction) {
   for (Keyframe& k : keyframes_) {
     k.reference.set_pose(correction.corrected(k.reference.T_world_keyframe(), k.timestamp_s));
-    if (correction.depth) k.reference.change_depth(*correction.depth, k.velocity);
+    if (correction.depth) k.changes.push_back(correction.depth);
   }
+}
+
+void VisualTerm::catch_up(Keyframe& keyframe) {
+  for (const auto& change : keyframe.changes) {
+    keyframe.reference.change_depth(*change, keyframe.velocity);
+  }
+  keyframe.changes.clear();
 }
 
 }  // namespace sgs::tracker

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "sgs/camera/past_correction.h"
@@ -29,7 +30,7 @@ class VisualTerm {
 
   class Fit;
   /// The fit of a frame expected at `T_local_predicted`, to the keyframes chosen for that pose.
-  Fit start(const SE3& T_local_predicted) const;
+  Fit start(const SE3& T_local_predicted);
 
   /// Whether the frame, fitted at `T_local_camera`, is far enough from the newest keyframe to
   /// become one.
@@ -38,7 +39,8 @@ class VisualTerm {
   /// `readout`: camera twist over its readout, `velocity`: per second.
   void insert_keyframe(const SE3& T_local_camera, const Fit& fit, const Vector6d& readout,
                        const Vector6d& velocity, const registration::SurfaceLookup& surface);
-  /// Moves the keyframes (in local coordinates).
+  /// Moves the keyframes (in local coordinates). Depth that is known better reaches each when it is
+  /// next aligned to: a frame that all of them waited for would be late.
   void correct(const PastCorrection& correction);
   int keyframes() const { return static_cast<int>(keyframes_.size()); }
   /// Number of the keyframe the camera was last at.
@@ -50,7 +52,10 @@ class VisualTerm {
     double mean_depth_m;
     double timestamp_s;
     Vector6d velocity;  // camera twist per second
+    /// What is known better of its depth since it was last aligned to.
+    std::vector<std::shared_ptr<const DepthChange>> changes;
   };
+  static void catch_up(Keyframe& keyframe);
   double view_distance(const Keyframe& keyframe, const SE3& T_local_camera) const;
   bool is_near(const Keyframe& keyframe, const SE3& T_local_camera, double share) const;
 
