@@ -3,45 +3,30 @@
 #include "sgs/registration/free_space.h"
 
 #include <algorithm>
-
-#include "sgs/camera/depth_noise.h"
+#include <cmath>
 
 namespace sgs::registration {
-namespace {
 
-constexpr int kCell_px = 4;
-
-/// Least measured depth of a cell, 0 where there is none.
-float nearest_in(const DepthImage& depth, int column, int row) {
-  float nearest = 0;
-  for (int y = row * kCell_px; y < std::min(depth.height(), (row + 1) * kCell_px); ++y) {
-    for (int x = column * kCell_px; x < std::min(depth.width(), (column + 1) * kCell_px); ++x) {
-      const float z = depth(x, y);
-      if (z > 0 && (nearest <= 0 || z < nearest)) nearest = z;
-    }
-  }
-  return nearest;
-}
-
-}  // namespace
-
-FreeSpace::FreeSpace(const DepthImage& depth, const PinholeCamera& camera)
-    : width_((depth.width() + kCell_px - 1) / kCell_px),
-      height_((depth.height() + kCell_px - 1) / kCell_px),
-      fx_(static_cast<float>(camera.fx / kCell_px)),
-      fy_(static_cast<float>(camera.fy / kCell_px)),
-      cx_(static_cast<float>((camera.cx + 0.5) / kCell_px)),
-      cy_(static_cast<float>((camera.cy + 0.5) / kCell_px)),
+FreeSpace::FreeSpace(const SourceCloud& cloud, const PinholeCamera& camera, int step_px)
+    : width_((camera.width + step_px - 1) / step_px),
+      height_((camera.height + step_px - 1) / step_px),
+      fx_(static_cast<float>(camera.fx / step_px)),
+      fy_(static_cast<float>(camera.fy / step_px)),
+      cx_(static_cast<float>((camera.cx + 0.5) / step_px)),
+      cy_(static_cast<float>((camera.cy + 0.5) / step_px)),
       nearest_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), 0.0f) {
+  constexpr float kSigmas = 3;
   const auto index = [&](int column, int row) {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
            static_cast<std::size_t>(column);
   };
-  std::vector<float> cells(nearest_.size());
-  for (int row = 0; row < height_; ++row) {
-    for (int column = 0; column < width_; ++column) {
-      cells[index(column, row)] = nearest_in(depth, column, row);
-    }
+  std::vector<float> cells(nearest_.size(), 0.0f);
+  for (const SourcePoint& p : cloud.points) {
+    const int column = std::min(p.u / step_px, width_ - 1);
+    const int row = std::min(p.v / step_px, height_ - 1);
+    const float z = p.point.z() - kSigmas * std::sqrt(p.variance_m2);
+    float& cell = cells[index(column, row)];
+    if (cell <= 0 || z < cell) cell = z;
   }
   // The outermost cells stay 0: what lies beyond them was not seen.
   for (int row = 1; row + 1 < height_; ++row) {
@@ -58,7 +43,6 @@ FreeSpace::FreeSpace(const DepthImage& depth, const PinholeCamera& camera)
 }
 
 bool FreeSpace::contains(const Eigen::Vector3f& point, float margin_m) const {
-  constexpr float kSigmas = 3;
   if (!(point.z() > 0)) return false;
   const float inverse = 1 / point.z();
   const float u = point.x() * inverse * fx_ + cx_, v = point.y() * inverse * fy_ + cy_;
@@ -68,7 +52,7 @@ bool FreeSpace::contains(const Eigen::Vector3f& point, float margin_m) const {
   }
   const float seen = nearest_[static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) +
                               static_cast<std::size_t>(u)];
-  return seen > point.z() + margin_m + kSigmas * depth_sigma_m(seen);
+  return seen > point.z() + margin_m;
 }
 
 }  // namespace sgs::registration

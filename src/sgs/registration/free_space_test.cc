@@ -19,10 +19,22 @@ PinholeCamera camera() {
   return c;
 }
 
-DepthImage wall(float depth_m) {
-  DepthImage depth(camera().width, camera().height);
-  for (std::size_t i = 0; i < depth.size(); ++i) depth.data()[i] = depth_m;
-  return depth;
+constexpr int kStep_px = 4;
+
+/// A point in the middle of each cell.
+SourceCloud wall(float depth_m) {
+  SourceCloud cloud;
+  for (int v = kStep_px / 2; v < camera().height; v += kStep_px) {
+    for (int u = kStep_px / 2; u < camera().width; u += kStep_px) {
+      SourcePoint p;
+      p.point = camera().back_project(u, v, double{depth_m}).cast<float>();
+      p.normal = {0, 0, -1};
+      p.variance_m2 = 1e-6f;
+      p.u = static_cast<std::uint16_t>(u), p.v = static_cast<std::uint16_t>(v);
+      cloud.points.push_back(p);
+    }
+  }
+  return cloud;
 }
 
 Eigen::Vector3f at(double u, double v, double depth_m) {
@@ -30,7 +42,7 @@ Eigen::Vector3f at(double u, double v, double depth_m) {
 }
 
 TEST(FreeSpace, LiesBeforeWhatIsMeasured) {
-  const FreeSpace space(wall(2), camera());
+  const FreeSpace space(wall(2), camera(), kStep_px);
   EXPECT_TRUE(space.contains(at(80, 60, 1.8), kMargin_m));
   EXPECT_FALSE(space.contains(at(80, 60, 1.98), kMargin_m));  // within the margin
   EXPECT_FALSE(space.contains(at(80, 60, 2), kMargin_m));
@@ -38,7 +50,7 @@ TEST(FreeSpace, LiesBeforeWhatIsMeasured) {
 }
 
 TEST(FreeSpace, EndsWithTheImage) {
-  const FreeSpace space(wall(2), camera());
+  const FreeSpace space(wall(2), camera(), kStep_px);
   EXPECT_FALSE(space.contains(at(1, 60, 1), kMargin_m));
   EXPECT_FALSE(space.contains(at(-20, 60, 1), kMargin_m));
   EXPECT_FALSE(space.contains(at(80, 400, 1), kMargin_m));
@@ -49,16 +61,17 @@ TEST(FreeSpace, EndsWithTheImage) {
 
 // A hole may be a thin thing that was missed, and beside an edge a pixel more or less is no news.
 TEST(FreeSpace, IsNotWhereSomethingNearWasSeenOrMissed) {
-  DepthImage depth = wall(3);
-  for (int y = 40; y < 48; ++y) {
-    for (int x = 40; x < 48; ++x) depth(x, y) = 0;
+  SourceCloud cloud = wall(3);
+  std::erase_if(cloud.points,
+                [](const SourcePoint& p) { return p.u / kStep_px == 10 && p.v / kStep_px == 10; });
+  for (SourcePoint& p : cloud.points) {
+    if (p.u / kStep_px == 25) p.point *= 1 / p.point.z();
   }
-  for (int y = 40; y < 48; ++y) depth(100, y) = 1;
-  const FreeSpace space(depth, camera());
-  EXPECT_FALSE(space.contains(at(44, 44, 1), kMargin_m));
-  EXPECT_FALSE(space.contains(at(51, 44, 1), kMargin_m));  // the cell beside it
-  EXPECT_FALSE(space.contains(at(101, 44, 1), kMargin_m));
-  EXPECT_TRUE(space.contains(at(60, 44, 1), kMargin_m));
+  const FreeSpace space(cloud, camera(), kStep_px);
+  EXPECT_FALSE(space.contains(at(42, 42, 1.5), kMargin_m));
+  EXPECT_FALSE(space.contains(at(46, 42, 1.5), kMargin_m));  // the cell beside it
+  EXPECT_FALSE(space.contains(at(105, 42, 1.5), kMargin_m));
+  EXPECT_TRUE(space.contains(at(60, 42, 1.5), kMargin_m));
 }
 
 }  // namespace

@@ -120,12 +120,11 @@ struct Sensor::SystematicRow {
   float operator()(std::size_t x, float depth_m) const {
     const SensorModel& m = sensor.model_;
     const float r = std::clamp(depth_m / 3, 0.3f, 1.5f);
-    const float measured =
-        depth_m * (1 + m.distortion * r * std::clamp(bend[x], -1.f, 1.f)) +
-        m.pattern * depth_m * depth_m * pattern[x];
+    const float measured = depth_m * (1 + m.distortion * r * std::clamp(bend[x], -1.f, 1.f)) +
+                           m.pattern * depth_m * depth_m * pattern[x];
     if (!sensor.factor_) return measured;
-    const float relative = m.factor * (factor[x] - sensor.factor_mean_) +
-                           m.growth_per_m2 * depth_m * depth_m;
+    const float relative =
+        m.factor * (factor[x] - sensor.factor_mean_) + m.growth_per_m2 * depth_m * depth_m;
     return measured * (1 + relative) / (1 - m.disparity_per_m * measured);
   }
 };
@@ -203,8 +202,7 @@ void Sensor::depth_row(const RayImage& exact, int y, std::int64_t frame,
     const float grazing = (0.342f - cosine) / (0.342f - 0.174f);
     if (shaded || (edge && luck < 0.8f) || luck < grazing) continue;
     const float sigma = depth_sigma_m(d);
-    float measured = systematic(i, d) +
-                     sigma * (gauss(h, 0) + model_.correlated_noise * smooth[i]);
+    float measured = systematic(i, d) + sigma * (gauss(h, 0) + model_.correlated_noise * smooth[i]);
     if (measured <= 0.1f) continue;
     const float disparity = std::round(kDisparityPxM / measured * 8) / 8;
     measured = kDisparityPxM / std::max(disparity, 0.125f);

@@ -312,7 +312,8 @@ TEST(Sensor, VariedErrsInAnotherWayWithEachSeed) {
       const std::vector<float> wall(static_cast<std::size_t>(camera.width), depth_m);
       double sum = 0;
       for (int y = 0; y < camera.height; ++y) {
-        for (const float offset : sensor.inverse_depth_offsets(y, wall.data())) sum += double{offset};
+        for (const float offset : sensor.inverse_depth_offsets(y, wall.data()))
+          sum += double{offset};
       }
       return sum / (camera.width * camera.height);
     };

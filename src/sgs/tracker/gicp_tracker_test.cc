@@ -345,10 +345,11 @@ TEST(TrackablePoints, AddsOnlyWhereNothingIsAndFollowsKeyframes) {
 // A wall seen again ten centimetres further back hides the new one: nothing behind it is found, and
 // every frame would add it anew.
 TEST(TrackablePoints, WhatAFrameLooksThroughGoes) {
-  const registration::FreeSpace space(render(room(), true, pose_at(0), 0).depth, kCamera);
+  registration::SamplingConfig sampling;
   registration::SourceCloud source;
-  registration::make_sampler({}, kCamera, false)
+  registration::make_sampler(sampling, kCamera, false)
       ->sample(render(room(), true, pose_at(0), 0).depth, source);
+  const registration::FreeSpace space(source, kCamera, sampling.step_px);
   TrackablePoints points({0.03f, 0.03f});
   const int all = points.insert(source, {0, pose_at(0)}, nullptr);
   EXPECT_EQ(points.remove_in(space, pose_at(0)), 0);

@@ -54,7 +54,8 @@ class GeometricTerm {
   /// `noise_stride`-th point enters the expectation of what noise alone would tell.
   degeneracy::SurfaceInformation surface_information(int noise_stride);
   /// Removes targets that the frame last given to set_frame(), which must still exist, looks
-  /// through, and extends them by it where the search last prepared finds none. `motion` is what its points are corrected for.
+  /// through, and extends them by it where the search last prepared finds none. `motion` is what
+  /// its points are corrected for.
   void insert_keyframe(const SE3& T_local_camera, const registration::FrameMotion& motion = {});
 
   /// Moves the tracker's own targets (in local coordinates).

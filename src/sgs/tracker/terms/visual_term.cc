@@ -14,6 +14,9 @@ namespace sgs::tracker {
 namespace {
 
 constexpr double kDefaultDepth_m = 2;
+// A keyframe that fits worse than the newest one by this factor for so many frames contradicts it.
+constexpr double kFarWorse = 2.5;
+constexpr int kContradictions = 5;
 // Coarser levels have too few pixels for three more unknowns: the readout is as believed there.
 constexpr int kCoarsestReadoutLevel = 1;
 
@@ -42,7 +45,7 @@ VisualTerm::Fit VisualTerm::start(const SE3& T_local_predicted) {
   add(newest_);
   std::vector<std::pair<double, std::size_t>> near;
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
-    if (i == newest_) continue;
+    if (i == newest_ || keyframes_[i].contradictions >= kContradictions) continue;
     const double distance = view_distance(keyframes_[i], T_local_predicted);
     if (distance < config_.keyframes.revisit_distance) near.emplace_back(distance, i);
   }
@@ -52,6 +55,22 @@ VisualTerm::Fit VisualTerm::start(const SE3& T_local_predicted) {
     add(index);
   }
   return fit;
+}
+
+void VisualTerm::compare_references(const Fit& fit) {
+  const auto cost = [](const Fit::Reference& r) {
+    return r.last.used > 0 ? r.last.cost / r.last.used : 0.0;
+  };
+  double newest = 0;
+  for (const Fit::Reference& r : fit.references_) {
+    if (r.keyframe == newest_) newest = cost(r);
+  }
+  if (newest <= 0) return;
+  for (const Fit::Reference& r : fit.references_) {
+    if (r.keyframe == newest_) continue;
+    int& count = keyframes_[r.keyframe].contradictions;
+    count = cost(r) > kFarWorse * newest ? count + 1 : 0;
+  }
 }
 
 void VisualTerm::Fit::set_readout(const ReadoutEstimator::Belief& belief) {
@@ -146,7 +165,8 @@ void VisualTerm::insert_keyframe(const SE3& T_local_camera, const Fit& fit, cons
                         depth_m > 0 ? depth_m : kDefaultDepth_m,
                         frame_->timestamp_s,
                         velocity,
-                        {}});
+                        {},
+                        0});
   newest_ = keyframes_.size() - 1;
 }
 
@@ -154,6 +174,7 @@ void VisualTerm::correct(const PastCorrection& correction) {
   for (Keyframe& k : keyframes_) {
     k.reference.set_pose(correction.corrected(k.reference.T_world_keyframe(), k.timestamp_s));
     if (correction.depth) k.changes.push_back(correction.depth);
+    k.contradictions = 0;
   }
 }
 

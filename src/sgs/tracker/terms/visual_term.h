@@ -32,6 +32,10 @@ class VisualTerm {
   /// The fit of a frame expected at `T_local_predicted`, to the keyframes chosen for that pose.
   Fit start(const SE3& T_local_predicted);
 
+  /// Learns from an accepted fit which keyframes contradict the newest one: one that has for some
+  /// frames fitted far worse lies elsewhere, since the camera has drifted on its way back to it.
+  /// It is left out until the past is corrected.
+  void compare_references(const Fit& fit);
   /// Whether the frame, fitted at `T_local_camera`, is far enough from the newest keyframe to
   /// become one.
   bool wants_keyframe(const SE3& T_local_camera, const Fit& fit) const;
@@ -54,6 +58,7 @@ class VisualTerm {
     Vector6d velocity;  // camera twist per second
     /// What is known better of its depth since it was last aligned to.
     std::vector<std::shared_ptr<const DepthChange>> changes;
+    int contradictions = 0;  // frames in a row that fitted it far worse than the newest one
   };
   static void catch_up(Keyframe& keyframe);
   double view_distance(const Keyframe& keyframe, const SE3& T_local_camera) const;
@@ -76,6 +81,7 @@ class VisualTerm::Fit {
   Fit() = default;
 
   bool has_references() const { return !references_.empty(); }
+  int references() const { return static_cast<int>(references_.size()); }
   /// What is believed of the camera's motion during the readout of the frame; the estimate starts
   /// there.
   void set_readout(const ReadoutEstimator::Belief& belief);
