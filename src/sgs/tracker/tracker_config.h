@@ -82,9 +82,10 @@ struct KeyframeConfig {
           "", {0, 1});
     p.add("overlap_distance_m", overlap_distance_m,
           "A point is explained by a target nearer than this.", "m", {1e-3, 1});
-    p.add("clear_view", clear_view,
-          "A tracking keyframe removes targets that it looks through: what has moved, and old "
-          "surfaces that a drifted camera sees before the new ones.");
+    p.add(
+        "clear_view", clear_view,
+        "A tracking keyframe removes targets of a long way ago that it looks through: old surfaces "
+        "that a drifted camera sees before the new ones.");
   }
 };
 

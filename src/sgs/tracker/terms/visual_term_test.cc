@@ -11,8 +11,8 @@ namespace {
 
 SE3 beside(double x_m) { return SE3(Eigen::Matrix3d::Identity(), {x_m, 0, 0}); }
 
-/// Shows the wall from `beside(x_m)`, held to be seen from `drift_m` further on, and aligns nothing:
-/// the fit is linearized where the camera is held to be.
+/// Shows the wall from `beside(x_m)`, held to be seen from `drift_m` further on, and aligns
+/// nothing: the fit is linearized where the camera is held to be.
 VisualTerm::Fit look(VisualTerm& term, const RgbdFrame& frame, double x_m, double drift_m) {
   const SE3 T = beside(x_m + drift_m);
   term.set_frame(frame);
