@@ -95,7 +95,7 @@ Status judge(const Job& job, const slam::SessionConfig& config) {
   spec.input = job.folder;
   SGS_ASSIGN_OR_RETURN(auto input, run::open_input(spec, 2));
   const Trajectory true_path = input.source->ground_truth();
-  const synthetic::Sensor sensor(synthetic::SensorModel::of_level(job.level),
+  const synthetic::Sensor sensor(synthetic::SensorModel::of_level(job.level, job.seed),
                                  input.source->camera(), job.seed);
   const ImageGrid grid{config.backend.calibration.columns, config.backend.calibration.rows};
   Truth truth;

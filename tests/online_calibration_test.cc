@@ -66,7 +66,7 @@ TEST(OnlineCalibration, MakesThePathTruer) {
   const CalibratedRun calibrated = run(recording, config_with_calibration(true), 2);
   ASSERT_TRUE(calibrated.calibration);
   EXPECT_LT(ate_m(calibrated.poses, recording.truth), 0.6 * ate_m(as_is.poses, recording.truth));
-  const synthetic::Sensor sensor(synthetic::SensorModel::of_level("hard"), recording.camera, 1);
+  const synthetic::Sensor sensor(synthetic::SensorModel::of_level("hard", 1), recording.camera, 1);
   EXPECT_LT((calibrated.calibration->shift_px - sensor.registration_shift()).norm(), 0.5);
 }
 

@@ -67,10 +67,10 @@ Result<SceneInfo> find_scene(const std::string& name) {
 }
 
 Status check_level(const std::string& level) {
-  if (level == "clean" || level == "kinect" || level == "hard") return {};
-  return fail(
-      ErrorCode::kInvalidArgument, fmt::format("no sensor level is called '{}'", level),
-      "known levels, the nearest first: " + nearest_first({"clean", "kinect", "hard"}, level));
+  const std::vector<std::string> known = {"clean", "kinect", "hard", "varied"};
+  if (std::find(known.begin(), known.end(), level) != known.end()) return {};
+  return fail(ErrorCode::kInvalidArgument, fmt::format("no sensor level is called '{}'", level),
+              "known levels, the nearest first: " + nearest_first(known, level));
 }
 
 Result<SynthOptions> parse_synth_spec(std::string_view spec) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "sgs/camera/depth_noise.h"
 
@@ -44,16 +45,25 @@ float drift(std::uint64_t key, double t_s, double period_s) {
   return (1 - s) * at(cell) + s * at(cell + 1);
 }
 
-// What the sensor makes of a depth before any noise.
-float systematic(const SensorModel& model, float depth_m, float pattern, float bend) {
-  const float r = std::clamp(depth_m / 3, 0.3f, 1.5f);
-  return depth_m * (1 + model.distortion * r * std::clamp(bend, -1.f, 1.f)) +
-         model.pattern * depth_m * depth_m * pattern;
-}
+/// Numbers of one sensor: the n-th is drawn between two limits.
+class Draw {
+ public:
+  explicit Draw(std::uint64_t seed) : seed_(hash64(seed, hash_name("sensor model"))) {}
+  double between(double least, double most) {
+    return least + (most - least) * double{unit_float(hash64(seed_, ++count_))};
+  }
+  double of_either_sign(double least, double most) {
+    const double size = between(least, most);
+    return between(-1, 1) < 0 ? -size : size;
+  }
+
+ private:
+  std::uint64_t seed_, count_ = 0;
+};
 
 }  // namespace
 
-SensorModel SensorModel::of_level(const std::string& level) {
+SensorModel SensorModel::of_level(const std::string& level, std::uint64_t seed) {
   SensorModel m;
   if (level == "clean") return m;
   m.noise = true;
@@ -61,16 +71,27 @@ SensorModel SensorModel::of_level(const std::string& level) {
   m.color_sigma = 2.5f;
   m.min_depth_m = 0.45f;
   m.max_depth_m = 5.f;
-  if (level != "hard") return m;
+  if (level == "kinect") return m;
   m.hard = true;
-  m.rolling_shutter_s = 0.016;
-  m.depth_delay_s = 0.004;
-  m.misregistration_px = 1.5;
   m.lost_frames = 0.02;
-  m.pattern = 0.0025f;
-  m.distortion = 0.01f;
   m.correlated_noise = 0.7f;
   m.exposure_drift = 0.2f;
+  if (level == "hard") {
+    m.rolling_shutter_s = 0.016;
+    m.depth_delay_s = 0.004;
+    m.misregistration_px = 1.5;
+    m.pattern = 0.0025f;
+    m.distortion = 0.01f;
+    return m;
+  }
+  Draw draw(seed);
+  m.rolling_shutter_s = draw.between(0.008, 0.024);
+  m.depth_delay_s = draw.between(-0.002, 0.008);
+  m.misregistration_px = draw.between(0.5, 2);
+  m.pattern = static_cast<float>(draw.between(0.001, 0.0025));
+  m.factor = static_cast<float>(draw.of_either_sign(0.003, 0.01));
+  m.growth_per_m2 = static_cast<float>(draw.of_either_sign(0.0003, 0.001));
+  m.disparity_per_m = static_cast<float>(draw.of_either_sign(0.001, 0.004));
   return m;
 }
 
@@ -80,6 +101,40 @@ Sensor::Sensor(const SensorModel& model, const PinholeCamera& camera, std::uint6
   const float scale = static_cast<float>(camera.width) / 640;
   pattern_.emplace(camera.width, camera.height, std::max(4.f, 50 * scale), hash64(seed_, 1));
   distortion_.emplace(camera.width, camera.height, std::max(8.f, 320 * scale), hash64(seed_, 2));
+  if (model.factor == 0) return;
+  factor_.emplace(camera.width, camera.height, std::max(8.f, 240 * scale), hash64(seed_, 10));
+  std::vector<float> row(static_cast<std::size_t>(camera.width));
+  double sum = 0;
+  for (int y = 0; y < camera.height; ++y) {
+    factor_->row(y, row.data());
+    sum = std::accumulate(row.begin(), row.end(), sum);
+  }
+  factor_mean_ = static_cast<float>(sum / (double{1} * camera.width * camera.height));
+}
+
+// What the sensor makes of the depths of a row before any noise.
+struct Sensor::SystematicRow {
+  const Sensor& sensor;
+  std::vector<float> pattern, bend, factor;  // fields along the row
+
+  float operator()(std::size_t x, float depth_m) const {
+    const SensorModel& m = sensor.model_;
+    const float r = std::clamp(depth_m / 3, 0.3f, 1.5f);
+    const float measured = depth_m * (1 + m.distortion * r * std::clamp(bend[x], -1.f, 1.f)) +
+                           m.pattern * depth_m * depth_m * pattern[x];
+    if (!sensor.factor_) return measured;
+    const float relative =
+        m.factor * (factor[x] - sensor.factor_mean_) + m.growth_per_m2 * depth_m * depth_m;
+    return measured * (1 + relative) / (1 - m.disparity_per_m * measured);
+  }
+};
+
+Sensor::SystematicRow Sensor::systematic_row(int y) const {
+  const std::vector<float> none(static_cast<std::size_t>(camera_.width), 0.f);
+  SystematicRow out{*this, none, none, none};
+  if (pattern_) pattern_->row(y, out.pattern.data()), distortion_->row(y, out.bend.data());
+  if (factor_) factor_->row(y, out.factor.data());
+  return out;
 }
 
 Eigen::Vector2d Sensor::registration_shift() const {
@@ -105,12 +160,10 @@ float Sensor::gain(double t_s) const {
 std::vector<float> Sensor::inverse_depth_offsets(int y, const float* depth_m) const {
   std::vector<float> out(static_cast<std::size_t>(camera_.width));
   if (!pattern_) return out;
-  std::vector<float> pattern(out.size()), bend(out.size());
-  pattern_->row(y, pattern.data());
-  distortion_->row(y, bend.data());
+  const SystematicRow systematic = systematic_row(y);
   for (std::size_t x = 0; x < out.size(); ++x) {
     const float z = depth_m[x];
-    if (z > 0) out[x] = 1 / z - 1 / systematic(model_, z, pattern[x], bend[x]);
+    if (z > 0) out[x] = 1 / z - 1 / systematic(x, z);
   }
   return out;
 }
@@ -123,9 +176,9 @@ void Sensor::depth_row(const RayImage& exact, int y, std::int64_t frame,
   const float* z = exact.depth.data() + begin;
   const float* up = y > 0 ? z - w : z;
   const float* down = y + 1 < exact.height ? z + w : z;
-  std::vector<float> smooth(n, 0.f), pattern(n, 0.f), bend(n, 0.f);
+  std::vector<float> smooth(n, 0.f);
   if (correlated) correlated->row(y, smooth.data());
-  if (pattern_) pattern_->row(y, pattern.data()), distortion_->row(y, bend.data());
+  const SystematicRow systematic = systematic_row(y);
   const GaussTable& gauss = GaussTable::instance();
   const std::uint64_t key = hash64(hash64(seed_, 7), static_cast<std::uint64_t>(frame));
   const float shadow = static_cast<float>(camera_.fx) * kBaselineM;
@@ -149,8 +202,7 @@ void Sensor::depth_row(const RayImage& exact, int y, std::int64_t frame,
     const float grazing = (0.342f - cosine) / (0.342f - 0.174f);
     if (shaded || (edge && luck < 0.8f) || luck < grazing) continue;
     const float sigma = depth_sigma_m(d);
-    float measured = systematic(model_, d, pattern[i], bend[i]) +
-                     sigma * (gauss(h, 0) + model_.correlated_noise * smooth[i]);
+    float measured = systematic(i, d) + sigma * (gauss(h, 0) + model_.correlated_noise * smooth[i]);
     if (measured <= 0.1f) continue;
     const float disparity = std::round(kDisparityPxM / measured * 8) / 8;
     measured = kDisparityPxM / std::max(disparity, 0.125f);

@@ -28,11 +28,15 @@ struct SensorModel {
   float min_depth_m = 0, max_depth_m = 1e9f;
   float pattern = 0;           ///< fixed-pattern depth error in metres at 1 m, grows with z^2
   float distortion = 0;        ///< relative low-frequency depth error
+  float factor = 0;            ///< relative depth error over the image, as large in all depths
+  float growth_per_m2 = 0;     ///< relative depth error at 1 m that grows with z^2
+  float disparity_per_m = 0;   ///< by how much inverse depths are too small everywhere
   float correlated_noise = 0;  ///< sigma of noise correlated over 8 px, in units of sigma_z
   float exposure_drift = 0;    ///< the gain stays within 1 -+ this
 
-  /// "clean", "kinect" or "hard".
-  static SensorModel of_level(const std::string& level);
+  /// "clean", "kinect", "hard" or "varied". How a sensor of the last kind errs is drawn from the
+  /// seed: systematic errors of another form than those of "hard", some with the other sign.
+  static SensorModel of_level(const std::string& level, std::uint64_t seed);
 };
 
 /// Turns ray-cast images into what a sensor delivers. Immutable after construction; noise is a hash
@@ -57,12 +61,15 @@ class Sensor {
                    ThreadPool& pool) const;
 
  private:
+  struct SystematicRow;
+  SystematicRow systematic_row(int y) const;
   void depth_row(const RayImage& exact, int y, std::int64_t frame, const SmoothField* correlated,
                  float* out) const;
   SensorModel model_;
   PinholeCamera camera_;
   std::uint64_t seed_;
-  std::optional<SmoothField> pattern_, distortion_;
+  std::optional<SmoothField> pattern_, distortion_, factor_;
+  float factor_mean_ = 0;  // of the field: a common factor would be another world's size
 };
 
 }  // namespace sgs::synthetic

@@ -53,7 +53,7 @@ class SyntheticSource final : public dataset::FrameSource {
       : options_(options),
         scene_(std::move(scene)),
         motion_(std::move(motion)),
-        sensor_(SensorModel::of_level(options.level), options.camera, options.seed),
+        sensor_(SensorModel::of_level(options.level, options.seed), options.camera, options.seed),
         pool_(std::max(1, options.threads)) {
     const auto& poses = motion_.poses();
     start_s_ = options.trajectory ? poses.front().timestamp_s + kMargin : 1.0;

@@ -22,7 +22,7 @@ namespace sgs::synthetic {
 /// What to render. Everything random (textures, clutter, hand motion, noise) follows from `seed`.
 struct SynthOptions {
   std::string scene;             ///< one of scene_names()
-  std::string level = "kinect";  ///< sensor: "clean", "kinect" or "hard"
+  std::string level = "kinect";  ///< sensor: clean, kinect, hard or varied
   std::uint64_t seed = 1;
   /// Camera motion in a world with z up and the floor at z = 0 (e.g. a TUM ground-truth file); the
   /// scene is laid out around it. Empty = the scene's own hand-held motion.

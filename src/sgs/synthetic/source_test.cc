@@ -233,7 +233,7 @@ RayImage flat_wall(float depth, const PinholeCamera& camera) {
 
 TEST(Sensor, KinectNoiseHasTheModelsSpreadAndSteps) {
   const PinholeCamera camera = small("room", "kinect").camera;
-  const Sensor sensor(SensorModel::of_level("kinect"), camera, 3);
+  const Sensor sensor(SensorModel::of_level("kinect", 3), camera, 3);
   ThreadPool pool(1);
   for (const float z : {1.f, 2.f, 3.5f}) {
     const DepthImage depth = sensor.depth(flat_wall(z, camera), 7, pool);
@@ -256,7 +256,7 @@ TEST(Sensor, KinectNoiseHasTheModelsSpreadAndSteps) {
 
 TEST(Sensor, ColourNoiseHasTwoAndAHalfGreyLevels) {
   const PinholeCamera camera = small("room", "kinect").camera;
-  const Sensor sensor(SensorModel::of_level("kinect"), camera, 3);
+  const Sensor sensor(SensorModel::of_level("kinect", 3), camera, 3);
   ThreadPool pool(1);
   const ColorImage image = sensor.color(flat_wall(2, camera), SE3(), 1, 0, pool);
   double sum2 = 0;
@@ -265,7 +265,7 @@ TEST(Sensor, ColourNoiseHasTwoAndAHalfGreyLevels) {
 }
 
 TEST(Sensor, HardLosesTwoPercentAndDriftsByTwenty) {
-  const Sensor sensor(SensorModel::of_level("hard"), small("room", "hard").camera, 3);
+  const Sensor sensor(SensorModel::of_level("hard", 3), small("room", "hard").camera, 3);
   int lost = 0;
   float lo = 1, hi = 1;
   for (int i = 0; i < 20000; ++i) {
@@ -282,7 +282,7 @@ TEST(Sensor, HardLosesTwoPercentAndDriftsByTwenty) {
 
 TEST(Sensor, HardDepthPatternStaysFromFrameToFrame) {
   const PinholeCamera camera = small("room", "hard").camera;
-  const Sensor sensor(SensorModel::of_level("hard"), camera, 3);
+  const Sensor sensor(SensorModel::of_level("hard", 3), camera, 3);
   ThreadPool pool(1);
   const auto mean_of = [&](int first) {
     std::vector<double> mean(static_cast<std::size_t>(camera.width * camera.height));
@@ -298,6 +298,33 @@ TEST(Sensor, HardDepthPatternStaysFromFrameToFrame) {
     ab += a[i] * b[i], aa += a[i] * a[i], bb += b[i] * b[i];
   EXPECT_GT(ab / std::sqrt(aa * bb), 0.9);
   EXPECT_GT(std::sqrt(aa / static_cast<double>(a.size())), 0.005);
+}
+
+TEST(Sensor, VariedErrsInAnotherWayWithEachSeed) {
+  const PinholeCamera camera = small("room", "varied").camera;
+  std::vector<double> offsets;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const SensorModel model = SensorModel::of_level("varied", seed);
+    EXPECT_EQ(model.factor, SensorModel::of_level("varied", seed).factor);
+    const Sensor sensor(model, camera, seed);
+    // Inverse depth that is missing: an offset, and what is relative divided by the depth.
+    const auto mean_at = [&](float depth_m) {
+      const std::vector<float> wall(static_cast<std::size_t>(camera.width), depth_m);
+      double sum = 0;
+      for (int y = 0; y < camera.height; ++y) {
+        for (const float offset : sensor.inverse_depth_offsets(y, wall.data()))
+          sum += double{offset};
+      }
+      return sum / (camera.width * camera.height);
+    };
+    // The factor over the image has no mean: near, all that is left is the offset of disparity.
+    EXPECT_NEAR(mean_at(0.6f), double{model.disparity_per_m}, 0.0012);
+    EXPECT_NEAR(mean_at(3), double{model.disparity_per_m + 3 * model.growth_per_m2}, 0.0012);
+    EXPECT_GE(std::abs(model.factor), 0.003f);
+    offsets.push_back(double{model.disparity_per_m});
+  }
+  EXPECT_LT(*std::min_element(offsets.begin(), offsets.end()), -0.001);
+  EXPECT_GT(*std::max_element(offsets.begin(), offsets.end()), 0.001);
 }
 
 TEST(RealMotion, KeepsTheSceneInView) {

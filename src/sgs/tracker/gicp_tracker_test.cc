@@ -342,6 +342,32 @@ TEST(TrackablePoints, AddsOnlyWhereNothingIsAndFollowsKeyframes) {
   EXPECT_THROW(points.move_keyframe(9, SE3{}), ContractViolation);
 }
 
+// A wall that was seen a long way ago and now lies before the one that is measured hides it:
+// nothing behind it is found, and every frame would add it anew.
+TEST(TrackablePoints, WhatAFrameLooksThroughGoesIfItIsOld) {
+  const registration::SamplingConfig sampling;
+  registration::SourceCloud source;
+  registration::make_sampler(sampling, kCamera, false)
+      ->sample(render(room(), true, pose_at(0), 0).depth, source);
+  const registration::FreeSpace space(source, kCamera, sampling.step_px);
+  registration::SourceCloud nearer = source;
+  for (registration::SourcePoint& p : nearer.points) p.point *= 0.85f;
+  const SE3 far_away(Eigen::Matrix3d::Identity(), {6, 0, 0});
+
+  TrackablePoints points({0.03f, 0.03f});
+  const int old = points.insert(nearer, {0, pose_at(0)}, nullptr);
+  EXPECT_EQ(points.remove_in(space, pose_at(0)), 0);  // what was just seen holds the pose
+  EXPECT_EQ(points.cloud().moves, 0u);
+  points.insert({}, {1, far_away * pose_at(0)}, nullptr);
+  const int fresh = points.insert(source, {2, pose_at(0)}, nullptr);
+  const int removed = points.remove_in(space, pose_at(0));
+  EXPECT_GT(removed, old / 2);  // the others lie beside edges
+  EXPECT_GT(points.cloud().moves, 0u);
+  const auto& all = points.cloud().points;
+  EXPECT_TRUE(std::all_of(all.end() - fresh, all.end(), [](const auto& p) { return p.alive(); }));
+  EXPECT_EQ(points.remove_in(space, pose_at(0)), 0);
+}
+
 TEST(MotionModel, RepeatsTheDecayedMotionScaledWithTime) {
   MotionModel motion(MotionConfig{}, SE3{});
   Vector6d xi;

@@ -183,6 +183,7 @@ void JointAligner::correct(const PastCorrection& correction) {
 
 JointAligner::Extension JointAligner::extend(const Alignment& a, const Vector6d& readout) {
   Extension out;
+  vision_.compare_references(a.fit);
   if (check_frame() != LostReason::kNone) return out;
   if (vision_.wants_keyframe(a.T_local_camera, a.fit)) {
     const int before = vision_.keyframes();

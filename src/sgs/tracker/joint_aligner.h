@@ -80,8 +80,9 @@ class JointAligner {
     bool keyframe = false;  ///< a new one of the visual term
     bool targets = false;
   };
-  /// Takes the aligned frame in as visual keyframe and as targets, each where it is wanted.
-  /// `readout`: camera twist over the readout of its picture.
+  /// Learns which keyframes contradict the newest one, and takes the aligned frame in as visual
+  /// keyframe and as targets, each where it is wanted. `readout`: camera twist over the readout of
+  /// its picture.
   Extension extend(const Alignment& alignment, const Vector6d& readout);
 
   /// Moves keyframes and targets (in local coordinates).

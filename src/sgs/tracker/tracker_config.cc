@@ -57,6 +57,7 @@ TrackerConfig paper_tracker_config() {
               .stop_m = 5e-4};
   c.degeneracy.planarity_alone = true;
   c.motion.start = MotionStart::kPrevious;
+  c.keyframe.clear_view = false;
   c.target.source = TargetSource::kOptimised;
   c.target.step_px = c.points.step_px;
   return c;

@@ -73,6 +73,7 @@ struct MotionConfig {
 struct KeyframeConfig {
   double min_overlap = 0.81;
   double overlap_distance_m = 0.0316;
+  bool clear_view = true;
 
   void declare(ParameterList& p) {
     p.add("min_overlap", min_overlap,
@@ -81,6 +82,10 @@ struct KeyframeConfig {
           "", {0, 1});
     p.add("overlap_distance_m", overlap_distance_m,
           "A point is explained by a target nearer than this.", "m", {1e-3, 1});
+    p.add(
+        "clear_view", clear_view,
+        "A tracking keyframe removes targets of a long way ago that it looks through: old surfaces "
+        "that a drifted camera sees before the new ones.");
   }
 };
 

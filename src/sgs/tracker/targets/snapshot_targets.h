@@ -22,6 +22,9 @@ class SnapshotTargets : public TargetMap {
   void update(const map::SnapshotPtr& snapshot) override;
   void insert(const registration::SourceCloud& source, const Observer& keyframe,
               const registration::CorrespondenceSearch* search) override;
+  void remove_in(const registration::FreeSpace& space, const SE3& T_local_camera) override {
+    before_.remove_in(space, T_local_camera);
+  }
   /// The Gaussians come corrected with the next snapshot.
   void correct(const PastCorrection& correction) override { before_.correct(correction); }
   const registration::TargetCloud& cloud() const override;

@@ -16,6 +16,9 @@ class GridTargets : public TargetMap {
               const registration::CorrespondenceSearch* search) override {
     points_.insert(source, keyframe, search);
   }
+  void remove_in(const registration::FreeSpace& space, const SE3& T_local_camera) override {
+    points_.remove_in(space, T_local_camera);
+  }
   void correct(const PastCorrection& correction) override { points_.correct(correction); }
   const registration::TargetCloud& cloud() const override { return points_.cloud(); }
   bool wants_keyframes() const override { return true; }

@@ -22,6 +22,8 @@ class TargetMap {
   /// prepared for this frame, or null for the first one.
   virtual void insert(const registration::SourceCloud& source, const Observer& keyframe,
                       const registration::CorrespondenceSearch* search) = 0;
+  /// Removes those of the tracker's own targets that a camera at `T_local_camera` looks through.
+  virtual void remove_in(const registration::FreeSpace& space, const SE3& T_local_camera) = 0;
   /// Moves the tracker's own targets with the keyframes that saw them.
   virtual void correct(const PastCorrection& correction) = 0;
   /// Whether insert() does anything now.

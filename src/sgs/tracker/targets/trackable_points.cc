@@ -23,9 +23,35 @@ int TrackablePoints::insert(const registration::SourceCloud& source, const Obser
     cloud_.points.push_back({R * p.point + t, R * p.normal, p.variance_m2});
     if (with_ellipses) cloud_.covariances.push_back(R * source.covariances[i] * R.transpose());
   }
-  keyframes_.push_back(
-      {keyframe.timestamp_s, T_local_camera, keyframe.velocity, begin, cloud_.points.size()});
+  keyframes_.push_back({keyframe.timestamp_s, T_local_camera, keyframe.velocity,
+                        path_to(T_local_camera), begin, cloud_.points.size()});
   return static_cast<int>(cloud_.points.size() - begin);
+}
+
+double TrackablePoints::path_to(const SE3& T_local_camera) const {
+  if (keyframes_.empty()) return 0;
+  const Keyframe& last = keyframes_.back();
+  return last.path_m + (T_local_camera.t - last.T_local_camera.t).norm();
+}
+
+int TrackablePoints::remove_in(const registration::FreeSpace& space, const SE3& T_local_camera) {
+  constexpr double kLongWay_m = 10;
+  const SE3 inverse = T_local_camera.inverse();
+  const Eigen::Matrix3f R = inverse.R.cast<float>();
+  const Eigen::Vector3f t = inverse.t.cast<float>();
+  const double path_m = path_to(T_local_camera);
+  int removed = 0;
+  for (const Keyframe& keyframe : keyframes_) {
+    if (path_m - keyframe.path_m < kLongWay_m) break;
+    for (std::size_t i = keyframe.begin; i < keyframe.end; ++i) {
+      registration::TargetPoint& p = cloud_.points[i];
+      if (!p.alive() || !space.contains(R * p.point + t, spacing_.distance_m / 2)) continue;
+      p.variance_m2 = 0;
+      ++removed;
+    }
+  }
+  if (removed > 0) ++cloud_.moves;
+  return removed;
 }
 
 void TrackablePoints::move_keyframe(int keyframe, const SE3& T_local_camera) {

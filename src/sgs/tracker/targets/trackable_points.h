@@ -8,6 +8,7 @@
 #include "sgs/camera/past_correction.h"
 #include "sgs/geometry/se3.h"
 #include "sgs/registration/correspondence_search.h"
+#include "sgs/registration/free_space.h"
 
 namespace sgs::tracker {
 
@@ -36,6 +37,11 @@ class TrackablePoints {
   /// added.
   int insert(const registration::SourceCloud& source, const Observer& keyframe,
              const registration::CorrespondenceSearch* search);
+  /// Removes the points that a camera at `T_local_camera` looks through by more than half of the
+  /// spacing's distance, if they were seen a long way ago: what is nearer on the way contradicts
+  /// the frame by what the depth camera errs, and holds the pose all the same; what is further
+  /// differs by the drift since. Returns how many there were.
+  int remove_in(const registration::FreeSpace& space, const SE3& T_local_camera);
   /// Moves keyframe number `keyframe` (in order of insertion) and its points to `T_local_camera`.
   void move_keyframe(int keyframe, const SE3& T_local_camera);
 
@@ -50,10 +56,13 @@ class TrackablePoints {
     double timestamp_s;
     SE3 T_local_camera;
     Vector6d velocity;
+    double path_m;           // of the keyframes before it
     std::size_t begin, end;  // of its points
   };
 
   void change_depth(const Keyframe& keyframe, const DepthChange& change);
+  /// Length of the way from keyframe to keyframe until a camera at that pose.
+  double path_to(const SE3& T_local_camera) const;
 
   Spacing spacing_;
   std::vector<Keyframe> keyframes_;

@@ -164,6 +164,10 @@ void GeometricTerm::insert_keyframe(const SE3& T_local_camera, const FrameMotion
   // surface between a point and its target.
   target_sampler_->sample(*depth_, keyframe_source_);
   move_points(keyframe_source_, motion.readout, motion.lag(), depth_->height());
+  if (config_.keyframe.clear_view && has_targets()) {
+    targets_->remove_in(registration::FreeSpace(keyframe_source_, camera_, config_.target.step_px),
+                        T_local_camera);
+  }
   targets_->insert(keyframe_source_, {timestamp_s_, T_local_camera, motion.velocity},
                    prepared_ ? search_.get() : nullptr);
 }

@@ -53,8 +53,9 @@ class GeometricTerm {
   /// What the frame's own surfaces could tell about its motion, whatever the map holds. Every
   /// `noise_stride`-th point enters the expectation of what noise alone would tell.
   degeneracy::SurfaceInformation surface_information(int noise_stride);
-  /// Extends the targets by the frame last given to set_frame(), which must still exist, where the
-  /// search last prepared finds none. `motion` is what its points are corrected for.
+  /// Removes targets that the frame last given to set_frame(), which must still exist, looks
+  /// through, and extends them by it where the search last prepared finds none. `motion` is what
+  /// its points are corrected for.
   void insert_keyframe(const SE3& T_local_camera, const registration::FrameMotion& motion = {});
 
   /// Moves the tracker's own targets (in local coordinates).

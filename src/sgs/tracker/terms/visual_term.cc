@@ -14,6 +14,9 @@ namespace sgs::tracker {
 namespace {
 
 constexpr double kDefaultDepth_m = 2;
+// A keyframe that fits worse than the newest one by this factor for so many frames contradicts it.
+constexpr double kFarWorse = 2.5;
+constexpr int kContradictions = 5;
 // Coarser levels have too few pixels for three more unknowns: the readout is as believed there.
 constexpr int kCoarsestReadoutLevel = 1;
 
@@ -31,15 +34,18 @@ double VisualTerm::view_distance(const Keyframe& keyframe, const SE3& T_local_ca
       keyframe.reference.T_world_keyframe().inverse() * T_local_camera);
 }
 
-VisualTerm::Fit VisualTerm::start(const SE3& T_local_predicted) const {
+VisualTerm::Fit VisualTerm::start(const SE3& T_local_predicted) {
   Fit fit;
   fit.term_ = this;
   if (keyframes_.empty()) return fit;
-  const auto add = [&](std::size_t index) { fit.references_.push_back({index, {}, {}}); };
+  const auto add = [&](std::size_t index) {
+    catch_up(keyframes_[index]);
+    fit.references_.push_back({index, {}, {}});
+  };
   add(newest_);
   std::vector<std::pair<double, std::size_t>> near;
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
-    if (i == newest_) continue;
+    if (i == newest_ || keyframes_[i].contradictions >= kContradictions) continue;
     const double distance = view_distance(keyframes_[i], T_local_predicted);
     if (distance < config_.keyframes.revisit_distance) near.emplace_back(distance, i);
   }
@@ -49,6 +55,22 @@ VisualTerm::Fit VisualTerm::start(const SE3& T_local_predicted) const {
     add(index);
   }
   return fit;
+}
+
+void VisualTerm::compare_references(const Fit& fit) {
+  const auto cost = [](const Fit::Reference& r) {
+    return r.last.used > 0 ? r.last.cost / r.last.used : 0.0;
+  };
+  double newest = 0;
+  for (const Fit::Reference& r : fit.references_) {
+    if (r.keyframe == newest_) newest = cost(r);
+  }
+  if (newest <= 0) return;
+  for (const Fit::Reference& r : fit.references_) {
+    if (r.keyframe == newest_) continue;
+    int& count = keyframes_[r.keyframe].contradictions;
+    count = cost(r) > kFarWorse * newest ? count + 1 : 0;
+  }
 }
 
 void VisualTerm::Fit::set_readout(const ReadoutEstimator::Belief& belief) {
@@ -140,15 +162,27 @@ void VisualTerm::insert_keyframe(const SE3& T_local_camera, const Fit& fit, cons
   keyframes_.push_back({registration::PhotometricReference(pyramid_, frame_->depth, T_local_camera,
                                                            config_.photometric, surface,
                                                            registration::ReadoutMotion(readout)),
-                        depth_m > 0 ? depth_m : kDefaultDepth_m, frame_->timestamp_s, velocity});
+                        depth_m > 0 ? depth_m : kDefaultDepth_m,
+                        frame_->timestamp_s,
+                        velocity,
+                        {},
+                        0});
   newest_ = keyframes_.size() - 1;
 }
 
 void VisualTerm::correct(const PastCorrection& correction) {
   for (Keyframe& k : keyframes_) {
     k.reference.set_pose(correction.corrected(k.reference.T_world_keyframe(), k.timestamp_s));
-    if (correction.depth) k.reference.change_depth(*correction.depth, k.velocity);
+    if (correction.depth) k.changes.push_back(correction.depth);
+    k.contradictions = 0;
   }
+}
+
+void VisualTerm::catch_up(Keyframe& keyframe) {
+  for (const auto& change : keyframe.changes) {
+    keyframe.reference.change_depth(*change, keyframe.velocity);
+  }
+  keyframe.changes.clear();
 }
 
 }  // namespace sgs::tracker

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "sgs/camera/past_correction.h"
@@ -29,8 +30,12 @@ class VisualTerm {
 
   class Fit;
   /// The fit of a frame expected at `T_local_predicted`, to the keyframes chosen for that pose.
-  Fit start(const SE3& T_local_predicted) const;
+  Fit start(const SE3& T_local_predicted);
 
+  /// Learns from an accepted fit which keyframes contradict the newest one: one that has for some
+  /// frames fitted far worse lies elsewhere, since the camera has drifted on its way back to it.
+  /// It is left out until the past is corrected.
+  void compare_references(const Fit& fit);
   /// Whether the frame, fitted at `T_local_camera`, is far enough from the newest keyframe to
   /// become one.
   bool wants_keyframe(const SE3& T_local_camera, const Fit& fit) const;
@@ -38,7 +43,8 @@ class VisualTerm {
   /// `readout`: camera twist over its readout, `velocity`: per second.
   void insert_keyframe(const SE3& T_local_camera, const Fit& fit, const Vector6d& readout,
                        const Vector6d& velocity, const registration::SurfaceLookup& surface);
-  /// Moves the keyframes (in local coordinates).
+  /// Moves the keyframes (in local coordinates). Depth that is known better reaches each when it is
+  /// next aligned to: a frame that all of them waited for would be late.
   void correct(const PastCorrection& correction);
   int keyframes() const { return static_cast<int>(keyframes_.size()); }
   /// Number of the keyframe the camera was last at.
@@ -50,7 +56,11 @@ class VisualTerm {
     double mean_depth_m;
     double timestamp_s;
     Vector6d velocity;  // camera twist per second
+    /// What is known better of its depth since it was last aligned to.
+    std::vector<std::shared_ptr<const DepthChange>> changes;
+    int contradictions = 0;  // frames in a row that fitted it far worse than the newest one
   };
+  static void catch_up(Keyframe& keyframe);
   double view_distance(const Keyframe& keyframe, const SE3& T_local_camera) const;
   bool is_near(const Keyframe& keyframe, const SE3& T_local_camera, double share) const;
 
@@ -71,6 +81,7 @@ class VisualTerm::Fit {
   Fit() = default;
 
   bool has_references() const { return !references_.empty(); }
+  int references() const { return static_cast<int>(references_.size()); }
   /// What is believed of the camera's motion during the readout of the frame; the estimate starts
   /// there.
   void set_readout(const ReadoutEstimator::Belief& belief);

@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/tracker/terms/visual_term.h"
+
+#include <gtest/gtest.h>
+
+#include "sgs/tracker/textured_wall.h"
+
+namespace sgs::tracker {
+namespace {
+
+SE3 beside(double x_m) { return SE3(Eigen::Matrix3d::Identity(), {x_m, 0, 0}); }
+
+/// Shows the wall from `beside(x_m)`, held to be seen from `drift_m` further on, and aligns
+/// nothing: the fit is linearized where the camera is held to be.
+VisualTerm::Fit look(VisualTerm& term, const RgbdFrame& frame, double x_m, double drift_m) {
+  const SE3 T = beside(x_m + drift_m);
+  term.set_frame(frame);
+  VisualTerm::Fit fit = term.start(T);
+  if (fit.has_references()) {
+    for (int step = 0; step < 3; ++step) {
+      fit.linearize(0, T);
+      fit.back_substitute(Vector6d::Zero());
+    }
+  }
+  return fit;
+}
+
+/// Two keyframes that see the same: the second one is held to be further on than it is.
+class DriftedWall : public ::testing::Test {
+ protected:
+  void make(double drift_m) {
+    add(0, 0);
+    add(0.9, 0);  // away from it
+    add(0, drift_m);
+    ASSERT_EQ(term_.keyframes(), 3);
+  }
+  void add(double x_m, double drift_m) {
+    const RgbdFrame frame = see_wall(beside(x_m), frames_++);
+    term_.set_frame(frame);
+    term_.insert_keyframe(beside(x_m + drift_m), {}, Vector6d::Zero(), Vector6d::Zero(), {});
+  }
+  int references(double drift_m) {
+    const RgbdFrame frame = see_wall(beside(0.02), frames_++);
+    const VisualTerm::Fit fit = look(term_, frame, 0.02, drift_m);
+    term_.compare_references(fit);
+    return fit.references();
+  }
+
+  VisualTerm term_{SpectralConfig(TrackerConfig{}).vision};
+  int frames_ = 0;
+};
+
+TEST_F(DriftedWall, AnOldKeyframeThatAgreesStays) {
+  make(0);
+  for (int k = 0; k < 12; ++k) EXPECT_EQ(references(0), 2) << k;
+}
+
+TEST_F(DriftedWall, AnOldKeyframeThatContradictsIsLeftOutUntilThePastIsCorrected) {
+  constexpr double kDrift_m = 0.06;
+  make(kDrift_m);
+  EXPECT_EQ(references(kDrift_m), 2);
+  for (int k = 0; k < 12; ++k) references(kDrift_m);
+  EXPECT_EQ(references(kDrift_m), 1);
+  term_.correct(PoseCorrection({{0, SE3{}, SE3{}}, {1, SE3{}, SE3{}}}));
+  EXPECT_EQ(references(kDrift_m), 2);
+}
+
+}  // namespace
+}  // namespace sgs::tracker
