@@ -141,7 +141,7 @@ std::vector<RefineFrame> shimmering_frames(int first, int end, int stride) {
   std::vector<RefineFrame> out;
   for (int i = first; i < end; i += stride) {
     RgbdFrame frame = *mapper::wall_frame(mapper::small_camera(), viewpoint(i), i);
-    const double gain = 0.7 + 0.06 * i;
+    const double gain = 0.6 + 0.02 * i;
     for (std::size_t k = 0; k < frame.color.size(); ++k) {
       Rgb8& c = frame.color.data()[k];
       c.r = static_cast<std::uint8_t>(std::min(255.0, gain * c.r));
@@ -156,7 +156,7 @@ Refined refine_shimmer(int harmonics, int threads) {
   config.harmonics = harmonics;
   config.exposure = false;
   ThreadPool pool(threads);
-  Refiner refiner(config, 1, shimmering_frames(0, 7, 2), shimmering_frames(1, 7, 2), rough_map(),
+  Refiner refiner(config, 1, shimmering_frames(0, 21, 4), shimmering_frames(2, 21, 4), rough_map(),
                   &pool);
   return refiner.run({300, 0});
 }
