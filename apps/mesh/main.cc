@@ -26,18 +26,18 @@ struct MeshCommand {
   int threads = 2;
 };
 
-Result<std::vector<map::Gaussian>> load_map(const std::string& run) {
+Result<map::SplatMap> load_map(const std::string& run) {
   std::error_code error;
   return std::filesystem::is_directory(run, error) ? run::load_run_map(run) : io::load_splats(run);
 }
 
 Status make_mesh(const MeshCommand& command) {
-  SGS_ASSIGN_OR_RETURN(const auto gaussians, load_map(command.run));
+  SGS_ASSIGN_OR_RETURN(const auto map, load_map(command.run));
   mesh::DepthFusionConfig config;
   config.voxel_m = command.voxel_m;
   mesh::DepthFusion fusion(config);
   SGS_RETURN_IF_ERROR(run::for_each_keyframe(
-      command.run, gaussians, command.measured ? run::ViewSource::kMeasured : run::ViewSource::kMap,
+      command.run, map, command.measured ? run::ViewSource::kMeasured : run::ViewSource::kMap,
       command.threads, [&](const PinholeCamera& camera, const run::KeyframeView& view) -> Status {
         fusion.add(camera, view.T_world_camera, view.depth, view.color);
         return {};

@@ -46,7 +46,7 @@ Status export_tum(const std::string& run, const fs::path& out) {
 }
 
 /// RUN is a run folder or a splat PLY.
-Result<std::vector<map::Gaussian>> load_map(const std::string& run) {
+Result<map::SplatMap> load_map(const std::string& run) {
   std::error_code error;
   return fs::is_directory(run, error) ? run::load_run_map(run) : io::load_splats(run);
 }
@@ -74,27 +74,29 @@ struct Format {
 
 template <class Save>
 Status with_map(const ExportCommand& command, const Save& save) {
-  SGS_ASSIGN_OR_RETURN(const auto gaussians, load_map(command.run));
-  return save(gaussians);
+  SGS_ASSIGN_OR_RETURN(const auto map, load_map(command.run));
+  return save(map);
 }
 
 const std::array<Format, 11> kFormats = {{
     {"ply", "splats in the 3DGS vertex layout",
      [](const ExportCommand& c, const fs::path& out) {
-       return with_map(c, [&](const auto& map) { return io::save_splats(out, map); });
+       return with_map(
+           c, [&](const auto& map) { return io::save_splats(out, map.gaussians, map.harmonics); });
      }},
     {"splat", "splats in 32-byte records",
      [](const ExportCommand& c, const fs::path& out) {
-       return with_map(c, [&](const auto& map) { return io::save_splat_file(out, map); });
+       return with_map(c, [&](const auto& map) { return io::save_splat_file(out, map.gaussians); });
      }},
     {"spz", "splats compressed (Niantic SPZ 2)",
      [](const ExportCommand& c, const fs::path& out) {
-       return with_map(c, [&](const auto& map) { return io::save_spz(out, map); });
+       return with_map(
+           c, [&](const auto& map) { return io::save_spz(out, map.gaussians, map.harmonics); });
      }},
     {"points", "coloured point PLY",
      [](const ExportCommand& c, const fs::path& out) {
-       return with_map(c,
-                       [&](const auto& map) { return io::save_points(out, run::to_points(map)); });
+       return with_map(
+           c, [&](const auto& map) { return io::save_points(out, run::to_points(map.gaussians)); });
      }},
     {"html", "one page that shows the map",
      [](const ExportCommand& c, const fs::path& out) {
@@ -119,13 +121,13 @@ const std::array<Format, 11> kFormats = {{
     {"bag", "poses, path, points and tf as a ROS 1 bag",
      [](const ExportCommand& c, const fs::path& out) {
        return with_map(c, [&](const auto& map) {
-         return run::export_bag(c.run, map, *bag::make_rosbag1_writer(), out);
+         return run::export_bag(c.run, map.gaussians, *bag::make_rosbag1_writer(), out);
        });
      }},
     {"mcap", "the same as MCAP with messages of ROS 2",
      [](const ExportCommand& c, const fs::path& out) {
        return with_map(c, [&](const auto& map) {
-         return run::export_bag(c.run, map, *bag::make_mcap_writer(), out);
+         return run::export_bag(c.run, map.gaussians, *bag::make_mcap_writer(), out);
        });
      }},
 }};

@@ -42,9 +42,9 @@ Result<run::Run> load(const RefineCommand& command) {
   if (!command.map.empty()) {
     run::InputSpec spec = command.input;
     SGS_ASSIGN_OR_RETURN(const auto config, run::resolve_config({}, spec));
-    SGS_ASSIGN_OR_RETURN(auto gaussians, io::load_splats(command.map));
+    SGS_ASSIGN_OR_RETURN(auto map, io::load_splats(command.map));
     SGS_ASSIGN_OR_RETURN(auto poses, io::load_trajectory(command.poses));
-    return run::run_of_map(spec, std::move(gaussians), std::move(poses.trajectory), config,
+    return run::run_of_map(spec, std::move(map), std::move(poses.trajectory), config,
                            command.options.threads);
   }
   const fs::path folder = command.input.input;
@@ -54,17 +54,6 @@ Result<run::Run> load(const RefineCommand& command) {
                 fmt::format("the run in {} is still going on", folder.string()), "wait for it");
   }
   return run;
-}
-
-/// RUN-refined, or a name beside it that is free.
-fs::path default_output(const RefineCommand& command) {
-  std::error_code error;
-  const fs::path source = fs::weakly_canonical(
-      command.map.empty() ? fs::path(command.input.input) : fs::path(command.map), error);
-  const std::string base = source.parent_path() / (source.stem().string() + "-refined");
-  fs::path path = base;
-  for (int i = 2; fs::exists(path, error); ++i) path = fmt::format("{}-{}", base, i);
-  return path;
 }
 
 Status check_output(const fs::path& output, const RefineCommand& command) {
@@ -94,20 +83,6 @@ void keep_before(const std::string& source, run::Scores& scores) {
   }
 }
 
-/// What `config.toml`, which is that of the run, does not say.
-void save_parameters(const RefineCommand& command, run::RunFolder& folder) {
-  refine::RefineConfig config = command.options.config;
-  ParameterList list;
-  list.add_group("refine", config);
-  const refine::Effort& effort = command.options.effort;
-  folder.save_text(
-      run::files::kRefine,
-      fmt::format("# {} refined with --{}; every value as used.\n{}", command.input.input,
-                  effort.steps > 0 ? fmt::format("steps {}", effort.steps)
-                                   : fmt::format("minutes {:g}", effort.seconds / 60),
-                  list.to_toml()));
-}
-
 void print_summary(const run::RefinedRun& out) {
   const refine::Refined& r = out.refined;
   const char* judge = r.heldout ? "held out" : "training (nothing is held out)";
@@ -133,7 +108,9 @@ Status set_parameters(RefineCommand& command) {
 Result<int> refine_command(const RefineCommand& command) {
   SGS_ASSIGN_OR_RETURN(const auto run, load(command));
   const fs::path output =
-      command.output.empty() ? default_output(command) : fs::path(command.output);
+      command.output.empty()
+          ? run::refined_folder_of(command.map.empty() ? command.input.input : command.map)
+          : fs::path(command.output);
   SGS_RETURN_IF_ERROR(check_output(output, command));
   SGS_ASSIGN_OR_RETURN(auto folder, run::RunFolder::create(output));
   setup_logging(folder.path() / run::files::kLog, command.quiet);
@@ -150,7 +127,7 @@ Result<int> refine_command(const RefineCommand& command) {
     return tl::unexpected(out.error());
   }
   if (!command.quiet) print_summary(*out);
-  save_parameters(command, folder);
+  run::save_refine_parameters(command.input.input, command.options, folder);
   SGS_ASSIGN_OR_RETURN(auto scores,
                        command.no_eval || out->refined.stopped
                            ? run::score_trajectory(out->run, command.score.association)

@@ -16,6 +16,7 @@
 #include "sgs/io/ply.h"
 #include "sgs/io/trajectory_io.h"
 #include "sgs/render/rendered_images.h"
+#include "sgs/render/view_color.h"
 #include "sgs/report/report_data.h"
 #include "sgs/run/camera_path.h"
 #include "sgs/run/run.h"
@@ -71,12 +72,12 @@ Result<HelperProgram> start_video(const RenderCommand& command, const PinholeCam
 
 /// --video: the way of the camera without its shake, or once around.
 Status render_video(const RenderCommand& command, const PinholeCamera& camera,
-                    std::span<const map::Gaussian> gaussians, const Trajectory& trajectory) {
+                    const map::SplatMap& map, const Trajectory& trajectory) {
   const int count = std::max(1, static_cast<int>(std::lround(command.seconds * command.fps)));
   const std::vector<SE3> views =
       command.turntable
-          ? run::turntable(trajectory, gaussians,
-                           run::level_up(gaussians, report::likely_up(trajectory)), count)
+          ? run::turntable(trajectory, map.gaussians,
+                           run::level_up(map.gaussians, report::likely_up(trajectory)), count)
           : run::smooth_path(trajectory, count);
   if (views.empty()) {
     return fail(ErrorCode::kInvalidArgument, fmt::format("{} has no poses or no map", command.run),
@@ -85,11 +86,12 @@ Status render_video(const RenderCommand& command, const PinholeCamera& camera,
   SGS_ASSIGN_OR_RETURN(auto video, start_video(command, camera, views.size()));
   ThreadPool pool(command.threads);
   const auto rasterizer = render::make_cpu_rasterizer(&pool);
+  render::ViewColors colors(&pool);
   render::Rendering rendering;
   Progress progress("pictures", static_cast<std::int64_t>(views.size()), command.quiet);
   for (const SE3& view : views) {
     if (interrupted()) return {};
-    rasterizer->render(gaussians, camera, view, rendering);
+    rasterizer->render(colors.seen(map.gaussians, map.harmonics, view.t), camera, view, rendering);
     const ColorImage picture = render::to_color_image(rendering.color);
     if (!video.feed(std::as_bytes(std::span(picture.data(), picture.size())))) break;
     progress.step("");
@@ -110,23 +112,25 @@ Status render_all(const RenderCommand& command) {
   } else {
     SGS_ASSIGN_OR_RETURN(camera, camera_from_options(command));
   }
-  SGS_ASSIGN_OR_RETURN(const auto gaussians, command.map.empty() ? run::load_run_map(folder)
-                                                                 : io::load_splats(command.map));
+  SGS_ASSIGN_OR_RETURN(const auto map, command.map.empty() ? run::load_run_map(folder)
+                                                           : io::load_splats(command.map));
   SGS_ASSIGN_OR_RETURN(const auto trajectory, trajectory_for(command));
-  if (!command.video.empty()) return render_video(command, camera, gaussians, trajectory);
+  if (!command.video.empty()) return render_video(command, camera, map, trajectory);
   const fs::path output =
       command.output.empty() ? folder / run::files::kRenders : fs::path(command.output);
   SGS_RETURN_IF_ERROR(io::make_folder(output));
 
   ThreadPool pool(command.threads);
   const auto rasterizer = render::make_cpu_rasterizer(&pool);
+  render::ViewColors colors(&pool);
   render::Rendering rendering;
   const auto& poses = trajectory.poses();
   const auto every = static_cast<std::size_t>(command.every);
   Progress progress("pictures", static_cast<std::int64_t>((poses.size() + every - 1) / every),
                     command.quiet);
   for (std::size_t i = 0; i < poses.size() && !interrupted(); i += every) {
-    rasterizer->render(gaussians, camera, poses[i].T_world_camera, rendering);
+    const SE3& T = poses[i].T_world_camera;
+    rasterizer->render(colors.seen(map.gaussians, map.harmonics, T.t), camera, T, rendering);
     SGS_RETURN_IF_ERROR(io::save_color(output / fmt::format("render_{:06}.png", i),
                                        render::to_color_image(rendering.color)));
     if (command.depth) {

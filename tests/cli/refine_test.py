@@ -137,12 +137,29 @@ class Refine(unittest.TestCase):
             done = self.refine(self.recording, *poses, "--steps", 30, "--json")
             self.assertIn("PSNR held out", done.stderr)
             self.assertEqual(json.loads(done.stdout)["frames"], FRAMES)
-            self.assertTrue((self.out / "map.ply").exists())
+            head = (self.out / "map.ply").read_bytes().split(b"end_header\n")[0]
+            self.assertEqual(head.count(b"f_rest_"), 45 if prepare is with_harmonics else 0)
             shutil.rmtree(self.out)
         theirs.write_bytes(theirs.read_bytes()[:-100])
         done = self.refine(self.recording, *poses, "--steps", 30, code=1)
         self.assertIn("theirs.ply", done.stderr)
         self.refine(self.recording, "--map", theirs, "--steps", 30, code=2)
+
+    def test_harmonics_go_where_the_map_goes(self):
+        done = self.refine(self.source, "--steps", 40, "--set", "refine.harmonics=2", "--quiet")
+        self.assertEqual(done.returncode, 0)
+        head = (self.out / "map.ply").read_bytes().split(b"end_header\n")[0]
+        self.assertEqual(head.count(b"f_rest_"), 24)
+        for kind in ("ply", "spz", "html", "splat"):
+            self.sgs("export", self.out, kind, self.folder / f"map.{kind}")
+        self.assertIn("data-degree='2'", (self.folder / "map.html").read_text())
+        # Colours may differ in the last bit: they are kept as other numbers than those of the file.
+        sizes = [(folder / "map.ply").stat().st_size for folder in (self.folder, self.out)]
+        self.assertEqual(*sizes)
+        self.sgs("render", self.out, "--every", 5, "--quiet", "-o", self.folder / "pictures")
+        again = self.folder / "again"
+        self.sgs("refine", self.out, "--steps", 10, "-o", again, "--no-eval", "--quiet")
+        self.assertIn(b"f_rest_23", (again / "map.ply").read_bytes()[:2000])
 
     def test_what_is_refined_is_never_written_over(self):
         before = (self.source / "map.ply").read_bytes()

@@ -361,6 +361,31 @@ class View(Case):
         self.assertEqual(len(splats.records), len(read_splats(self.plain / "map.ply")))
         self.assertEqual(program.stop(), 0)
 
+    def test_the_map_is_refined_from_the_page(self):
+        copy = self.folder / "run"
+        shutil.copytree(self.plain, copy)
+        program = self.start("view", copy, "--port", 0)
+        refine = {"type": "control", "action": "refine"}
+
+        def note(wanted):
+            return lambda m: isinstance(m, dict) and m["type"] == "refinement" and wanted(m)
+
+        with Client(program.port) as client:
+            self.assertTrue(client.receive()["refines"])
+            client.send(refine)
+            client.wait_for(note(lambda m: m["running"] and m["share"] > 0))
+            client.send(refine)  # enough
+            end = client.wait_for(note(lambda m: not m["running"]))
+            self.assertIn("run-refined", end["text"])
+            client.send({"type": "subscribe", "map": "points", "panes": []})
+            # The replay goes on with the refined map.
+            client.wait_for(lambda m: isinstance(m, dict) and m.get("map_version", 0) > 1)
+        self.assertEqual(program.stop(), 0)
+        self.assertEqual((copy / "map.ply").read_bytes(), (self.plain / "map.ply").read_bytes())
+        refined = self.folder / "run-refined"
+        for name in ("map.ply", "refine.toml", "report.html", "metrics.json"):
+            self.assertTrue((refined / name).exists(), name)
+
     def test_the_replay_outlives_its_input(self):
         copy = self.folder / "run"
         shutil.copytree(self.plain, copy)
@@ -369,6 +394,7 @@ class View(Case):
         program = self.start("view", copy, "--port", 0)
         with Client(program.port) as client:
             client.send({"type": "subscribe", "map": "none", "panes": ["render"]})
+            self.assertFalse(client.receive()["refines"])
             client.wait_for(lambda m: isinstance(m, bytes) and m[1] == 2)
         self.assertEqual(program.stop(), 0)
 

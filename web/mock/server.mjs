@@ -67,6 +67,7 @@ class Run {
         tracker: "spectral",
         preset: "default",
         live: true,
+        refines: false,
         camera: { fx: 525, fy: 525, cx: 319.5, cy: 239.5, width: 640, height: 480 },
         up: [0, -1, 0],
         frames_total: kFrames,

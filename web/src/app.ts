@@ -10,6 +10,7 @@ import {
   type Hello,
   type MapDiff,
   type Picture,
+  type Refinement,
   type State,
   type TextMessage,
 } from "./data/protocol";
@@ -95,6 +96,9 @@ export class App {
       case "metrics":
         this.panel.setMetrics(message);
         break;
+      case "refinement":
+        this.showRefinement(message);
+        break;
       case "error":
         this.notice.show(message.message);
         break;
@@ -135,6 +139,8 @@ export class App {
       );
     }
     need("transport").hidden = false;
+    need("refine").hidden = !hello.refines;
+    this.showRefinement(null);
     void this.applyMode();
   }
 
@@ -207,7 +213,16 @@ export class App {
     need<HTMLButtonElement>("step").disabled = state.finished;
   }
 
+  private showRefinement(note: Refinement | null): void {
+    const button = need<HTMLButtonElement>("refine");
+    button.setAttribute("aria-pressed", String(note?.running === true));
+    setText(need("refine-label"), note?.running ? "Enough" : "Refine");
+    const percent = note?.running ? `${Math.round(100 * note.share)} %, ` : "";
+    setText(need("refinement"), note ? percent + note.text : "");
+  }
+
   private bindButtons(): void {
+    need("refine").onclick = () => this.connection.send({ type: "control", action: "refine" });
     need("pause").onclick = () => this.togglePause();
     need("step").onclick = () => this.step();
     need("screenshot").onclick = () => this.screenshot();

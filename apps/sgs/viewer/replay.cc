@@ -23,13 +23,14 @@ void add_truth(const Trajectory& truth, std::vector<viewer::FrameUpdate>& update
 
 }  // namespace
 
-Result<Replay> load_replay(const std::filesystem::path& folder) {
+Result<Replay> load_replay(const std::filesystem::path& folder, std::uint64_t map_version) {
   SGS_ASSIGN_OR_RETURN(auto run,
                        run::load_run(folder, run::kCamera | run::kTrajectory | run::kKeyframes |
                                                  run::kTruth | run::kFrames | run::kMap));
   Replay replay;
   replay.input = run.input;
   replay.metrics = run.metrics;
+  replay.unfinished = run.state.unfinished();
   replay.info.version = run::version();
   replay.info.input = run.name;
   replay.info.tracker = to_string(run.config.tracker.type);
@@ -38,7 +39,8 @@ Result<Replay> load_replay(const std::filesystem::path& folder) {
   replay.info.camera = run.camera;
   replay.info.frames_total = static_cast<std::int64_t>(run.frames.size());
   const Trajectory views = run::view_poses(run);
-  const auto map = run::as_snapshot(std::move(run.gaussians));
+  const auto map =
+      run::as_snapshot({std::move(run.gaussians), std::move(run.harmonics)}, map_version);
   for (slam::FrameRecord& record : run.frames) {
     const auto pose = views.at(record.timestamp_s, 0);
     if (record.bad || !pose) continue;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -16,9 +17,11 @@ struct Replay {
   run::InputSpec input;
   std::vector<viewer::FrameUpdate> updates;  ///< of the readable frames, in order
   eval::Metrics metrics;
+  bool unfinished = false;  ///< killed or still going on
 };
 
-/// Reads a run folder; fails where no frame has a pose.
-Result<Replay> load_replay(const std::filesystem::path& folder);
+/// Reads a run folder; fails where no frame has a pose. Its map is number `map_version` of what is
+/// shown.
+Result<Replay> load_replay(const std::filesystem::path& folder, std::uint64_t map_version = 1);
 
 }  // namespace sgs::app

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -11,6 +13,10 @@
 #include "log_setup.h"
 #include "sgs/core/print.h"
 #include "sgs/core/stopwatch.h"
+#include "sgs/report/save_scores.h"
+#include "sgs/run/refine.h"
+#include "sgs/run/run_files.h"
+#include "sgs/run/score.h"
 #include "viewer/replay.h"
 #include "viewer/start.h"
 
@@ -62,8 +68,9 @@ void nap_until(double time_s) {
 void play_once(const Replay& replay, ReplayImages& images, viewer::Server& server) {
   constexpr double kLongestGap_s = 1;
   double due_s = wall_time_s();
-  for (std::size_t i = 0; i < replay.updates.size() && !interrupted(); ++i) {
-    if (server.control().wait_turn(interrupted) > 0) due_s = wall_time_s();
+  const auto enough = [&] { return interrupted() || server.control().refinement_asked(); };
+  for (std::size_t i = 0; i < replay.updates.size() && !enough(); ++i) {
+    if (server.control().wait_turn(enough) > 0) due_s = wall_time_s();
     nap_until(due_s);
     viewer::FrameUpdate update = replay.updates[i];
     update.frame = images.frame(update.record.index);
@@ -77,6 +84,54 @@ void play_once(const Replay& replay, ReplayImages& images, viewer::Server& serve
   }
 }
 
+/// Refines the run in `folder` as `sgs refine` does, while the page shows the map as it gets
+/// better. Gives the folder of the result. Asked for once more, it ends with the best so far.
+Result<std::filesystem::path> refine_shown(const std::filesystem::path& folder,
+                                           const Replay& replay, std::uint64_t& map_version,
+                                           viewer::Server& server) {
+  constexpr double kSeconds = 180;
+  SGS_ASSIGN_OR_RETURN(const auto run, run::load_run(folder, run::kAllParts));
+  SGS_ASSIGN_OR_RETURN(auto out, run::RunFolder::create(run::refined_folder_of(folder)));
+  std::stop_source enough;
+  const std::stop_callback interrupt(stop_token(), [&] { enough.request_stop(); });
+  run::RefineOptions options;
+  options.effort.seconds = kSeconds;
+  run::RefineWatch watch;
+  watch.frames_read = [&](std::int64_t frames) {
+    if (server.control().take_refinement()) enough.request_stop();
+    constexpr std::int64_t kTold = 25;
+    if (frames % kTold == 1) {
+      server.set_refinement(
+          {true, 0, fmt::format("reading, {} of {} frames", frames, run.frames_total)});
+    }
+  };
+  watch.checked = [&](const refine::Judgement& now) {
+    if (server.control().take_refinement()) enough.request_stop();
+    server.set_refinement({true, now.share,
+                           fmt::format("{:.2f} dB {}, {} Gaussians", now.psnr_db,
+                                       now.heldout ? "held out" : "in training", now.gaussians)});
+  };
+  watch.better = [&](const map::SplatMap& map) {
+    viewer::FrameUpdate update = replay.updates.back();
+    update.map = run::as_snapshot(map, ++map_version);
+    update.finished = true;
+    server.post(std::move(update));
+  };
+  auto refined = run::refine_run(run, options, out, watch, enough.get_token());
+  if (!refined) {
+    out.end(run::Stage::kInterrupted, 0, refined.error().message);
+    return tl::unexpected(refined.error());
+  }
+  run::save_refine_parameters(folder.string(), options, out);
+  report::save_scores(refined->run, run::score_trajectory(refined->run, {}), out);
+  const refine::Refined& r = refined->refined;
+  server.set_refinement({false, 1,
+                         fmt::format("{:.2f} dB, before {:.2f}: {}", r.best.psnr_db,
+                                     r.start.psnr_db, out.path().filename().string())});
+  say("refined: {}\n", out.path().string());
+  return out.path();
+}
+
 Status view(const ViewCommand& command) {
   note_state(command.folder);
   SGS_ASSIGN_OR_RETURN(auto replay, load_replay(command.folder));
@@ -84,16 +139,34 @@ Status view(const ViewCommand& command) {
   if (!images.available()) {
     say("sgs: the input '{}' is not there any more: no camera pictures\n", replay.input.input);
   }
+  // A run that is still going on is refined when it is over.
+  replay.info.refines = images.available() && !replay.unfinished;
   SGS_ASSIGN_OR_RETURN(const auto server, start_viewer(command.viewer, replay.info));
   server->set_metrics(replay.metrics);
   say("Ctrl-C ends\n");
   while (!interrupted() && server->clients() == 0) nap_until(wall_time_s() + 0.05);
+  std::filesystem::path folder = command.folder;
+  std::uint64_t map_version = 1;
   while (!interrupted()) {
     play_once(replay, images, *server);
     server->control().pause();
     server->touch();
-    server->control().wait_turn(interrupted);  // resume: once more
+    // Resume: once more.
+    server->control().wait_turn(
+        [&] { return interrupted() || server->control().refinement_asked(); });
     if (interrupted()) break;
+    if (server->control().take_refinement()) {
+      const auto refined = refine_shown(folder, replay, map_version, *server);
+      if (refined) {
+        folder = *refined;
+        SGS_ASSIGN_OR_RETURN(auto better, load_replay(folder, ++map_version));
+        replay = std::move(better);
+        server->set_metrics(replay.metrics);
+      } else {
+        server->set_refinement({false, 0, refined.error().text()});
+      }
+      server->control().resume();
+    }
     server->restart();
     images.rewind();
   }

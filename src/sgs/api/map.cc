@@ -10,6 +10,7 @@
 #include "sgs/io/ply.h"
 #include "sgs/render/rasterizer.h"
 #include "sgs/render/rendered_images.h"
+#include "sgs/render/view_color.h"
 #include "sgs/run/run.h"
 
 namespace sgs::api {
@@ -90,15 +91,19 @@ Rendering Map::render(const Camera& camera, const Pose& T_world_camera, int thre
     internal::check_threads(threads);
     ThreadPool pool(threads);
     render::Rendering rendering;
-    render::make_cpu_rasterizer(&pool)->render(impl_->snapshot->gaussians, lens.camera, T,
-                                               rendering);
+    render::ViewColors colors(&pool);
+    const map::Snapshot& map = *impl_->snapshot;
+    render::make_cpu_rasterizer(&pool)->render(colors.seen(map.gaussians, map.harmonics, T.t),
+                                               lens.camera, T, rendering);
     return to_api_rendering(rendering);
   });
 }
 
 void Map::save(const std::string& path) const {
-  internal::guarded(
-      [&] { internal::check_or_raise(io::save_splats(path, impl_->snapshot->gaussians)); });
+  internal::guarded([&] {
+    internal::check_or_raise(
+        io::save_splats(path, impl_->snapshot->gaussians, impl_->snapshot->harmonics));
+  });
 }
 
 namespace internal {

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "sgs/eval/image_metrics.h"
+#include "sgs/render/view_color.h"
 
 namespace sgs::eval {
 namespace {
@@ -223,6 +224,7 @@ RunEvaluation evaluate_run(const RunInput& input, const RunEvaluatorConfig& conf
   std::vector<Job> jobs(kGroupSize);
   std::int64_t regular_frames = 0;
   std::size_t pictures_planned = 0;
+  render::ViewColors colors(input.pool);
   bool more = true;
   while (more) {
     if (input.cancelled && input.cancelled()) {
@@ -251,7 +253,10 @@ RunEvaluation evaluate_run(const RunInput& input, const RunEvaluatorConfig& conf
           keeps_picture(number, pictures_planned, input.frames_expected, config.pictures);
       if (job.with_picture) ++pictures_planned;
       if (input.gain_of) job.gain = input.gain_of(job.frame);
-      input.rasterizer->render(input.gaussians, job.frame.camera, *pose, job.rendering);
+      const auto seen = input.harmonics == nullptr
+                            ? input.gaussians
+                            : colors.seen(input.gaussians, *input.harmonics, pose->t);
+      input.rasterizer->render(seen, job.frame.camera, *pose, job.rendering);
       ++used;
     }
     std::vector<JobResult> results(used);

@@ -83,6 +83,7 @@ struct RunInput {
   /// Frames that next_frame will deliver, for spreading pictures; 0 = unknown.
   std::int64_t frames_expected = 0;
   std::span<const map::Gaussian> gaussians;
+  const map::Harmonics* harmonics = nullptr;  ///< of those; null = none
   render::Rasterizer* rasterizer = nullptr;
   const Lpips* lpips = nullptr;     ///< null: LPIPS is not measured
   ThreadPool* pool = nullptr;       ///< may be the rasterizer's; null = one thread

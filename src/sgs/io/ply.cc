@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -60,6 +61,66 @@ Status check_row(const fs::path& path, const Row& row, std::size_t vertex) {
   return {};
 }
 
+/// Where in a vertex the properties that are needed stand.
+struct Columns {
+  std::array<std::size_t, kNames.size()> needed{};
+  int degree = 0;                 // of the harmonics
+  std::vector<std::size_t> rest;  // in the order of map::Harmonics
+};
+
+std::optional<std::size_t> column_of(const PlyHeader& header, std::string_view name) {
+  const auto& properties = header.vertex_properties;
+  const auto found = std::find_if(properties.begin(), properties.end(),
+                                  [&](const PlyProperty& p) { return p.name == name; });
+  if (found == properties.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - properties.begin());
+}
+
+/// The file has one channel after the other, map::Harmonics one function after the other.
+std::size_t rest_number(std::size_t function, std::size_t channel, int degree) {
+  return channel * map::Harmonics::basis_functions(degree) + function;
+}
+
+Result<Columns> find_columns(const fs::path& path, const PlyHeader& header) {
+  Columns columns;
+  for (std::size_t k = 0; k < kNames.size(); ++k) {
+    const auto column = column_of(header, kNames[k]);
+    if (!column) return bad_file(path, fmt::format("vertex property '{}' is missing", kNames[k]));
+    columns.needed[k] = *column;
+  }
+  std::vector<std::size_t> rest;
+  while (const auto column = column_of(header, fmt::format("f_rest_{}", rest.size()))) {
+    rest.push_back(*column);
+  }
+  for (int degree = 1; degree <= map::kMaxHarmonicDegree; ++degree) {
+    if (rest.size() == 3 * map::Harmonics::basis_functions(degree)) columns.degree = degree;
+  }
+  for (std::size_t k = 0; k < map::Harmonics::basis_functions(columns.degree); ++k) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      columns.rest.push_back(rest[rest_number(k, c, columns.degree)]);
+    }
+  }
+  return columns;
+}
+
+/// Adds vertex number `vertex`, whose numbers `value_at` gives by column.
+template <class ValueAt>
+Status add_vertex(const fs::path& path, const Columns& columns, std::size_t vertex,
+                  const ValueAt& value_at, map::SplatMap& splats) {
+  Row row;
+  for (std::size_t k = 0; k < row.size(); ++k) row[k] = value_at(columns.needed[k]);
+  SGS_RETURN_IF_ERROR(check_row(path, row, vertex));
+  for (const std::size_t column : columns.rest) {
+    const auto value = static_cast<float>(value_at(column));
+    if (!std::isfinite(value)) {
+      return bad_file(path, fmt::format("vertex {}: f_rest is {}", vertex, value));
+    }
+    splats.harmonics.coefficients.push_back(value);
+  }
+  splats.gaussians.push_back(gaussian_from(row));
+  return {};
+}
+
 template <class T>
 double load_as(const char* at) {
   T value;
@@ -89,9 +150,8 @@ double load_scalar(PlyType type, const char* at) {
   return 0;
 }
 
-Result<std::vector<map::Gaussian>> read_binary(const fs::path& path, const PlyHeader& header,
-                                               const std::array<std::size_t, 14>& columns,
-                                               std::string_view body) {
+Result<map::SplatMap> read_binary(const fs::path& path, const PlyHeader& header,
+                                  const Columns& columns, std::string_view body) {
   std::vector<std::size_t> offsets;
   std::size_t stride = 0;
   for (const PlyProperty& property : header.vertex_properties) {
@@ -103,47 +163,42 @@ Result<std::vector<map::Gaussian>> read_binary(const fs::path& path, const PlyHe
     return bad_file(path, fmt::format("truncated: {} vertices announced, {} present",
                                       header.vertices, body.size() / stride));
   }
-  std::vector<map::Gaussian> splats;
-  splats.reserve(header.vertices);
+  map::SplatMap splats{{}, {columns.degree, {}}};
+  splats.gaussians.reserve(header.vertices);
   for (std::size_t i = 0; i < header.vertices; ++i) {
-    Row row;
-    for (std::size_t k = 0; k < row.size(); ++k) {
-      const std::size_t column = columns[k];
-      row[k] = load_scalar(header.vertex_properties[column].type,
-                           body.data() + i * stride + offsets[column]);
-    }
-    SGS_RETURN_IF_ERROR(check_row(path, row, i));
-    splats.push_back(gaussian_from(row));
+    const auto value_at = [&](std::size_t column) {
+      return load_scalar(header.vertex_properties[column].type,
+                         body.data() + i * stride + offsets[column]);
+    };
+    SGS_RETURN_IF_ERROR(add_vertex(path, columns, i, value_at, splats));
   }
   return splats;
 }
 
-Result<std::vector<map::Gaussian>> read_ascii(const fs::path& path, const PlyHeader& header,
-                                              const std::array<std::size_t, 14>& columns,
-                                              std::string_view body) {
+Result<map::SplatMap> read_ascii(const fs::path& path, const PlyHeader& header,
+                                 const Columns& columns, std::string_view body) {
   const auto lines = content_lines(body);
   if (lines.size() < header.vertices) {
     return bad_file(path, fmt::format("truncated: {} vertices announced, {} present",
                                       header.vertices, lines.size()));
   }
-  std::vector<map::Gaussian> splats;
-  splats.reserve(header.vertices);
+  map::SplatMap splats{{}, {columns.degree, {}}};
+  splats.gaussians.reserve(header.vertices);
   for (std::size_t i = 0; i < header.vertices; ++i) {
     const auto fields = split_fields(lines[i].text);
-    Row row{};
     bool good = fields.size() == header.vertex_properties.size();
-    for (std::size_t k = 0; good && k < row.size(); ++k) {
-      const auto value = parse_double(fields[columns[k]]);
+    const auto value_at = [&](std::size_t column) {
+      const auto value = good ? parse_double(fields[column]) : std::nullopt;
       good = value.has_value();
-      row[k] = value.value_or(0);
-    }
+      return value.value_or(1);
+    };
+    const Status added = add_vertex(path, columns, i, value_at, splats);
     if (!good) {
       return bad_file(path,
                       fmt::format("vertex {}: {} numbers needed, found '{}'", i,
                                   header.vertex_properties.size(), lines[i].text.substr(0, 80)));
     }
-    SGS_RETURN_IF_ERROR(check_row(path, row, i));
-    splats.push_back(gaussian_from(row));
+    SGS_RETURN_IF_ERROR(added);
   }
   return splats;
 }
@@ -164,20 +219,11 @@ void append_point(std::string& out, const ColoredPoint& point) {
 
 }  // namespace
 
-Result<std::vector<map::Gaussian>> load_splats(const fs::path& path) {
+Result<map::SplatMap> load_splats(const fs::path& path) {
   SGS_ASSIGN_OR_RETURN(const std::string content, read_file(path));
   const auto header = parse_ply_header(content);
   if (!header) return bad_file(path, header.error());
-  std::array<std::size_t, kNames.size()> columns{};
-  for (std::size_t k = 0; k < kNames.size(); ++k) {
-    const auto& properties = header->vertex_properties;
-    const auto found = std::find_if(properties.begin(), properties.end(),
-                                    [&](const PlyProperty& p) { return p.name == kNames[k]; });
-    if (found == properties.end()) {
-      return bad_file(path, fmt::format("vertex property '{}' is missing", kNames[k]));
-    }
-    columns[k] = static_cast<std::size_t>(found - properties.begin());
-  }
+  SGS_ASSIGN_OR_RETURN(const Columns columns, find_columns(path, *header));
   const std::string_view body = std::string_view(content).substr(header->body_offset);
   return header->ascii ? read_ascii(path, *header, columns, body)
                        : read_binary(path, *header, columns, body);
@@ -185,33 +231,51 @@ Result<std::vector<map::Gaussian>> load_splats(const fs::path& path) {
 
 namespace {
 
-void append_splat(std::string& out, const map::Gaussian& g) {
+void append_splat(std::string& out, const map::Gaussian& g, const map::Harmonics& harmonics,
+                  std::size_t number) {
   for (const float v : g.mean) append_float(out, v);
   for (int k = 0; k < 3; ++k) append_float(out, 0);
   for (const float v : g.rgb) append_float(out, (double{v} - 0.5) / kSh0);
+  if (!harmonics.empty()) {
+    const auto coefficients = harmonics.of(number);
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (std::size_t k = c; k < coefficients.size(); k += 3) append_float(out, coefficients[k]);
+    }
+  }
   append_float(out, g.opacity_logit);
   for (const float v : g.log_scale) append_float(out, v);
   for (const double v : unit_rotation(g)) append_float(out, v);
 }
 
+std::string splat_header(std::size_t vertices, const map::Harmonics& harmonics) {
+  std::string out =
+      fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", vertices);
+  const auto add = [&](std::string_view name) { out += fmt::format("property float {}\n", name); };
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2"})
+    add(name);
+  for (std::size_t k = 0; k < harmonics.floats(); ++k) add(fmt::format("f_rest_{}", k));
+  for (const char* name :
+       {"opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"}) {
+    add(name);
+  }
+  return out + "end_header\n";
+}
+
 }  // namespace
 
-Status save_splats(const fs::path& path, std::span<const map::Gaussian> splats) {
-  SGS_RETURN_IF_ERROR(check_splats(path, splats));
-  std::string block =
-      fmt::format("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", splats.size());
-  for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "opacity",
-                           "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"}) {
-    block += fmt::format("property float {}\n", name);
-  }
-  block += "end_header\n";
+Status save_splats(const fs::path& path, std::span<const map::Gaussian> splats,
+                   const map::Harmonics& harmonics) {
+  SGS_RETURN_IF_ERROR(check_splats(path, splats, harmonics));
+  std::string block = splat_header(splats.size(), harmonics);
   // In blocks: a map is written where memory has run out, too.
   constexpr std::size_t kBlock_bytes = 1 << 15;
   bool begun = false;
   std::size_t next = 0;
   return write_file_in_blocks(path, [&]() -> std::string_view {
     if (std::exchange(begun, true)) block.clear();
-    while (next < splats.size() && block.size() < kBlock_bytes) append_splat(block, splats[next++]);
+    for (; next < splats.size() && block.size() < kBlock_bytes; ++next) {
+      append_splat(block, splats[next], harmonics, next);
+    }
     return block;
   });
 }

@@ -28,17 +28,18 @@ TEST(Ply, SplatsRoundTripWithUnitQuaternions) {
   ASSERT_TRUE(save_splats(folder / "m.ply", splats));
   const auto back = load_splats(folder / "m.ply");
   ASSERT_TRUE(back) << back.error().text();
-  ASSERT_EQ(back->size(), 2u);
+  ASSERT_EQ(back->gaussians.size(), 2u);
+  EXPECT_TRUE(back->harmonics.empty());
   for (std::size_t i = 0; i < 2; ++i) {
     for (int k = 0; k < 3; ++k) {
-      EXPECT_EQ((*back)[i].mean[k], splats[i].mean[k]);
-      EXPECT_EQ((*back)[i].log_scale[k], splats[i].log_scale[k]);
-      EXPECT_NEAR((*back)[i].rgb[k], splats[i].rgb[k], 1e-6);
+      EXPECT_EQ(back->gaussians[i].mean[k], splats[i].mean[k]);
+      EXPECT_EQ(back->gaussians[i].log_scale[k], splats[i].log_scale[k]);
+      EXPECT_NEAR(back->gaussians[i].rgb[k], splats[i].rgb[k], 1e-6);
     }
-    EXPECT_EQ((*back)[i].opacity_logit, splats[i].opacity_logit);
+    EXPECT_EQ(back->gaussians[i].opacity_logit, splats[i].opacity_logit);
   }
   for (int k = 0; k < 4; ++k) {
-    EXPECT_NEAR((*back)[0].rotation[k], splats[0].rotation[k] / 5, 1e-7);
+    EXPECT_NEAR(back->gaussians[0].rotation[k], splats[0].rotation[k] / 5, 1e-7);
   }
 }
 
@@ -67,7 +68,7 @@ TEST(Ply, ReadsAnyOrderInAscii) {
                                                "1 0 0 0 9.5 7 -3 -2 -1 0.25 0 0 1 30 20 10\n"));
   const auto splats = load_splats(folder / "a.ply");
   ASSERT_TRUE(splats) << splats.error().text();
-  const map::Gaussian& g = splats->at(0);
+  const map::Gaussian& g = splats->gaussians.at(0);
   EXPECT_EQ(g.mean[0], 10);
   EXPECT_EQ(g.mean[2], 30);
   EXPECT_EQ(g.log_scale[0], -1);
@@ -121,8 +122,8 @@ TEST(Ply, InfiniteOpacityIsClampedAndFinite) {
   ASSERT_TRUE(write_file(path, bytes));
   const auto back = load_splats(path);
   ASSERT_TRUE(back) << back.error().text();
-  EXPECT_EQ((*back)[0].opacity_logit, 16);
-  EXPECT_EQ((*back)[1].opacity_logit, splats[1].opacity_logit);
+  EXPECT_EQ(back->gaussians[0].opacity_logit, 16);
+  EXPECT_EQ(back->gaussians[1].opacity_logit, splats[1].opacity_logit);
 }
 
 TEST(Ply, NotFiniteIsNotWritten) {
@@ -143,7 +144,58 @@ TEST(Ply, PointsAndEmptyMaps) {
   EXPECT_EQ(bytes.size() - (bytes.find("end_header\n") + 11), 15u);
   EXPECT_EQ(bytes.substr(bytes.size() - 3), "\x04\x05\x06");
   ASSERT_TRUE(save_splats(folder / "e.ply", {}));
-  EXPECT_TRUE(load_splats(folder / "e.ply").value().empty());
+  EXPECT_TRUE(load_splats(folder / "e.ply").value().gaussians.empty());
+}
+
+map::Harmonics test_harmonics(int degree) {
+  map::Harmonics harmonics{degree, {}};
+  harmonics.resize(2);
+  for (std::size_t i = 0; i < harmonics.coefficients.size(); ++i) {
+    harmonics.coefficients[i] = 0.01f * static_cast<float>(i) - 0.2f;
+  }
+  return harmonics;
+}
+
+TEST(Ply, HarmonicsRoundTrip) {
+  const TemporaryFolder folder;
+  for (int degree = 1; degree <= map::kMaxHarmonicDegree; ++degree) {
+    const map::Harmonics harmonics = test_harmonics(degree);
+    ASSERT_TRUE(save_splats(folder / "h.ply", test_splats(), harmonics));
+    const auto back = load_splats(folder / "h.ply");
+    ASSERT_TRUE(back) << back.error().text();
+    EXPECT_EQ(back->harmonics.degree, degree);
+    EXPECT_EQ(back->harmonics.coefficients, harmonics.coefficients);
+    EXPECT_EQ(back->gaussians[1].opacity_logit, test_splats()[1].opacity_logit);
+  }
+}
+
+// One channel after the other, as 3D Gaussian Splatting writes them.
+TEST(Ply, HarmonicsAreStoredChannelByChannel) {
+  const TemporaryFolder folder;
+  const map::Harmonics harmonics = test_harmonics(1);
+  ASSERT_TRUE(save_splats(folder / "h.ply", test_splats(), harmonics));
+  const std::string bytes = read_file(folder / "h.ply").value();
+  float rest[9];
+  std::memcpy(rest, bytes.data() + bytes.find("end_header\n") + 11 + 9 * sizeof(float),
+              sizeof rest);
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(rest[3 * c + k], harmonics.of(0)[3 * k + c]);
+  }
+}
+
+TEST(Ply, HarmonicsThatAreNotFiniteAreRefusedBothWays) {
+  const TemporaryFolder folder;
+  map::Harmonics harmonics = test_harmonics(2);
+  ASSERT_TRUE(save_splats(folder / "h.ply", test_splats(), harmonics));
+  std::string bytes = read_file(folder / "h.ply").value();
+  const float bad = std::numeric_limits<float>::quiet_NaN();
+  std::memcpy(bytes.data() + bytes.find("end_header\n") + 11 + 10 * sizeof bad, &bad, sizeof bad);
+  ASSERT_TRUE(write_file(folder / "bad.ply", bytes));
+  const auto read = load_splats(folder / "bad.ply");
+  ASSERT_FALSE(read);
+  EXPECT_THAT(read.error().message, HasSubstr("vertex 0: f_rest"));
+  harmonics.coefficients[30] = bad;
+  EXPECT_FALSE(save_splats(folder / "none.ply", test_splats(), harmonics));
 }
 
 }  // namespace

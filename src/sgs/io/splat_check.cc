@@ -15,7 +15,9 @@ double rotation_norm(const map::Gaussian& g) {
 
 }  // namespace
 
-Status check_splats(const std::filesystem::path& path, std::span<const map::Gaussian> splats) {
+Status check_splats(const std::filesystem::path& path, std::span<const map::Gaussian> splats,
+                    const map::Harmonics& harmonics) {
+  SGS_CHECK(harmonics.empty() || harmonics.size() == splats.size(), "harmonics of another map");
   for (std::size_t i = 0; i < splats.size(); ++i) {
     const map::Gaussian& g = splats[i];
     const double norm = rotation_norm(g);
@@ -23,6 +25,9 @@ Status check_splats(const std::filesystem::path& path, std::span<const map::Gaus
     for (int k = 0; k < 3; ++k) {
       finite = finite && std::isfinite(g.mean[k]) && std::isfinite(g.log_scale[k]) &&
                std::isfinite(g.rgb[k]);
+    }
+    if (!harmonics.empty()) {
+      for (const float c : harmonics.of(i)) finite = finite && std::isfinite(c);
     }
     if (!finite) {
       return fail(ErrorCode::kInvalidArgument,

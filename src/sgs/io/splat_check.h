@@ -8,12 +8,14 @@
 
 #include "sgs/core/error.h"
 #include "sgs/map/gaussian.h"
+#include "sgs/map/harmonics.h"
 
 namespace sgs::io {
 
 /// Whether Gaussians can be written at all: everything finite, no zero rotation. The error names
-/// `path` and the first bad Gaussian.
-Status check_splats(const std::filesystem::path& path, std::span<const map::Gaussian> splats);
+/// `path` and the first bad Gaussian. `harmonics` are theirs, or none.
+Status check_splats(const std::filesystem::path& path, std::span<const map::Gaussian> splats,
+                    const map::Harmonics& harmonics = {});
 
 /// The rotation as a unit quaternion w x y z.
 std::array<double, 4> unit_rotation(const map::Gaussian& gaussian);

@@ -48,6 +48,20 @@ std::string splat_records(std::span<const map::Gaussian> splats) {
   return out;
 }
 
+std::string harmonic_records(const map::Harmonics& harmonics) {
+  constexpr std::size_t kMultiple = 16;
+  const std::size_t floats = harmonics.floats();
+  const std::size_t stride = (floats + kMultiple - 1) / kMultiple * kMultiple;
+  std::string out(stride * harmonics.size(), static_cast<char>(128));
+  for (std::size_t i = 0; i < harmonics.size(); ++i) {
+    const auto coefficients = harmonics.of(i);
+    for (std::size_t k = 0; k < floats; ++k) {
+      out[i * stride + k] = static_cast<char>(byte(128 + 128 * double{coefficients[k]}));
+    }
+  }
+  return out;
+}
+
 std::vector<map::Gaussian> splats_from_records(std::string_view records) {
   SGS_CHECK(records.size() % sizeof(Record) == 0, "records are 32 bytes each");
   std::vector<map::Gaussian> splats(records.size() / sizeof(Record));

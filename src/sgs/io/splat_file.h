@@ -24,6 +24,10 @@ std::string splat_records(std::span<const map::Gaussian> splats);
 /// The inverse, as precise as the bytes are; the size must be a multiple of kSplatRecordBytes.
 std::vector<map::Gaussian> splats_from_records(std::string_view records);
 
+/// Harmonics beside records, for our own pages: a byte per number, 128 + 128 times it within -1 to
+/// 1, each Gaussian's padded to a multiple of 16 bytes with 128. Empty without harmonics.
+std::string harmonic_records(const map::Harmonics& harmonics);
+
 /// Writes a .splat file. Values that are not finite are an error and nothing is written.
 Status save_splat_file(const std::filesystem::path& path, std::span<const map::Gaussian> splats);
 

@@ -112,9 +112,38 @@ TEST(Spz, RoundTrip) {
   const auto read = load_spz(folder / "a.spz");
   ASSERT_TRUE(read);
   const double color_step = 0.5 / 255 * kSh0 / 0.15;
-  expect_near(*read, splats,
+  expect_near(read->gaussians, splats,
               {0.5 / 65536 + 1e-6, 1.0 / 32 + 1e-6, color_step + 1e-6, 0.5 / 255 + 1e-6, 0.025});
   EXPECT_LT(std::filesystem::file_size(folder / "a.spz"), 500 * 19 + 100);
+}
+
+// Up is -y and back is -z there: what is odd in one of the two changes its sign.
+TEST(Spz, HarmonicsRoundTripAndTurnWithTheAxes) {
+  const TemporaryFolder folder;
+  const auto splats = random_splats(20);
+  for (int degree = 1; degree <= map::kMaxHarmonicDegree; ++degree) {
+    map::Harmonics harmonics{degree, {}};
+    harmonics.resize(splats.size());
+    for (std::size_t i = 0; i < harmonics.coefficients.size(); ++i) {
+      harmonics.coefficients[i] = 0.9f * std::sin(static_cast<float>(i));
+    }
+    ASSERT_TRUE(save_spz(folder / "h.spz", splats, harmonics));
+    const auto read = load_spz(folder / "h.spz");
+    ASSERT_TRUE(read) << read.error().text();
+    ASSERT_EQ(read->harmonics.degree, degree);
+    ASSERT_EQ(read->harmonics.size(), splats.size());
+    for (std::size_t i = 0; i < harmonics.coefficients.size(); ++i) {
+      EXPECT_NEAR(read->harmonics.coefficients[i], harmonics.coefficients[i], 0.5 / 128 + 1e-6);
+    }
+    const std::string content = *gzip_decompressed(*read_file(folder / "h.spz"), 1 << 20);
+    EXPECT_EQ(content[12], degree);
+    const auto stored = [&](std::size_t k) {  // red of the first splat
+      return static_cast<unsigned char>(content[16 + 19 * splats.size() + 3 * k]) / 128.0 - 1;
+    };
+    EXPECT_NEAR(stored(0), -harmonics.of(0)[0], 0.01);  // -y
+    EXPECT_NEAR(stored(1), -harmonics.of(0)[3], 0.01);  // z
+    EXPECT_NEAR(stored(2), harmonics.of(0)[6], 0.01);   // -x
+  }
 }
 
 TEST(Spz, LargeCoordinatesTakeFewerFractionalBits) {
@@ -124,8 +153,8 @@ TEST(Spz, LargeCoordinatesTakeFewerFractionalBits) {
   ASSERT_TRUE(save_spz(folder / "a.spz", splats));
   const auto read = load_spz(folder / "a.spz");
   ASSERT_TRUE(read);
-  EXPECT_NEAR((*read)[0].mean[0], -5000, 1e-3);
-  EXPECT_NEAR((*read)[1].mean[0], splats[1].mean[0], 1e-3);
+  EXPECT_NEAR(read->gaussians[0].mean[0], -5000, 1e-3);
+  EXPECT_NEAR(read->gaussians[1].mean[0], splats[1].mean[0], 1e-3);
   splats[0].mean[0] = 1e9f;
   EXPECT_FALSE(save_spz(folder / "a.spz", splats));
 }
@@ -133,7 +162,7 @@ TEST(Spz, LargeCoordinatesTakeFewerFractionalBits) {
 TEST(Spz, EmptyMapAndDamagedFiles) {
   const TemporaryFolder folder;
   ASSERT_TRUE(save_spz(folder / "empty.spz", {}));
-  EXPECT_TRUE(load_spz(folder / "empty.spz")->empty());
+  EXPECT_TRUE(load_spz(folder / "empty.spz")->gaussians.empty());
   ASSERT_TRUE(save_spz(folder / "a.spz", random_splats(50)));
   const std::string whole = *read_file(folder / "a.spz");
   const std::string content = *gzip_decompressed(whole, 1 << 20);

@@ -31,6 +31,11 @@ static_assert(sizeof(Header) == 16);
 constexpr std::size_t kBytesPerSplat = 9 + 1 + 3 + 3 + 3;
 constexpr int kMaxFractionalBits = 16;
 constexpr double kLargestFixed = (1 << 23) - 1;
+/// The same turn for the harmonics, basis function by basis function: odd in y or z, but not in
+/// both.
+constexpr std::array<double, map::Harmonics::basis_functions(map::kMaxHarmonicDegree)>
+    kHarmonicSigns = {-1, -1, 1, -1, 1, 1, -1, 1, -1, 1, -1, -1, 1, -1, 1};
+constexpr double kHarmonicScale = 128;
 constexpr double kColorScale = 0.15;  // of the SH coefficient, so that out-of-range colours fit
 /// Right-down-forward to right-up-back: signs of the axes, and of the quaternion's vector part.
 constexpr std::array<double, 3> kSigns = {1, -1, -1};
@@ -95,13 +100,14 @@ void set_rotation(map::Gaussian& g, const char* at) {
 
 tl::unexpected<Error> bad_file(const fs::path& path, const std::string& what) {
   return fail(ErrorCode::kInvalidFormat, fmt::format("{}: {}", path.string(), what),
-              "needed: an SPZ file of version 2 with SH degree 0");
+              "needed: an SPZ file of version 2");
 }
 
 }  // namespace
 
-Status save_spz(const fs::path& path, std::span<const map::Gaussian> splats) {
-  SGS_RETURN_IF_ERROR(check_splats(path, splats));
+Status save_spz(const fs::path& path, std::span<const map::Gaussian> splats,
+                const map::Harmonics& harmonics) {
+  SGS_RETURN_IF_ERROR(check_splats(path, splats, harmonics));
   const int bits = fractional_bits(splats);
   if (bits < 0) {
     return fail(ErrorCode::kInvalidArgument,
@@ -110,9 +116,10 @@ Status save_spz(const fs::path& path, std::span<const map::Gaussian> splats) {
   Header header;
   header.count = static_cast<std::uint32_t>(splats.size());
   header.fractional_bits = static_cast<std::uint8_t>(bits);
+  header.sh_degree = static_cast<std::uint8_t>(harmonics.degree);
   std::string out(sizeof header, '\0');
   std::memcpy(out.data(), &header, sizeof header);
-  out.reserve(out.size() + kBytesPerSplat * splats.size());
+  out.reserve(out.size() + (kBytesPerSplat + harmonics.floats()) * splats.size());
   for (const map::Gaussian& g : splats) append_position(out, g, bits);
   for (const map::Gaussian& g : splats) out += byte_char(255 * map::opacity<double>(g));
   for (const map::Gaussian& g : splats) {
@@ -122,10 +129,15 @@ Status save_spz(const fs::path& path, std::span<const map::Gaussian> splats) {
     for (const float s : g.log_scale) out += byte_char(16 * (s + 10.0));
   }
   for (const map::Gaussian& g : splats) append_rotation(out, g);
+  for (std::size_t i = 0; i < harmonics.coefficients.size(); ++i) {
+    const std::size_t function = i % harmonics.floats() / 3;
+    out += byte_char(kHarmonicScale *
+                     (1 + kHarmonicSigns[function] * double{harmonics.coefficients[i]}));
+  }
   return write_file(path, gzip_compressed(out));
 }
 
-Result<std::vector<map::Gaussian>> load_spz(const fs::path& path) {
+Result<map::SplatMap> load_spz(const fs::path& path) {
   // limit: SPZ after decompression, bytes
   constexpr std::size_t kMaxBytes = std::size_t{1} << 31;
   SGS_ASSIGN_OR_RETURN(const std::string stream, read_file(path));
@@ -135,12 +147,15 @@ Result<std::vector<map::Gaussian>> load_spz(const fs::path& path) {
   if (content->size() < sizeof header) return bad_file(path, "truncated header");
   std::memcpy(&header, content->data(), sizeof header);
   if (header.magic != Header{}.magic) return bad_file(path, "no SPZ header");
-  if (header.version != Header{}.version || header.sh_degree != 0 || header.fractional_bits > 23) {
+  if (header.version != Header{}.version || header.sh_degree > map::kMaxHarmonicDegree ||
+      header.fractional_bits > 23) {
     return bad_file(path, fmt::format("version {}, SH degree {}, {} fractional bits",
                                       header.version, header.sh_degree, header.fractional_bits));
   }
   const std::size_t n = header.count;
-  if (content->size() != sizeof header + kBytesPerSplat * n) {
+  map::SplatMap splats{{}, {header.sh_degree, {}}};
+  const std::size_t floats = splats.harmonics.floats();
+  if (content->size() != sizeof header + (kBytesPerSplat + floats) * n) {
     return bad_file(path, fmt::format("{} bytes for {} Gaussians", content->size(), n));
   }
   const char* positions = content->data() + sizeof header;
@@ -148,9 +163,9 @@ Result<std::vector<map::Gaussian>> load_spz(const fs::path& path) {
   const char* colors = alphas + n;
   const char* scales = colors + 3 * n;
   const char* rotations = scales + 3 * n;
-  std::vector<map::Gaussian> splats(n);
+  splats.gaussians.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
-    map::Gaussian& g = splats[i];
+    map::Gaussian& g = splats.gaussians[i];
     for (std::size_t k = 0; k < 3; ++k) {
       g.mean[k] = static_cast<float>(
           kSigns[k] * position_of(positions + 9 * i + 3 * k, header.fractional_bits));
@@ -160,6 +175,12 @@ Result<std::vector<map::Gaussian>> load_spz(const fs::path& path) {
     }
     g.opacity_logit = opacity_logit(value_of(alphas[i]) / 255);
     set_rotation(g, rotations + 3 * i);
+  }
+  const char* rest = rotations + 3 * n;
+  splats.harmonics.resize(n);
+  for (std::size_t i = 0; i < floats * n; ++i) {
+    splats.harmonics.coefficients[i] = static_cast<float>(kHarmonicSigns[i % floats / 3] *
+                                                          (value_of(rest[i]) / kHarmonicScale - 1));
   }
   return splats;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sgs/geometry/se3.h"
+#include "sgs/map/harmonics.h"
 
 namespace sgs::map {
 
@@ -41,6 +42,12 @@ struct Anchor {
   std::uint32_t id = 0;  ///< given by the store: rising in order of insertion, never used again
 };
 
+/// A map as files hold it.
+struct SplatMap {
+  std::vector<Gaussian> gaussians;
+  Harmonics harmonics;  ///< of those, or none
+};
+
 /// Immutable state of the map after some number of keyframes and iterations. What everything
 /// outside the mapper reads: tracker, insertion test, viewer, export, evaluation.
 struct Snapshot {
@@ -49,6 +56,7 @@ struct Snapshot {
   std::vector<Anchor> anchors;                ///< same order and size as `gaussians`
   std::vector<SE3> T_world_keyframe;          ///< refined poses of all mapping keyframes so far
   std::vector<std::int64_t> keyframe_frames;  ///< frame index of each of them
+  Harmonics harmonics;                        ///< of a refined map; none while it is made
 };
 using SnapshotPtr = std::shared_ptr<const Snapshot>;
 

@@ -42,7 +42,8 @@ void GaussianNotes::fade() {
   for (float& p : pull) p *= kKept;
 }
 
-std::size_t remove_useless(double opacity, map::GaussianStore& store, GaussianNotes& notes) {
+std::size_t remove_useless(double opacity, map::GaussianStore& store, GaussianNotes& notes,
+                           LearnedHarmonics& harmonics) {
   const float least = logit(static_cast<float>(opacity));
   std::vector<char> useless(store.size());
   for (std::size_t i = 0; i < store.size(); ++i) {
@@ -58,6 +59,7 @@ std::size_t remove_useless(double opacity, map::GaussianStore& store, GaussianNo
   }
   notes.pull.resize(kept);
   notes.pixel_m.resize(kept);
+  harmonics.remove(useless);
   return store.remove_if([&](std::size_t i) { return useless[i] != 0; });
 }
 
@@ -84,7 +86,8 @@ std::pair<map::Gaussian, map::Gaussian> halves(const map::Gaussian& whole) {
 }
 
 std::size_t split_most_pulled(std::size_t count, double size_power, double least_sigma_px,
-                              map::GaussianStore& store, GaussianNotes& notes) {
+                              map::GaussianStore& store, GaussianNotes& notes,
+                              LearnedHarmonics& harmonics) {
   std::vector<std::uint32_t> candidates;
   std::vector<float> wish(store.size(), 0.0f);
   for (std::size_t i = 0; i < store.size(); ++i) {
@@ -106,6 +109,7 @@ std::size_t split_most_pulled(std::size_t count, double size_power, double least
     const auto [a, b] = halves(store.raw[i]);
     replace(i, a, store);
     store.append(b, store.anchors[i], store.max_log_scale[i]);
+    if (!harmonics.empty()) harmonics.split(i);
     notes.pull.push_back(0);
     notes.pixel_m.push_back(notes.pixel_m[i]);
   }

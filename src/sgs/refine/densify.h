@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sgs/map/gaussian_store.h"
+#include "sgs/refine/learned_harmonics.h"
 
 namespace sgs::refine {
 
@@ -25,7 +26,8 @@ struct GaussianNotes {
 };
 
 /// Removes what is fainter than `opacity` or not finite. Returns how many went.
-std::size_t remove_useless(double opacity, map::GaussianStore& store, GaussianNotes& notes);
+std::size_t remove_useless(double opacity, map::GaussianStore& store, GaussianNotes& notes,
+                           LearnedHarmonics& harmonics);
 
 /// Splits the `count` Gaussians that ask for it most, in the order of
 ///   pull * (largest standard deviation in pixels)^size_power:
@@ -34,7 +36,8 @@ std::size_t remove_useless(double opacity, map::GaussianStore& store, GaussianNo
 /// Two halves side by side along the longest axis replace each; one takes its place, the other goes
 /// to the end. Those no larger than `least_sigma_px` do not split. Returns how many did.
 std::size_t split_most_pulled(std::size_t count, double size_power, double least_sigma_px,
-                              map::GaussianStore& store, GaussianNotes& notes);
+                              map::GaussianStore& store, GaussianNotes& notes,
+                              LearnedHarmonics& harmonics);
 
 /// The two halves of a Gaussian along its longest axis. Together they look nearly as it did.
 std::pair<map::Gaussian, map::Gaussian> halves(const map::Gaussian& whole);

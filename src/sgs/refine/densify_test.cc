@@ -53,10 +53,11 @@ TEST(Halves, TogetherLookLikeTheWhole) {
 
 TEST(SplitMostPulled, SplitsThoseThatThePicturePullsAtMost) {
   GaussianNotes notes;
+  LearnedHarmonics harmonics({});
   auto store =
       store_of({gaussian(0, 0.1f, 0.6f), gaussian(1, 0.1f, 0.6f), gaussian(2, 0.1f, 0.6f)}, notes);
   notes.pull = {1, 5, 2};
-  EXPECT_EQ(split_most_pulled(1, 0.5, 0.6, store, notes), 1u);
+  EXPECT_EQ(split_most_pulled(1, 0.5, 0.6, store, notes, harmonics), 1u);
   ASSERT_EQ(store.size(), 4u);
   EXPECT_NE(store.raw[1].mean[0], 1.0f);
   EXPECT_EQ(store.raw[0].mean[0], 0.0f);
@@ -66,21 +67,23 @@ TEST(SplitMostPulled, SplitsThoseThatThePicturePullsAtMost) {
 
 TEST(SplitMostPulled, LeavesAloneWhatIsSmallUnseenOrAtRest) {
   GaussianNotes notes;
+  LearnedHarmonics harmonics({});
   auto store = store_of(
       {gaussian(0, 0.001f, 0.6f), gaussian(1, 0.1f, 0.6f), gaussian(2, 0.1f, 0.6f)}, notes);
   notes.pull = {9, 9, 0};
   notes.pixel_m[1] = kNeverSeen;
-  EXPECT_EQ(split_most_pulled(3, 0.5, 0.6, store, notes), 0u);
+  EXPECT_EQ(split_most_pulled(3, 0.5, 0.6, store, notes, harmonics), 0u);
   EXPECT_EQ(store.size(), 3u);
 }
 
 TEST(RemoveUseless, RemovesTheFaintAndTheBroken) {
   GaussianNotes notes;
+  LearnedHarmonics harmonics({});
   auto store =
       store_of({gaussian(0, 0.1f, 0.01f), gaussian(1, 0.1f, 0.6f), gaussian(2, 0.1f, 0.6f)}, notes);
   notes.pull = {1, 2, 3};
   store.raw[2].mean[1] = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_EQ(remove_useless(0.02, store, notes), 2u);
+  EXPECT_EQ(remove_useless(0.02, store, notes, harmonics), 2u);
   ASSERT_EQ(store.size(), 1u);
   EXPECT_EQ(store.raw[0].mean[0], 1.0f);
   EXPECT_EQ(notes.pull, std::vector<float>{2});

@@ -15,9 +15,13 @@ constexpr std::size_t kAtOnce = 4;  // pictures rendered, then compared side by 
 }  // namespace
 
 HeldoutJudge::HeldoutJudge(std::vector<RefineFrame> frames, ThreadPool* pool)
-    : frames_(std::move(frames)), pool_(pool), rasterizer_(render::make_cpu_rasterizer(pool)) {}
+    : frames_(std::move(frames)),
+      pool_(pool),
+      rasterizer_(render::make_cpu_rasterizer(pool)),
+      colors_(pool) {}
 
 HeldoutScores HeldoutJudge::scores(std::span<const map::Gaussian> gaussians,
+                                   const map::Harmonics& harmonics,
                                    const PoseCorrection& correction,
                                    const ExposureCurve& exposures) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -34,6 +38,7 @@ HeldoutScores HeldoutJudge::scores(std::span<const map::Gaussian> gaussians,
         shift_by_shutter(gaussians, frame.keyframe.camera(), T, frame.readout, shifted_, pool_);
         seen = shifted_;
       }
+      seen = colors_.seen(seen, harmonics, T.t);
       rasterizer_->render(seen, frame.keyframe.camera(), T, renderings[i]);
     }
     const auto compare = [&](int chunk, int) {

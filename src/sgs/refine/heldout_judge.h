@@ -11,6 +11,7 @@
 #include "sgs/refine/exposure_curve.h"
 #include "sgs/refine/training_frames.h"
 #include "sgs/render/rasterizer.h"
+#include "sgs/render/view_color.h"
 
 namespace sgs::refine {
 
@@ -30,14 +31,15 @@ class HeldoutJudge {
   std::size_t size() const { return frames_.size(); }
   /// The map seen from the frames' own poses, moved along as `correction` moves the frames around
   /// them. Same bits for any number of threads.
-  HeldoutScores scores(std::span<const map::Gaussian> gaussians, const PoseCorrection& correction,
-                       const ExposureCurve& exposures);
+  HeldoutScores scores(std::span<const map::Gaussian> gaussians, const map::Harmonics& harmonics,
+                       const PoseCorrection& correction, const ExposureCurve& exposures);
 
  private:
   std::vector<RefineFrame> frames_;
   ThreadPool* pool_;
   std::unique_ptr<render::Rasterizer> rasterizer_;
   std::vector<map::Gaussian> shifted_;  // scratch
+  render::ViewColors colors_;
 };
 
 }  // namespace sgs::refine

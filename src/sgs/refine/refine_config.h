@@ -3,6 +3,7 @@
 #pragma once
 
 #include "sgs/core/config.h"
+#include "sgs/map/harmonics.h"
 
 namespace sgs::refine {
 
@@ -14,6 +15,7 @@ struct RefineConfig {
   int patience = 8;
   int max_gaussians = 100000;
   int hole_views = 64;
+  int harmonics = 0;
 
   double color_weight = 4;
   double color_knee = 0.1;
@@ -26,6 +28,8 @@ struct RefineConfig {
   double rate_rotation = 2e-2;
   double rate_opacity = 0.2;
   double rate_color = 4e-2;
+  double rate_harmonics = 1;
+  double harmonics_decay = 0;
   double rate_end = 0.05;
   double beta2 = 0.98;
   double max_axis_ratio = 6;
@@ -62,6 +66,11 @@ struct RefineConfig {
           "The map grows to so many Gaussians; a larger one does not grow.", "", {1, 1e8});
     p.add("hole_views", hole_views,
           "In so many views, spread evenly, holes of the map are filled first.", "", {0, 10000});
+    p.add("harmonics", harmonics,
+          "Degree of the spherical harmonics by which colours depend on where they are seen from; "
+          "0 = "
+          "they do not.",
+          "", {0, map::kMaxHarmonicDegree});
     p.add("color_weight", color_weight, "Weight of the colour loss.", "", {0, 100});
     p.add("color_knee", color_knee, "Residuals below this count as squares (Huber).", "", {0, 100});
     p.add("depth_weight", depth_weight, "Weight of the depth loss.", "", {0, 100});
@@ -73,6 +82,11 @@ struct RefineConfig {
     p.add("rate_rotation", rate_rotation, "Adam rate of the quaternions.", "", {0, 1});
     p.add("rate_opacity", rate_opacity, "Adam rate of the opacity logits.", "", {0, 1});
     p.add("rate_color", rate_color, "Adam rate of the colours (0..1).", "", {0, 1});
+    p.add("rate_harmonics", rate_harmonics,
+          "Adam rate of the harmonics' coefficients, in units of that of the colours.", "",
+          {0, 10});
+    p.add("harmonics_decay", harmonics_decay,
+          "Share of the harmonics' coefficients that goes with each step.", "", {0, 1});
     p.add("rate_end", rate_end, "Share of all rates that is left at the end.", "", {1e-4, 1});
     p.add("beta2", beta2, "Adam: decay of the second moment.", "", {0, 0.99999});
     p.add("max_axis_ratio", max_axis_ratio, "Cap of the largest to the middle axis; 0 = free.", "",

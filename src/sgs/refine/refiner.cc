@@ -11,6 +11,7 @@
 #include "sgs/mapper/optimizer.h"
 #include "sgs/refine/densify.h"
 #include "sgs/refine/heldout_judge.h"
+#include "sgs/refine/learned_harmonics.h"
 #include "sgs/refine/learning_sink.h"
 #include "sgs/refine/shutter.h"
 #include "sgs/refine/visit_order.h"
@@ -65,6 +66,17 @@ std::vector<RefineFrame> spread(const std::vector<RefineFrame>& frames, std::siz
   return chosen;
 }
 
+/// What a map has of harmonics is kept; those of a higher degree start at zero.
+map::Harmonics with_degree(const map::Harmonics& harmonics, int degree, std::size_t count) {
+  if (degree <= harmonics.degree) return harmonics;
+  map::Harmonics more{degree, {}};
+  more.resize(count);
+  for (std::size_t i = 0; i < harmonics.size(); ++i) {
+    std::ranges::copy(harmonics.of(i), more.of(i).begin());
+  }
+  return more;
+}
+
 std::size_t full_views_within(const PinholeCamera& camera, std::size_t bytes) {
   constexpr std::size_t kBytesPerPixel = 4 * sizeof(float);
   const std::size_t pixels =
@@ -76,8 +88,7 @@ std::size_t full_views_within(const PinholeCamera& camera, std::size_t bytes) {
 
 struct Refiner::Impl {
   Impl(const RefineConfig& c, std::uint64_t seed, std::vector<RefineFrame> training,
-       std::vector<RefineFrame> heldout, std::span<const map::Gaussian> gaussians,
-       ThreadPool* threads)
+       std::vector<RefineFrame> heldout, const map::SplatMap& map, ThreadPool* threads)
       : config(c),
         frames(std::move(training)),
         judged_by_heldout(!heldout.empty()),
@@ -90,11 +101,14 @@ struct Refiner::Impl {
         order(weights_of(frames), seed),
         loss(refine_loss(c)),
         pose_refinement(pose_config(c)),
+        harmonics(with_degree(map.harmonics, c.harmonics, map.gaussians.size())),
+        colors(threads),
         pool(threads) {
-    for (const map::Gaussian& g : gaussians) {
+    for (const map::Gaussian& g : map.gaussians) {
       const float largest = std::max({g.log_scale[0], g.log_scale[1], g.log_scale[2]});
       store.append(g, {}, largest + kMostGrowth);
     }
+    harmonics.resize(store.size());
     notes.begin(store.size());
     bounds.assign(store.raw, store.average);
   }
@@ -102,6 +116,7 @@ struct Refiner::Impl {
   static constexpr std::size_t kJudgesFromTraining = 24;
   static constexpr float kMostGrowth = 1.4f;  // logarithm: four times the size it came with
 
+  void draw(const mapper::MapKeyframe& keyframe, int level);
   void fit_exposures();
   void fill_holes();
   void step(double share);
@@ -121,6 +136,8 @@ struct Refiner::Impl {
   VisitOrder order;
   render::LossConfig loss;
   mapper::KeyframeRefinementConfig pose_refinement;
+  LearnedHarmonics harmonics;
+  render::ViewColors colors;
   map::GaussianStore store;
   map::MeanBounds bounds;
   GaussianNotes notes;
@@ -133,12 +150,19 @@ struct Refiner::Impl {
   Refined result;
 };
 
+/// The map as a frame sees it, halved `level` times, into `rendering`.
+void Refiner::Impl::draw(const mapper::MapKeyframe& keyframe, int level) {
+  const SE3& T = keyframe.T_world_camera;
+  harmonics.resize(store.size());
+  rasterizer->render(colors.seen(store.average, harmonics.values(), T.t),
+                     keyframe.camera().halved(level), T, rendering);
+}
+
 /// Gains from how bright the map is in each frame: the run does not keep them.
 void Refiner::Impl::fit_exposures() {
   for (RefineFrame& frame : frames) {
     mapper::MapKeyframe& keyframe = frame.keyframe;
-    rasterizer->render(store.average, keyframe.camera().halved(1), keyframe.T_world_camera,
-                       rendering);
+    draw(keyframe, 1);
     const auto sums = mapper::exposure_sums(keyframe, rendering);
     mapper::update_gain(keyframe, sums.measured, sums.rendered, config.exposure_prior, 1);
   }
@@ -151,11 +175,11 @@ void Refiner::Impl::fill_holes() {
   for (std::size_t k = 0; k < count; ++k) {
     const mapper::MapKeyframe& keyframe =
         frames[(2 * k + 1) * frames.size() / (2 * count)].keyframe;
-    rasterizer->render(store.average, keyframe.camera().halved(insertion.rendering_level),
-                       keyframe.T_world_camera, rendering);
+    draw(keyframe, insertion.rendering_level);
     mapper::insert_quadtree(keyframe, static_cast<int>(k), &rendering, insertion,
                             std::exp(kMostGrowth), store);
   }
+  harmonics.resize(store.size());
   notes.begin(store.size());
   bounds.assign(store.raw, store.average);
 }
@@ -169,7 +193,7 @@ void Refiner::Impl::step(double share) {
   loss.gain = keyframe.gain;
   const auto training = views.get(keyframe, index, level);
   const PinholeCamera& view = training->camera();
-  LearningSink sink(optimizer, store, bounds, notes, view, keyframe.T_world_camera,
+  LearningSink sink(optimizer, store, bounds, notes, harmonics, view, keyframe.T_world_camera,
                     config.least_sigma_px);
   render::EvaluateOptions options;
   options.scope.bounds = &bounds;
@@ -181,6 +205,7 @@ void Refiner::Impl::step(double share) {
     seen = shifted;
     options.scope.bounds = nullptr;  // they bound the Gaussians where they really are
   }
+  seen = colors.seen(seen, harmonics.values(), keyframe.T_world_camera.t);
   rasterizer->evaluate(seen, *training, keyframe.T_world_camera, loss, gradients, options);
   learn_frame(frame, index == 0, view);
   ++keyframe.visits;
@@ -207,7 +232,7 @@ void Refiner::Impl::learn_frame(RefineFrame& frame, bool first, const PinholeCam
 }
 
 void Refiner::Impl::densify(double share) {
-  remove_useless(config.prune_opacity, store, notes);
+  remove_useless(config.prune_opacity, store, notes, harmonics);
   const auto limit = static_cast<std::size_t>(config.max_gaussians);
   if (share >= config.densify_from && share < config.densify_until && store.size() < limit) {
     if (first_count == 0) first_count = store.size();
@@ -221,7 +246,7 @@ void Refiner::Impl::densify(double share) {
     constexpr double kLeastSigma_px = 0.6;  // what is smaller does not split
     if (wanted > store.size()) {
       split_most_pulled(std::min(most, wanted - store.size()), config.split_size_power,
-                        kLeastSigma_px, store, notes);
+                        kLeastSigma_px, store, notes, harmonics);
     }
     if (config.opacity_decay > 0) {
       for (map::Gaussian& g : store.raw)
@@ -257,12 +282,13 @@ Judgement Refiner::Impl::check(double share) {
   now.gaussians = store.size();
   now.heldout = judged_by_heldout;
   const PoseCorrection moved = judged_by_heldout ? correction() : PoseCorrection();
-  const HeldoutScores scores = judge.scores(store.average, moved, exposures());
+  const HeldoutScores scores = judge.scores(store.average, harmonics.values(), moved, exposures());
   now.psnr_db = scores.psnr_db;
   now.psnr_exposed_db = scores.psnr_exposed_db;
   now.best = result.gaussians.empty() || now.psnr_db > result.best.psnr_db;
   if (now.best) {
     result.gaussians = store.average;
+    result.harmonics = harmonics.values();
     result.correction = correction();
     result.exposures = steps > 0 && config.exposure ? exposures() : ExposureCurve();
     result.best = now;
@@ -272,11 +298,9 @@ Judgement Refiner::Impl::check(double share) {
 }
 
 Refiner::Refiner(const RefineConfig& config, std::uint64_t seed, std::vector<RefineFrame> training,
-                 std::vector<RefineFrame> heldout, std::span<const map::Gaussian> gaussians,
-                 ThreadPool* pool) {
+                 std::vector<RefineFrame> heldout, const map::SplatMap& map, ThreadPool* pool) {
   SGS_CHECK(!training.empty(), "refinement needs at least one frame");
-  impl_ = std::make_unique<Impl>(config, seed, std::move(training), std::move(heldout), gaussians,
-                                 pool);
+  impl_ = std::make_unique<Impl>(config, seed, std::move(training), std::move(heldout), map, pool);
 }
 
 Refiner::~Refiner() = default;
@@ -284,6 +308,7 @@ Refiner::~Refiner() = default;
 const std::vector<map::Gaussian>& Refiner::best_gaussians() const {
   return impl_->result.gaussians;
 }
+const map::Harmonics& Refiner::best_harmonics() const { return impl_->result.harmonics; }
 const PoseCorrection& Refiner::best_correction() const { return impl_->result.correction; }
 const ExposureCurve& Refiner::best_exposures() const { return impl_->result.exposures; }
 
@@ -311,7 +336,11 @@ Refined Refiner::run(const Effort& effort, const Watch& watch, const std::stop_t
   int checks = 1, without_gain = 0;
   while ((share = spent()) < 1 && !stop.stop_requested()) {
     constexpr int kRatesFor = 50;  // steps
-    if (m.steps % kRatesFor == 0) m.optimizer.set_rates(optimizer_config(m.config, share));
+    if (m.steps % kRatesFor == 0) {
+      const mapper::OptimizerConfig rates = optimizer_config(m.config, share);
+      m.optimizer.set_rates(rates);
+      m.harmonics.set_rates(m.config.rate_harmonics * rates.rate_color, m.config.harmonics_decay);
+    }
     m.step(share);
     if (m.steps % m.config.densify_interval == 0) m.densify(share);
     if (share * m.config.checks < checks) continue;

@@ -12,6 +12,7 @@
 #include "sgs/core/thread_pool.h"
 #include "sgs/geometry/pose_correction.h"
 #include "sgs/map/gaussian.h"
+#include "sgs/map/harmonics.h"
 #include "sgs/refine/exposure_curve.h"
 #include "sgs/refine/refine_config.h"
 #include "sgs/refine/training_frames.h"
@@ -38,6 +39,7 @@ struct Judgement {
 /// What came of it: the best state by the held-out frames, the beginning included.
 struct Refined {
   std::vector<map::Gaussian> gaussians;
+  map::Harmonics harmonics;   ///< of those; empty unless learnt or there before
   PoseCorrection correction;  ///< how the training frames moved; what lies between moves along
   ExposureCurve exposures;    ///< of the training frames
   Judgement start, best, last;
@@ -53,8 +55,7 @@ class Refiner {
  public:
   /// `training` must not be empty. `pool` may be null (one thread) and must outlive it.
   Refiner(const RefineConfig& config, std::uint64_t seed, std::vector<RefineFrame> training,
-          std::vector<RefineFrame> heldout, std::span<const map::Gaussian> gaussians,
-          ThreadPool* pool);
+          std::vector<RefineFrame> heldout, const map::SplatMap& map, ThreadPool* pool);
   ~Refiner();
 
   /// Called after each check, with the state as judged; `state` of a best one is what would be
@@ -64,6 +65,7 @@ class Refiner {
   Refined run(const Effort& effort, const Watch& watch = {}, const std::stop_token& stop = {});
   /// The best state so far; to be called from Watch.
   const std::vector<map::Gaussian>& best_gaussians() const;
+  const map::Harmonics& best_harmonics() const;
   const PoseCorrection& best_correction() const;
   const ExposureCurve& best_exposures() const;
 

@@ -15,12 +15,12 @@ namespace {
 SE3 viewpoint(int i) { return mapper::translated(0.04 * i, 0.01 * (i % 3), 0); }
 
 /// A map as a few steps of mapping leave it.
-std::vector<map::Gaussian> rough_map() {
+map::SplatMap rough_map() {
   mapper::MapperConfig config;
   config.first_keyframe_iterations = 5;
   mapper::Mapper mapper(config, mapper::small_camera(), 1, nullptr);
   mapper.add_keyframe(mapper::wall_frame(mapper::small_camera(), viewpoint(0)), viewpoint(0));
-  return mapper.snapshot()->gaussians;
+  return {mapper.snapshot()->gaussians, {}};
 }
 
 std::vector<RefineFrame> frames(int first, int end, int stride, const SE3& error = {}) {
@@ -69,7 +69,7 @@ TEST(Refiner, MakesHeldoutPicturesBetter) {
   EXPECT_TRUE(refined.heldout);
   EXPECT_GT(refined.best.psnr_db, refined.start.psnr_db + 3);
   EXPECT_EQ(refined.best.gaussians, refined.gaussians.size());
-  EXPECT_GT(refined.gaussians.size(), rough_map().size());
+  EXPECT_GT(refined.gaussians.size(), rough_map().gaussians.size());
 }
 
 TEST(Refiner, SameBitsForAnyNumberOfThreads) {
@@ -88,7 +88,7 @@ TEST(Refiner, NeverWorseThanWhatItStartedFrom) {
   config.rate_mean_m = 0.5;
   config.rate_color = 1;
   config.rate_end = 1;
-  const auto before = rough_map();
+  const auto before = rough_map().gaussians;
   const Refined refined = refine(config, {40, 0});
   EXPECT_EQ(refined.best.steps, 0);
   ASSERT_EQ(refined.gaussians.size(), before.size());
@@ -111,7 +111,7 @@ TEST(Refiner, EndsWhenNothingImproves) {
 TEST(Refiner, NoEffortChangesNothing) {
   const Refined refined = refine(small_config(), {0, 0});
   EXPECT_EQ(refined.last.steps, 0);
-  EXPECT_EQ(refined.gaussians.size(), rough_map().size());
+  EXPECT_EQ(refined.gaussians.size(), rough_map().gaussians.size());
 }
 
 TEST(Refiner, AStopKeepsTheBestSoFar) {
@@ -134,6 +134,57 @@ TEST(Refiner, WithNothingHeldOutTrainingFramesJudge) {
   const Refined refined = refiner.run({50, 0});
   EXPECT_FALSE(refined.heldout);
   EXPECT_GE(refined.best.psnr_db, refined.start.psnr_db);
+}
+
+/// A wall that is brighter the more it is seen from the right.
+std::vector<RefineFrame> shimmering_frames(int first, int end, int stride) {
+  std::vector<RefineFrame> out;
+  for (int i = first; i < end; i += stride) {
+    RgbdFrame frame = *mapper::wall_frame(mapper::small_camera(), viewpoint(i), i);
+    const double gain = 0.6 + 0.02 * i;
+    for (std::size_t k = 0; k < frame.color.size(); ++k) {
+      Rgb8& c = frame.color.data()[k];
+      c.r = static_cast<std::uint8_t>(std::min(255.0, gain * c.r));
+    }
+    out.push_back({mapper::MapKeyframe(frame, viewpoint(i), 10), frame.timestamp_s, 1, 1});
+  }
+  return out;
+}
+
+Refined refine_shimmer(int harmonics, int threads) {
+  RefineConfig config = small_config();
+  config.harmonics = harmonics;
+  config.exposure = false;
+  ThreadPool pool(threads);
+  Refiner refiner(config, 1, shimmering_frames(0, 21, 4), shimmering_frames(2, 21, 4), rough_map(),
+                  &pool);
+  return refiner.run({300, 0});
+}
+
+TEST(Refiner, HarmonicsLearnColoursThatDependOnTheView) {
+  const Refined without = refine_shimmer(0, 1), with = refine_shimmer(1, 1),
+                threads = refine_shimmer(1, 3);
+  EXPECT_TRUE(without.harmonics.empty());
+  EXPECT_GT(with.best.psnr_db, without.best.psnr_db + 1);
+  EXPECT_EQ(with.harmonics.size(), with.gaussians.size());
+  EXPECT_EQ(with.harmonics.coefficients, threads.harmonics.coefficients);
+}
+
+// What a map comes with is kept, and learnt on.
+TEST(Refiner, HarmonicsOfTheMapAreKept) {
+  map::SplatMap map = rough_map();
+  map.harmonics.degree = 2;
+  map.harmonics.resize(map.gaussians.size());
+  map.harmonics.of(3)[5] = 0.1f;
+  for (const int degree : {0, 3}) {
+    RefineConfig config = small_config();
+    config.harmonics = degree;
+    Refiner refiner(config, 1, frames(0, 6, 2), frames(1, 6, 2), map, nullptr);
+    const Refined refined = refiner.run({0, 0});
+    ASSERT_EQ(refined.harmonics.degree, std::max(2, degree));
+    ASSERT_EQ(refined.harmonics.size(), map.gaussians.size());
+    EXPECT_EQ(refined.harmonics.of(3)[5], 0.1f);
+  }
 }
 
 // The held-out pictures' exposure is that of the frames around them, never looked up in them.

@@ -47,27 +47,30 @@ Json page_json(const MapPage& page) {
 
 }  // namespace
 
-std::string map_page_html(std::span<const map::Gaussian> gaussians, const MapPage& page) {
+std::string map_page_html(const map::SplatMap& map, const MapPage& page) {
   std::string html = page_head(page.title, page_text("map.css"));
   html += "<body><canvas tabindex='0' role='img' aria-label='Map of " + html_escaped(page.title) +
           " in three dimensions; arrow keys turn it, plus and minus zoom, n and p change the "
           "view'></canvas><header><h1>" +
           html_escaped(page.title) + "</h1><small id='status'>" +
-          fmt::format("{} Gaussians", gaussians.size()) +
+          fmt::format("{} Gaussians", map.gaussians.size()) +
           "</small></header><footer><button id='previous'>‹ view</button><button id='next'>view ›"
           "</button><small>drag turns, shift-drag moves, wheel zooms</small></footer>"
           "<script type='application/json' id='page'>" +
           page_json(page).dump() + "</script><script type='text/plain' id='splats'>";
-  html += base64(io::splat_records(gaussians));
+  html += base64(io::splat_records(map.gaussians));
+  html += fmt::format("</script><script type='text/plain' id='harmonics' data-degree='{}'>",
+                      map.harmonics.degree);
+  html += base64(io::harmonic_records(map.harmonics));
   html += "</script>";
   html += script_html({"vec.mjs", "splats.mjs", "splat_shaders.mjs", "map.mjs"});
   return html + "</body></html>\n";
 }
 
-Status save_map_page(const std::filesystem::path& path, std::span<const map::Gaussian> gaussians,
+Status save_map_page(const std::filesystem::path& path, const map::SplatMap& map,
                      const MapPage& page) {
-  SGS_RETURN_IF_ERROR(io::check_splats(path, gaussians));
-  return io::write_file(path, map_page_html(gaussians, page));
+  SGS_RETURN_IF_ERROR(io::check_splats(path, map.gaussians, map.harmonics));
+  return io::write_file(path, map_page_html(map, page));
 }
 
 }  // namespace sgs::report

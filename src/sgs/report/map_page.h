@@ -26,9 +26,9 @@ struct MapPage {
 /// One HTML page that draws the Gaussians with WebGL 2: sorted, blended ellipses as in our
 /// rasterizer, with orbit, pan and zoom. Everything is inside; it opens from disk. The Gaussians
 /// must have passed io::check_splats().
-std::string map_page_html(std::span<const map::Gaussian> gaussians, const MapPage& page);
+std::string map_page_html(const map::SplatMap& map, const MapPage& page);
 /// Checks the Gaussians and writes map_page_html() atomically.
-Status save_map_page(const std::filesystem::path& path, std::span<const map::Gaussian> gaussians,
+Status save_map_page(const std::filesystem::path& path, const map::SplatMap& map,
                      const MapPage& page);
 
 }  // namespace sgs::report

@@ -181,7 +181,7 @@ void write_end(const Run& run, RunFolder& folder) {
 /// numbers.
 void read_back(const RunFolder& folder, Run& run) {
   if (auto written = io::load_splats(folder.path() / files::kMap)) {
-    run.gaussians = std::move(*written);
+    run.gaussians = std::move(written->gaussians);
   }
   for (const auto& [name, poses] : {std::pair(files::kTrajectory, &run.trajectory),
                                     std::pair(files::kKeyframes, &run.keyframes)}) {

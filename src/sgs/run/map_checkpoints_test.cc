@@ -92,7 +92,7 @@ TEST(MapCheckpoints, KeepWhatIsPublishedAndOutliveFaults) {
   MapCheckpoints checkpoints(*lock, 1000, {[&] { return published(); }, {}});
   const auto on_disk = [&] {
     const auto map = io::load_splats(newest_checkpoint(scratch / "run") / files::kMap);
-    return map ? map->size() : 0;
+    return map ? map->gaussians.size() : 0;
   };
   slam::FrameRecord keyframe;
   keyframe.mapping_keyframe = true;

@@ -8,6 +8,7 @@
 
 #include "sgs/eval/image_metrics.h"
 #include "sgs/render/rasterizer.h"
+#include "sgs/render/view_color.h"
 
 namespace sgs::run {
 namespace {
@@ -95,6 +96,7 @@ Result<NovelScores> score_novel_views(const Run& run, int count, const eval::Lpi
   const PinholeCamera camera = source->camera();
   ThreadPool pool(threads);
   const auto rasterizer = render::make_cpu_rasterizer(&pool);
+  render::ViewColors colors(&pool);
   std::vector<View> views;
   std::size_t number = 0;
   for (const MovedPose& pose : chosen_poses(run, source->ground_truth(), count)) {
@@ -104,7 +106,8 @@ Result<NovelScores> score_novel_views(const Run& run, int count, const eval::Lpi
     View& view = views.emplace_back();
     view.truth = eval::to_float(exact.color);
     view.depth = std::move(exact.depth);
-    rasterizer->render(run.gaussians, camera, pose.before * offset, view.rendering);
+    const SE3 T = pose.before * offset;
+    rasterizer->render(colors.seen(run.gaussians, run.harmonics, T.t), camera, T, view.rendering);
   }
   NovelScores scores;
   scores.views = static_cast<int>(views.size());

@@ -173,10 +173,12 @@ Trajectory moved(const Trajectory& poses, const PoseCorrection& correction) {
 
 /// The run at a state of its refinement; its path is the one that its pictures are rendered from.
 Run run_at(const Run& run, const std::vector<map::Gaussian>& gaussians,
-           const PoseCorrection& correction, const refine::ExposureCurve& exposures) {
+           const map::Harmonics& harmonics, const PoseCorrection& correction,
+           const refine::ExposureCurve& exposures) {
   constexpr std::int64_t kBytesPerGaussian = sizeof(map::Gaussian);
   Run at = run;
   at.gaussians = gaussians;
+  at.harmonics = harmonics;
   at.trajectory = moved(view_poses(run), correction);
   at.keyframes = moved(run.keyframes, correction);
   for (slam::FrameRecord& record : at.frames) {
@@ -185,19 +187,22 @@ Run run_at(const Run& run, const std::vector<map::Gaussian>& gaussians,
     record.gain = {gain[0], gain[1], gain[2]};
   }
   at.metrics.gaussians = static_cast<std::int64_t>(gaussians.size());
-  at.metrics.map_bytes = kBytesPerGaussian * *at.metrics.gaussians;
+  at.metrics.map_bytes =
+      (kBytesPerGaussian + static_cast<std::int64_t>(sizeof(float) * harmonics.floats())) *
+      *at.metrics.gaussians;
   eval::replace_group(at.metrics, eval::kRenderingGroup, {});
   return at;
 }
 
 }  // namespace
 
-Result<Run> run_of_map(const InputSpec& spec, std::vector<map::Gaussian> gaussians,
-                       Trajectory poses, const slam::SessionConfig& config, int threads) {
+Result<Run> run_of_map(const InputSpec& spec, map::SplatMap map, Trajectory poses,
+                       const slam::SessionConfig& config, int threads) {
   constexpr double kMaxGap_s = 0.5;  // between two poses that a frame may lie between
   SGS_ASSIGN_OR_RETURN(const auto input, reopen_input(spec, threads));
   Run run = beginning_of(input, spec, config);
-  run.gaussians = std::move(gaussians);
+  run.gaussians = std::move(map.gaussians);
+  run.harmonics = std::move(map.harmonics);
   RgbdFrame frame;
   Error error;
   while (true) {
@@ -239,28 +244,55 @@ Result<RefinedRun> refine_run(const Run& run, const RefineOptions& options, RunF
   out.frames_heldout = static_cast<std::int64_t>(material.heldout.size());
   ThreadPool pool(options.threads);
   refine::Refiner refiner(options.config, run.config.seed, std::move(material.training),
-                          std::move(material.heldout), run.gaussians, &pool);
+                          std::move(material.heldout), {run.gaussians, run.harmonics}, &pool);
   double kept_s = wall_time_s();
   const auto checked = [&](const refine::Judgement& now) {
     if (watch.checked) watch.checked(now);
+    if (watch.better && now.best && now.steps > 0) {
+      watch.better({refiner.best_gaussians(), refiner.best_harmonics()});
+    }
     const bool due = options.keep_every_s > 0 && wall_time_s() - kept_s > options.keep_every_s;
     if (!now.best || !due || now.steps == 0) return;
-    save_run(
-        run_at(run, refiner.best_gaussians(), refiner.best_correction(), refiner.best_exposures()),
-        folder);
+    save_run(run_at(run, refiner.best_gaussians(), refiner.best_harmonics(),
+                    refiner.best_correction(), refiner.best_exposures()),
+             folder);
     kept_s = wall_time_s();
   };
   out.refined = refiner.run(options.effort, checked, stop);
-  out.run = run_at(run, out.refined.gaussians, out.refined.correction, out.refined.exposures);
+  out.run = run_at(run, out.refined.gaussians, out.refined.harmonics, out.refined.correction,
+                   out.refined.exposures);
   out.run.metrics.mapping_iterations =
       run.metrics.mapping_iterations.value_or(0) + out.refined.best.steps;
   out.run.state = {};
   if (out.refined.stopped) out.run.state = {Stage::kInterrupted, "", 0, "stopped by request", true};
   out.run.metrics.state = out.run.state.word();
   out.refined.gaussians.clear();
+  out.refined.harmonics = {};
   save_run(out.run, folder);
   folder.end(out.run.state.stage, out.run.frames.size(), out.run.state.reason);
   return out;
+}
+
+void save_refine_parameters(const std::string& source, const RefineOptions& options,
+                            RunFolder& folder) {
+  refine::RefineConfig config = options.config;
+  ParameterList list;
+  list.add_group("refine", config);
+  const refine::Effort& effort = options.effort;
+  folder.save_text(files::kRefine,
+                   fmt::format("# {} refined with --{}; every value as used.\n{}", source,
+                               effort.steps > 0 ? fmt::format("steps {}", effort.steps)
+                                                : fmt::format("minutes {:g}", effort.seconds / 60),
+                               list.to_toml()));
+}
+
+fs::path refined_folder_of(const fs::path& source) {
+  std::error_code error;
+  const fs::path whole = fs::weakly_canonical(source, error);
+  const std::string base = whole.parent_path() / (whole.stem().string() + "-refined");
+  fs::path path = base;
+  for (int i = 2; fs::exists(path, error); ++i) path = fmt::format("{}-{}", base, i);
+  return path;
 }
 
 }  // namespace sgs::run

@@ -21,15 +21,17 @@ struct RefineOptions {
 };
 
 /// A map and poses from elsewhere as a run: the recording's frames at the poses in `poses`, which
-/// lie in the world of `gaussians`, interpolated where frames lie between two of them.
+/// lie in the world of `map`, interpolated where frames lie between two of them.
 /// `heldout_interval` as in slam::SessionConfig. An error where no frame has a pose.
-Result<Run> run_of_map(const InputSpec& input, std::vector<map::Gaussian> gaussians,
-                       Trajectory poses, const slam::SessionConfig& config, int threads);
+Result<Run> run_of_map(const InputSpec& input, map::SplatMap map, Trajectory poses,
+                       const slam::SessionConfig& config, int threads);
 
 /// How far refining has come.
 struct RefineWatch {
   std::function<void(std::int64_t frames)> frames_read;
   std::function<void(const refine::Judgement& now)> checked;
+  /// The map, where a check found it better than all before.
+  std::function<void(const map::SplatMap& map)> better;
 };
 
 struct RefinedRun {
@@ -45,5 +47,12 @@ struct RefinedRun {
 /// ends it with the best state so far.
 Result<RefinedRun> refine_run(const Run& run, const RefineOptions& options, RunFolder& folder,
                               const RefineWatch& watch = {}, const std::stop_token& stop = {});
+
+/// What the run's own `config.toml` does not say: every parameter as used, into `folder`.
+void save_refine_parameters(const std::string& source, const RefineOptions& options,
+                            RunFolder& folder);
+
+/// A folder beside the run or map at `source` that is free: NAME-refined, NAME-refined-2, ...
+std::filesystem::path refined_folder_of(const std::filesystem::path& source);
 
 }  // namespace sgs::run

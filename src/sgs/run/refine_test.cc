@@ -156,7 +156,7 @@ TEST_F(RefineRunTest, AStreamIsSaidToBeGone) {
 
 TEST_F(RefineRunTest, AMapOfAnotherProgramIsRefinedWithItsPoses) {
   const run::Run ours = loaded();
-  const auto theirs = run_of_map(spec(), ours.gaussians, ours.trajectory, {}, 1);
+  const auto theirs = run_of_map(spec(), {ours.gaussians, {}}, ours.trajectory, {}, 1);
   ASSERT_TRUE(theirs) << theirs.error().text();
   EXPECT_EQ(theirs->frames.size(), 7u);
   EXPECT_TRUE(theirs->frames[4].heldout);
@@ -168,7 +168,7 @@ TEST_F(RefineRunTest, AMapOfAnotherProgramIsRefinedWithItsPoses) {
 TEST_F(RefineRunTest, PosesOfAnotherTimeAreRefused) {
   const run::Run ours = loaded();
   const Trajectory elsewhere({{1e9, SE3()}, {1e9 + 1, SE3()}});
-  const auto theirs = run_of_map(spec(), ours.gaussians, elsewhere, {}, 1);
+  const auto theirs = run_of_map(spec(), {ours.gaussians, {}}, elsewhere, {}, 1);
   ASSERT_FALSE(theirs);
   EXPECT_THAT(theirs.error().message, HasSubstr("none of the 7 frames"));
 }

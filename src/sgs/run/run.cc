@@ -127,7 +127,9 @@ const std::array<PartFile, 6> kPartFiles = {{
      "`sgs render` and `sgs export` do without it"},
     {kMap, files::kMap,
      [](const fs::path& path, const fs::path&, Run& run) -> Status {
-       SGS_ASSIGN_OR_RETURN(run.gaussians, io::load_splats(path));
+       SGS_ASSIGN_OR_RETURN(auto splats, io::load_splats(path));
+       run.gaussians = std::move(splats.gaussians);
+       run.harmonics = std::move(splats.harmonics);
        return {};
      },
      "`sgs export RUN tum` does without the map", true},
@@ -242,7 +244,7 @@ Result<Trajectory> load_run_trajectory(const fs::path& folder) {
 
 Trajectory view_poses(const Run& run) { return corrected(run.trajectory, run.keyframes); }
 
-Result<std::vector<map::Gaussian>> load_run_map(const fs::path& folder) {
+Result<map::SplatMap> load_run_map(const fs::path& folder) {
   SGS_ASSIGN_OR_RETURN(const auto state, load_state(folder));
   auto map = with_folder_of_map(folder, state, [](const fs::path& map_folder) {
     return io::load_splats(map_folder / files::kMap);
@@ -307,8 +309,9 @@ void save_run(const Run& run, RunFolder& folder) {
   save_poses(files::kOnline, run.online);
   save_poses(files::kKeyframes, run.keyframes);
   folder.save_text(files::kFrames, slam::frames_csv(run.frames));
-  folder.save(files::kMap,
-              [&](const fs::path& path) { return io::save_splats(path, run.gaussians); });
+  folder.save(files::kMap, [&](const fs::path& path) {
+    return io::save_splats(path, run.gaussians, run.harmonics);
+  });
   folder.save_text(files::kTimings, run.timings_json);
 }
 
@@ -363,14 +366,15 @@ std::vector<eval::FramePictures> load_pictures(const fs::path& folder) {
   return pictures;
 }
 
-map::SnapshotPtr as_snapshot(std::vector<map::Gaussian> gaussians) {
+map::SnapshotPtr as_snapshot(map::SplatMap splats, std::uint64_t version) {
   auto snapshot = std::make_shared<map::Snapshot>();
-  snapshot->version = 1;
-  snapshot->anchors.resize(gaussians.size());
-  for (std::size_t i = 0; i < gaussians.size(); ++i) {
+  snapshot->version = version;
+  snapshot->anchors.resize(splats.gaussians.size());
+  for (std::size_t i = 0; i < splats.gaussians.size(); ++i) {
     snapshot->anchors[i].id = static_cast<std::uint32_t>(i);
   }
-  snapshot->gaussians = std::move(gaussians);
+  snapshot->gaussians = std::move(splats.gaussians);
+  snapshot->harmonics = std::move(splats.harmonics);
   return snapshot;
 }
 

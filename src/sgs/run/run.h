@@ -35,6 +35,7 @@ struct Run {
   Trajectory keyframes;   ///< of the mapper, refined
   Trajectory truth;       ///< empty where there is none
   std::vector<map::Gaussian> gaussians;
+  map::Harmonics harmonics;       ///< of those; none unless they were learnt (`sgs refine`)
   std::string timings_json;       ///< "" where it is not known
   std::int64_t frames_total = 0;  ///< of the sequence, bad and dropped ones included
   eval::Metrics metrics;          ///< what the run measured of itself, and scores where it has them
@@ -66,7 +67,7 @@ Result<Trajectory> load_run_trajectory(const std::filesystem::path& folder);
 /// the keyframes before and after (their poses absorb what the pictures and the poses disagree on).
 Trajectory view_poses(const Run& run);
 /// The map of a run folder; that of an unfinished run is its last checkpoint.
-Result<std::vector<map::Gaussian>> load_run_map(const std::filesystem::path& folder);
+Result<map::SplatMap> load_run_map(const std::filesystem::path& folder);
 
 /// What is known of a run before its first frame.
 Run beginning_of(const Input& input, const InputSpec& spec, const slam::SessionConfig& config);
@@ -91,6 +92,6 @@ void save_pictures(const std::vector<eval::FramePictures>& pictures, RunFolder& 
 std::vector<eval::FramePictures> load_pictures(const std::filesystem::path& folder);
 
 /// The snapshot that consists of a run's map.
-map::SnapshotPtr as_snapshot(std::vector<map::Gaussian> gaussians);
+map::SnapshotPtr as_snapshot(map::SplatMap splats, std::uint64_t version = 1);
 
 }  // namespace sgs::run

@@ -8,6 +8,7 @@
 #include "sgs/io/colmap.h"
 #include "sgs/io/image_io.h"
 #include "sgs/render/rendered_images.h"
+#include "sgs/render/view_color.h"
 
 namespace sgs::run {
 namespace {
@@ -65,8 +66,8 @@ std::vector<io::ColoredPoint> to_points(std::span<const map::Gaussian> gaussians
   return points;
 }
 
-Status for_each_keyframe(const fs::path& folder, std::span<const map::Gaussian> map,
-                         ViewSource source, int threads, const Visit& visit) {
+Status for_each_keyframe(const fs::path& folder, const map::SplatMap& map, ViewSource source,
+                         int threads, const Visit& visit) {
   constexpr float kSolid = 0.7f;
   SGS_ASSIGN_OR_RETURN(const auto run, load_keyframes(folder));
   auto input = reopen_input(run.input, 1, run.calibration);
@@ -76,11 +77,15 @@ Status for_each_keyframe(const fs::path& folder, std::span<const map::Gaussian> 
   }
   ThreadPool pool(threads);
   const auto rasterizer = render::make_cpu_rasterizer(&pool);
+  render::ViewColors colors(&pool);
   render::Rendering rendering;
+  const auto render = [&](const PinholeCamera& camera, const SE3& T) {
+    rasterizer->render(colors.seen(map.gaussians, map.harmonics, T.t), camera, T, rendering);
+  };
   if (input) {
     return visit_recorded(run, *input->source,
                           [&](const PinholeCamera& camera, const KeyframeView& seen) {
-                            rasterizer->render(map, camera, seen.T_world_camera, rendering);
+                            render(camera, seen.T_world_camera);
                             KeyframeView view = seen;
                             view.depth = render::mean_depth(rendering, kSolid);
                             return visit(camera, view);
@@ -90,7 +95,7 @@ Status for_each_keyframe(const fs::path& folder, std::span<const map::Gaussian> 
              input.error().message);
   std::int64_t index = 0;
   for (const StampedPose& pose : run.keyframes.poses()) {
-    rasterizer->render(map, run.camera, pose.T_world_camera, rendering);
+    render(run.camera, pose.T_world_camera);
     SGS_RETURN_IF_ERROR(
         visit(run.camera, {index++, pose.T_world_camera, render::to_color_image(rendering.color),
                            render::mean_depth(rendering, kSolid)}));
@@ -98,18 +103,17 @@ Status for_each_keyframe(const fs::path& folder, std::span<const map::Gaussian> 
   return {};
 }
 
-Status export_colmap(const fs::path& run_folder, std::span<const map::Gaussian> gaussians,
-                     const fs::path& folder) {
+Status export_colmap(const fs::path& run_folder, const map::SplatMap& map, const fs::path& folder) {
   std::vector<io::ColmapImage> images;
   PinholeCamera camera;
   SGS_RETURN_IF_ERROR(for_each_keyframe(
-      run_folder, gaussians, ViewSource::kMap, 1,
+      run_folder, map, ViewSource::kMap, 1,
       [&](const PinholeCamera& view_camera, const KeyframeView& view) {
         camera = view_camera;
         images.push_back({fmt::format("frame_{:06}.png", view.index), view.T_world_camera});
         return io::save_color(folder / "images" / images.back().name, view.color);
       }));
-  return io::save_colmap_model(folder / "sparse" / "0", camera, images, to_points(gaussians));
+  return io::save_colmap_model(folder / "sparse" / "0", camera, images, to_points(map.gaussians));
 }
 
 }  // namespace sgs::run

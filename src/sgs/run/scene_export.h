@@ -31,12 +31,12 @@ enum class ViewSource {
 /// Hands over the view of each keyframe of a run folder with its camera, in order of time. `map` is
 /// what kMap renders.
 Status for_each_keyframe(
-    const std::filesystem::path& folder, std::span<const map::Gaussian> map, ViewSource source,
-    int threads, const std::function<Status(const PinholeCamera&, const KeyframeView&)>& visit);
+    const std::filesystem::path& folder, const map::SplatMap& map, ViewSource source, int threads,
+    const std::function<Status(const PinholeCamera&, const KeyframeView&)>& visit);
 
 /// COLMAP text model and keyframe pictures: FOLDER/images and FOLDER/sparse/0, the layout that
 /// trainers of Gaussian splatting read. Where the recording is gone the pictures are renderings.
-Status export_colmap(const std::filesystem::path& run_folder,
-                     std::span<const map::Gaussian> gaussians, const std::filesystem::path& folder);
+Status export_colmap(const std::filesystem::path& run_folder, const map::SplatMap& map,
+                     const std::filesystem::path& folder);
 
 }  // namespace sgs::run

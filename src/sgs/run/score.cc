@@ -97,6 +97,7 @@ Result<eval::RunEvaluation> score_rendering(const Run& run, const ScoreOptions& 
   evaluation.gain_of = [&](const RgbdFrame& frame) { return gain_of(run, frame.index); };
   evaluation.frames_expected = run.frames_total;
   evaluation.gaussians = run.gaussians;
+  evaluation.harmonics = &run.harmonics;
   evaluation.rasterizer = rasterizer.get();
   evaluation.lpips = lpips ? &*lpips : nullptr;
   evaluation.pool = &pool;

@@ -64,6 +64,17 @@ void Board::touch() {
   ++state_.sequence;
 }
 
+void Board::set_refinement(RefinementNote note) {
+  const std::scoped_lock lock(mutex_);
+  ++refinement_.first;
+  refinement_.second = std::move(note);
+}
+
+std::pair<std::uint64_t, RefinementNote> Board::refinement() const {
+  const std::scoped_lock lock(mutex_);
+  return refinement_;
+}
+
 void Board::set_metrics(const eval::Metrics& metrics) {
   const std::scoped_lock lock(mutex_);
   metrics_ = metrics;

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sgs/eval/metrics.h"
@@ -41,6 +42,8 @@ class Board {
   void restart();
   /// Marks the state as new although no frame came (paused, resumed, finished).
   void touch();
+  /// How the refinement fares.
+  void set_refinement(RefinementNote note);
   /// Scores of the finished run.
   void set_metrics(const eval::Metrics& metrics);
 
@@ -52,6 +55,8 @@ class Board {
   State state() const;
   /// At most `limit` points from index `first` on.
   std::vector<PathPoint> path(std::size_t first, std::size_t limit) const;
+  /// The newest note; its number counts them, 0 = none yet.
+  std::pair<std::uint64_t, RefinementNote> refinement() const;
   /// Empty while the run is not finished.
   std::optional<eval::Metrics> metrics() const;
 
@@ -60,6 +65,7 @@ class Board {
   State state_;
   std::deque<PathPoint> path_;
   std::optional<eval::Metrics> metrics_;
+  std::pair<std::uint64_t, RefinementNote> refinement_;
 };
 
 }  // namespace sgs::viewer

@@ -75,6 +75,10 @@ std::optional<Outgoing> ClientStream::next(double now_s, bool paused) {
     }
     if (out) return out;
   }
+  if (const auto [number, note] = encoder_.board().refinement(); number != refinement_sent_) {
+    refinement_sent_ = number;
+    return Outgoing{true, std::make_shared<const std::string>(refinement_message(note))};
+  }
   if (!metrics_sent_) {
     if (const auto metrics = encoder_.board().metrics()) {
       metrics_sent_ = true;
@@ -90,6 +94,7 @@ std::optional<Outgoing> ClientStream::next_state(double now_s, bool paused) {
   if (now_s < next_state_s_ && !state.update->finished) return std::nullopt;
   if (state.generation != generation_) {
     generation_ = state.generation;
+    metrics_sent_ = false;  // a replay may go on with another map
     if (std::exchange(path_known_, 0) > 0) {
       return Outgoing{true, std::make_shared<const std::string>(path_message(0, {}))};
     }

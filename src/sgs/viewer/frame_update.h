@@ -18,7 +18,8 @@ namespace sgs::viewer {
 /// What never changes while a server runs; the first message to each client.
 struct RunInfo {
   std::string version, input, tracker, preset;
-  bool live = true;  ///< a run in progress; false: the replay of a finished one
+  bool live = true;      ///< a run in progress; false: the replay of a finished one
+  bool refines = false;  ///< the page offers to refine the map
   PinholeCamera camera;
   std::optional<std::int64_t> frames_total;
 };
@@ -36,6 +37,13 @@ struct FrameUpdate {
   double fps = kNone;                      ///< frames per second lately
   bool finished = false;                   ///< nothing comes after this one; `map` is final
 };
+/// How the refinement that the page asked for fares.
+struct RefinementNote {
+  bool running = false;
+  double share = 0;  ///< of the effort, 0..1
+  std::string text;  ///< what to tell
+};
+
 using FrameUpdatePtr = std::shared_ptr<const FrameUpdate>;
 
 }  // namespace sgs::viewer

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 
 #include "sgs/core/error.h"
 #include "sgs/core/image.h"
+#include "sgs/io/splat_file.h"
 
 namespace sgs::viewer {
 namespace {
@@ -37,6 +39,16 @@ bool visibly_different(const SplatRecord& a, const SplatRecord& b) {
 
 bool different(const SplatRecord& a, const SplatRecord& b, bool exact) {
   return exact ? std::memcmp(&a, &b, sizeof(a)) != 0 : visibly_different(a, b);
+}
+
+/// Whether bytes of harmonics differ by what is seen.
+bool harmonics_differ(const char* a, const char* b, std::size_t size, bool exact) {
+  constexpr int kVisible = 4;
+  for (std::size_t k = 0; k < size; ++k) {
+    const int difference = static_cast<unsigned char>(a[k]) - static_cast<unsigned char>(b[k]);
+    if (std::abs(difference) >= (exact ? 1 : kVisible)) return true;
+  }
+  return false;
 }
 
 /// Ids as the snapshot gives them, or positions where those cannot be used.
@@ -84,10 +96,14 @@ SplatRecord encode_splat(const map::Gaussian& g, std::uint32_t id) {
 MapStep map_step(const ClientMapPtr& from, const map::Snapshot& snapshot, bool exact) {
   const Ids ids(snapshot);
   MapStep step;
-  step.reset = from == nullptr || !ids.stable;
+  step.reset = from == nullptr || !ids.stable || from->degree != snapshot.harmonics.degree;
   auto to = std::make_shared<ClientMap>();
   to->version = snapshot.version;
   to->records.reserve(snapshot.gaussians.size());
+  to->degree = snapshot.harmonics.degree;
+  to->harmonics = io::harmonic_records(snapshot.harmonics);
+  const std::size_t stride =
+      snapshot.gaussians.empty() ? 0 : to->harmonics.size() / snapshot.gaussians.size();
   static const std::vector<SplatRecord> kNothing;
   const auto& old = step.reset ? kNothing : from->records;
   std::size_t k = 0;
@@ -95,8 +111,12 @@ MapStep map_step(const ClientMapPtr& from, const map::Snapshot& snapshot, bool e
     const SplatRecord fresh = encode_splat(snapshot.gaussians[i], ids[i]);
     while (k < old.size() && old[k].id < fresh.id) step.removed.push_back(old[k++].id);
     const bool known = k < old.size() && old[k].id == fresh.id;
-    if (known && !different(old[k], fresh, exact)) {
+    char* colors = to->harmonics.data() + i * stride;
+    const char* old_colors = known ? from->harmonics.data() + k * stride : nullptr;
+    if (known && !different(old[k], fresh, exact) &&
+        !harmonics_differ(old_colors, colors, stride, exact)) {
       to->records.push_back(old[k]);
+      std::copy_n(old_colors, stride, colors);
     } else {
       step.changed.push_back(static_cast<std::uint32_t>(i));
       to->records.push_back(fresh);
@@ -125,17 +145,23 @@ std::string map_message(const MapStep& step, std::size_t i) {
   const auto [first, last] = range(step.changed.size(), kMapMessageRecords);
   const auto [first_gone, last_gone] = range(step.removed.size(), 12 * kMapMessageRecords);
   std::string out;
-  out.reserve(kHeaderBytes + sizeof(SplatRecord) * (last - first) + 4 * (last_gone - first_gone));
+  out.reserve(kHeaderBytes + sizeof(SplatRecord) * (last - first) + 4 * (last_gone - first_gone) +
+              step.to->stride() * (last - first));
   const int flags = (i == 0 && step.reset ? kResetFlag : 0) | (i + 1 == count ? kLastFlag : 0);
   append(out, kMapKind);
   append(out, static_cast<std::uint8_t>(flags));
-  append(out, std::uint16_t{0});
+  append(out, static_cast<std::uint8_t>(step.to->degree));
+  append(out, std::uint8_t{0});
   append(out, std::uint32_t{0});
   append(out, step.to->version);
   append(out, static_cast<std::uint32_t>(last - first));
   append(out, static_cast<std::uint32_t>(last_gone - first_gone));
   for (std::size_t c = first; c < last; ++c) append(out, step.to->records[step.changed[c]]);
   for (std::size_t c = first_gone; c < last_gone; ++c) append(out, step.removed[c]);
+  const std::size_t stride = step.to->stride();
+  for (std::size_t c = first; c < last; ++c) {
+    out.append(step.to->harmonics, step.changed[c] * stride, stride);
+  }
   return out;
 }
 

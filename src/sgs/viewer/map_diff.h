@@ -29,6 +29,10 @@ SplatRecord encode_splat(const map::Gaussian& gaussian, std::uint32_t id);
 struct ClientMap {
   std::uint64_t version = 0;
   std::vector<SplatRecord> records;
+  int degree = 0;         ///< of the harmonics
+  std::string harmonics;  ///< io::harmonic_records() of the records
+  /// Bytes of `harmonics` per record.
+  std::size_t stride() const { return records.empty() ? 0 : harmonics.size() / records.size(); }
 };
 using ClientMapPtr = std::shared_ptr<const ClientMap>;
 
@@ -43,7 +47,8 @@ struct MapStep {
 /// What a client that has `from` (null: nothing) needs to see `snapshot`. Changes that nobody sees
 /// (a small part of the splat's own size, 2/255 of colour) are left for later: then `to` holds the
 /// record as the client has it, so that small steps add up until they are worth sending. `exact`
-/// sends every difference. A snapshot whose ids do not rise leads to a reset with new ids.
+/// sends every difference. A snapshot whose ids do not rise leads to a reset with new ids, one with
+/// harmonics of another degree to a reset.
 /// Linear in both sizes.
 MapStep map_step(const ClientMapPtr& from, const map::Snapshot& snapshot, bool exact);
 

@@ -20,6 +20,7 @@ using ::testing::IsEmpty;
 struct Decoder {
   std::map<std::uint32_t, std::array<float, 10>> splats;
   std::map<std::uint32_t, std::array<std::uint8_t, 4>> colors;
+  std::map<std::uint32_t, std::string> harmonics;
   std::uint64_t version = 0;
   bool complete = false;
 
@@ -37,12 +38,14 @@ struct Decoder {
     complete = (m[1] & 2) != 0;
     version = read<std::uint64_t>(m, 8);
     const auto n = read<std::uint32_t>(m, 16), gone = read<std::uint32_t>(m, 20);
-    ASSERT_EQ(m.size(), 24 + 48ul * n + 4ul * gone);
+    const std::size_t stride = 16u * static_cast<unsigned char>(m[2]);
+    ASSERT_EQ(m.size(), 24 + (48ul + stride) * n + 4ul * gone);
     for (std::size_t i = 0; i < n; ++i) {
       const std::size_t at = 24 + 48 * i;
       const auto id = read<std::uint32_t>(m, at);
       splats[id] = read<std::array<float, 10>>(m, at + 4);
       colors[id] = read<std::array<std::uint8_t, 4>>(m, at + 44);
+      harmonics[id] = m.substr(24 + 48ul * n + 4ul * gone + stride * i, stride);
     }
     for (std::size_t i = 0; i < gone; ++i) {
       ASSERT_EQ(splats.erase(read<std::uint32_t>(m, 24 + 48ul * n + 4 * i)), 1u);
@@ -63,6 +66,31 @@ TEST(MapDiff, TheRecordSaysWhatTheGaussianIs) {
   EXPECT_FLOAT_EQ(r.scale[1], 0.1f);
   EXPECT_FLOAT_EQ(r.rotation[0], 1);
   EXPECT_THAT(r.rgba, ElementsAre(128, 255, 0, 186));  // 255 * sigmoid(1)
+}
+
+TEST(MapDiff, HarmonicsGoAlong) {
+  const auto first = testing::snapshot(1, {0, 1, 2});
+  first->harmonics.degree = 1;
+  first->harmonics.resize(3);
+  first->harmonics.of(1)[4] = 0.5f;
+  Decoder client;
+  const MapStep start = map_step(nullptr, *first, false);
+  client.apply(start);
+  ASSERT_EQ(client.harmonics[1].size(), 16u);
+  EXPECT_EQ(static_cast<unsigned char>(client.harmonics[1][4]), 192);
+  EXPECT_EQ(static_cast<unsigned char>(client.harmonics[0][4]), 128);
+
+  const auto second = testing::snapshot(2, {0, 1, 2});
+  second->harmonics = first->harmonics;
+  second->harmonics.of(0)[0] = 0.01f;  // nobody sees that
+  second->harmonics.of(2)[8] = -0.5f;
+  const MapStep step = map_step(start.to, *second, false);
+  EXPECT_FALSE(step.reset);
+  EXPECT_THAT(step.changed, ElementsAre(2));
+  client.apply(step);
+  EXPECT_EQ(static_cast<unsigned char>(client.harmonics[2][8]), 64);
+  EXPECT_THAT(map_step(step.to, *second, true).changed, ElementsAre(0));
+  EXPECT_TRUE(map_step(step.to, *testing::snapshot(3, {0, 1, 2}), false).reset);
 }
 
 TEST(MapDiff, StepsLeadAClientToTheSnapshot) {

@@ -93,11 +93,11 @@ std::string hello_message(const RunInfo& info) {
   constexpr int kProtocol = 2;
   constexpr int kPictureAbove = 150000;  // what phones and software WebGL draw is far less
   const PinholeCamera& c = info.camera;
-  Json json = {{"type", "hello"},         {"protocol", kProtocol},
-               {"version", info.version}, {"input", info.input},
-               {"tracker", info.tracker}, {"preset", info.preset},
-               {"live", info.live},       {"up", nullptr},
-               {"frames_total", nullptr}, {"picture_above", kPictureAbove}};
+  Json json = {
+      {"type", "hello"},         {"protocol", kProtocol},         {"version", info.version},
+      {"input", info.input},     {"tracker", info.tracker},       {"preset", info.preset},
+      {"live", info.live},       {"refines", info.refines},       {"up", nullptr},
+      {"frames_total", nullptr}, {"picture_above", kPictureAbove}};
   json["columns"] = columns_json();
   if (info.frames_total) json["frames_total"] = *info.frames_total;
   json["camera"] = {{"fx", number(c.fx)}, {"fy", number(c.fy)}, {"cx", number(c.cx)},
@@ -155,6 +155,13 @@ std::string metrics_message(const eval::Metrics& metrics) {
                      {"main", line.info.rank != eval::Rank::kDetail}});
   }
   return dump({{"type", "metrics"}, {"lines", std::move(lines)}});
+}
+
+std::string refinement_message(const RefinementNote& note) {
+  return dump({{"type", "refinement"},
+               {"running", note.running},
+               {"share", number(note.share)},
+               {"text", note.text}});
 }
 
 std::string error_message(std::string_view text) {

@@ -22,6 +22,7 @@ std::string path_message(std::size_t first, std::span<const PathPoint> points);
 std::string state_message(const FrameUpdate& update, bool paused);
 /// The scores of a finished run as lines of text; what was not measured is left out.
 std::string metrics_message(const eval::Metrics& metrics);
+std::string refinement_message(const RefinementNote& note);
 std::string error_message(std::string_view text);
 
 /// The pictures a client can see.
@@ -35,7 +36,7 @@ constexpr PaneSet bit(Pane pane) { return 1u << static_cast<unsigned>(pane); }
 std::string picture_message(Pane pane, std::uint32_t sequence, std::string_view jpeg);
 
 struct ControlRequest {
-  enum class Action { kPause, kResume, kStep } action;
+  enum class Action { kPause, kResume, kStep, kRefine } action;
 };
 struct SubscribeRequest {
   bool map = false;  ///< splats and points are the same data

@@ -16,16 +16,26 @@ using nlohmann::json;
 
 TEST(Messages, HelloSaysWhatTheRunIs) {
   RunInfo info{
-      "1.2", "my \"desk\"\xff", "spectral", "default", true, {640, 480, 500, 501, 320, 240}, 40};
+      "1.2", "my \"desk\"\xff", "spectral", "default", true, false, {640, 480, 500, 501, 320, 240},
+      40};
   const json hello = json::parse(hello_message(info));
   EXPECT_EQ(hello["type"], "hello");
   EXPECT_EQ(hello["protocol"], 2);
   EXPECT_EQ(hello["frames_total"], 40);
   EXPECT_EQ(hello["camera"]["fy"], 501);
+  EXPECT_EQ(hello["refines"], false);
   EXPECT_TRUE(hello["up"].is_null());
   EXPECT_EQ(hello["input"].get<std::string>().substr(0, 9), "my \"desk\"");
   info.frames_total.reset();
   EXPECT_TRUE(json::parse(hello_message(info))["frames_total"].is_null());
+}
+
+TEST(Messages, RefinementSaysHowItFares) {
+  const json note = json::parse(refinement_message({true, 0.25, "30.1 dB"}));
+  EXPECT_EQ(note["type"], "refinement");
+  EXPECT_EQ(note["running"], true);
+  EXPECT_EQ(note["share"], 0.25);
+  EXPECT_EQ(note["text"], "30.1 dB");
 }
 
 TEST(Messages, StateCarriesWhatTheTrackerSaid) {

@@ -10,6 +10,7 @@
 #include "sgs/core/stopwatch.h"
 #include "sgs/io/image_io.h"
 #include "sgs/render/rasterizer.h"
+#include "sgs/render/view_color.h"
 #include "sgs/viewer/panes.h"
 
 namespace sgs::viewer {
@@ -55,7 +56,7 @@ struct PictureService::Worker {
   }
 
   ColorImage render(const map::Snapshot& map, const PinholeCamera& view, const SE3& T) {
-    rasterizer->render(map.gaussians, view, T, rendering);
+    rasterizer->render(colors.seen(map.gaussians, map.harmonics, T.t), view, T, rendering);
     return color_picture(rendering.color);
   }
 
@@ -87,6 +88,7 @@ struct PictureService::Worker {
   PinholeCamera camera;  ///< of the run
   const Deliver& deliver;
   std::unique_ptr<render::Rasterizer> rasterizer = render::make_cpu_rasterizer(nullptr);
+  render::ViewColors colors = render::ViewColors(nullptr);
   render::Rendering rendering;
 };
 

@@ -41,7 +41,8 @@ Result<ClientRequest> parse_control(const Json& json) {
   if (action == "pause") return ControlRequest{Action::kPause};
   if (action == "resume") return ControlRequest{Action::kResume};
   if (action == "step") return ControlRequest{Action::kStep};
-  return bad("control.action is neither pause, resume nor step");
+  if (action == "refine") return ControlRequest{Action::kRefine};
+  return bad("control.action is neither pause, resume, step nor refine");
 }
 
 Result<ClientRequest> parse_subscribe(const Json& json) {

@@ -37,6 +37,12 @@ bool RunControl::paused() const {
   return paused_;
 }
 
+void RunControl::ask_refinement() { refinement_ = true; }
+
+bool RunControl::refinement_asked() const { return refinement_; }
+
+bool RunControl::take_refinement() { return refinement_.exchange(false); }
+
 double RunControl::wait_turn(const std::function<bool()>& stop) {
   std::unique_lock lock(mutex_);
   if (!paused_) return 0;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
@@ -9,7 +10,8 @@
 
 namespace sgs::viewer {
 
-/// Pause, resume and step, between the page and the loop that feeds frames. Thread-safe.
+/// Pause, resume, step and the wish for a refinement, between the page and the loop that feeds
+/// frames. Thread-safe.
 class RunControl {
  public:
   void pause();
@@ -17,6 +19,11 @@ class RunControl {
   /// Lets one more frame pass and pauses after it.
   void step();
   bool paused() const;
+  /// A client wants the map refined; while it is, that it ends.
+  void ask_refinement();
+  bool refinement_asked() const;
+  /// Whether it was asked for since the last call.
+  bool take_refinement();
 
   /// Called by the loop before each frame: waits while paused until a step or resume() lets it go
   /// on or `stop` (asked every 50 ms) says that the program is to end. Returns the seconds waited.
@@ -27,6 +34,7 @@ class RunControl {
   std::condition_variable changed_;
   bool paused_ = false;
   bool step_ = false;
+  std::atomic<bool> refinement_ = false;  // asked for also while mutex_ is held
 };
 
 }  // namespace sgs::viewer

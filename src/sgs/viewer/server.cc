@@ -57,6 +57,9 @@ void Core::handle(const ControlRequest& request) {
     case ControlRequest::Action::kStep:
       control.step();
       break;
+    case ControlRequest::Action::kRefine:
+      if (refines) control.ask_refinement();
+      break;
   }
   board.touch();
   pump();
@@ -259,6 +262,11 @@ void Server::restart() { impl_->core.board.restart(); }
 
 void Server::touch() {
   impl_->core.board.touch();
+  impl_->wake();
+}
+
+void Server::set_refinement(RefinementNote note) {
+  impl_->core.board.set_refinement(std::move(note));
   impl_->wake();
 }
 

@@ -66,6 +66,8 @@ class Server {
   void restart();
   /// Sends the state again: the control was used from this side.
   void touch();
+  /// How the refinement fares that a client asked for (RunInfo::refines, RunControl).
+  void set_refinement(RefinementNote note);
   void set_metrics(const eval::Metrics& metrics);
   RunControl& control();
   /// Waits until every client has everything, at most so long.

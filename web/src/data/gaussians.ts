@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-import { kRecordWords, type MapDiff } from "./protocol";
+import { harmonicBytes, kRecordWords, type MapDiff } from "./protocol";
 
 const kFirstCapacity = 4096;
 
@@ -10,6 +10,9 @@ export class GaussianStore {
   /// Record i occupies words [i, i + 1) * kRecordWords.
   floats = new Float32Array(kFirstCapacity * kRecordWords);
   words = new Uint32Array(this.floats.buffer);
+  /// Of the spherical harmonics; 0 = none. Their bytes follow the records' slots.
+  degree = 0;
+  harmonics = new Uint8Array(0);
   count = 0;
   version = 0;
   private slots = new Map<number, number>();
@@ -29,6 +32,7 @@ export class GaussianStore {
 
   apply(diff: MapDiff): void {
     if (diff.reset) this.clear();
+    if (diff.reset || this.count === 0) this.setDegree(diff.degree);
     this.reserve(this.count + diff.count);
     for (let i = 0; i < diff.count; ++i) this.put(diff, i);
     for (const id of diff.removed) this.remove(id);
@@ -78,6 +82,10 @@ export class GaussianStore {
       this.slots.set(id, slot);
     }
     this.words.set(source, slot * kRecordWords);
+    const bytes = harmonicBytes(this.degree);
+    if (bytes > 0 && diff.degree === this.degree) {
+      this.harmonics.set(diff.harmonics.subarray(i * bytes, (i + 1) * bytes), slot * bytes);
+    }
     this.mark(slot);
   }
 
@@ -88,6 +96,8 @@ export class GaussianStore {
     const last = --this.count;
     if (slot === last) return;
     this.words.copyWithin(slot * kRecordWords, last * kRecordWords, (last + 1) * kRecordWords);
+    const bytes = harmonicBytes(this.degree);
+    this.harmonics.copyWithin(slot * bytes, last * bytes, (last + 1) * bytes);
     this.slots.set(this.words[slot * kRecordWords]!, slot);
     this.mark(slot);
   }
@@ -103,5 +113,13 @@ export class GaussianStore {
     words.set(this.words.subarray(0, this.count * kRecordWords));
     this.words = words;
     this.floats = new Float32Array(words.buffer);
+    const harmonics = new Uint8Array(this.capacity * harmonicBytes(this.degree));
+    harmonics.set(this.harmonics.subarray(0, this.count * harmonicBytes(this.degree)));
+    this.harmonics = harmonics;
+  }
+
+  private setDegree(degree: number): void {
+    this.degree = degree;
+    this.harmonics = new Uint8Array(this.capacity * harmonicBytes(degree));
   }
 }

@@ -36,6 +36,8 @@ export interface Hello {
   tracker: string;
   preset: string;
   live: boolean;
+  /// The map can be refined from here.
+  refines: boolean;
   camera: Camera;
   up: [number, number, number] | null;
   frames_total: number | null;
@@ -99,14 +101,23 @@ export interface Metrics {
   lines: MetricLine[];
 }
 
+/// How the refinement fares that somebody asked for.
+export interface Refinement {
+  type: "refinement";
+  running: boolean;
+  /// Of the effort, 0..1.
+  share: number;
+  text: string;
+}
+
 export interface Problem {
   type: "error";
   message: string;
 }
 
-export type TextMessage = Hello | PathChunk | State | Metrics | Problem;
+export type TextMessage = Hello | PathChunk | State | Metrics | Refinement | Problem;
 
-const kTextTypes = new Set(["hello", "path", "state", "metrics", "error"]);
+const kTextTypes = new Set(["hello", "path", "state", "metrics", "refinement", "error"]);
 
 /// A state as it is sent: the page's own fields are filled from `values`.
 type SentState = Pick<
@@ -173,9 +184,18 @@ export interface MapDiff {
   /// The same memory.
   words: Uint32Array;
   removed: Uint32Array;
+  /// Of the spherical harmonics of these Gaussians' colours; 0 = none.
+  degree: number;
+  /// `count` times harmonicBytes(degree) bytes.
+  harmonics: Uint8Array;
 }
 
 export const kRecordWords = 12;
+export const kMaxDegree = 3;
+
+/// Bytes per Gaussian: 128 + 128 times a coefficient, basis function by basis function, red green blue
+/// each; padded.
+export const harmonicBytes = (degree: number): number => 16 * degree;
 
 /// Panes of a picture message, in the order of their numbers.
 export const kPanes = ["color", "depth", "render", "error"] as const;
@@ -197,8 +217,12 @@ function decodeMap(view: DataView<ArrayBuffer>): MapDiff | null {
   const flags = view.getUint8(1);
   const count = view.getUint32(16, true);
   const removed = view.getUint32(20, true);
+  const degree = view.getUint8(2);
+  if (degree > kMaxDegree) return null;
   const records_bytes = count * kRecordWords * 4;
-  if (view.byteLength !== kMapHeaderBytes + records_bytes + removed * 4) return null;
+  const harmonics_at = kMapHeaderBytes + records_bytes + removed * 4;
+  const harmonics_bytes = count * harmonicBytes(degree);
+  if (view.byteLength !== harmonics_at + harmonics_bytes) return null;
   return {
     kind: "map",
     reset: (flags & 1) !== 0,
@@ -209,6 +233,8 @@ function decodeMap(view: DataView<ArrayBuffer>): MapDiff | null {
     floats: new Float32Array(view.buffer, kMapHeaderBytes, count * kRecordWords),
     words: new Uint32Array(view.buffer, kMapHeaderBytes, count * kRecordWords),
     removed: new Uint32Array(view.buffer, kMapHeaderBytes + records_bytes, removed),
+    degree,
+    harmonics: new Uint8Array(view.buffer, harmonics_at, harmonics_bytes),
   };
 }
 
@@ -231,7 +257,7 @@ export function decodeBinary(buffer: ArrayBuffer): MapDiff | Picture | null {
   }
 }
 
-export type Control = "pause" | "resume" | "step";
+export type Control = "pause" | "resume" | "step" | "refine";
 export type MapSubscription = "splats" | "points" | "none";
 
 export type Request =

@@ -1,10 +1,23 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-import { PackedSplats, SparkRenderer, SplatMesh, setPackedSplat } from "@sparkjsdev/spark";
-import { Group, type WebGLRenderer } from "three";
+import {
+  PackedSplats,
+  SparkRenderer,
+  SplatMesh,
+  setPackedSplat,
+  utils as spark_utils,
+} from "@sparkjsdev/spark";
+import { Group, type Texture, type WebGLRenderer } from "three";
 import type { GaussianStore } from "../data/gaussians";
-import { kRecordWords } from "../data/protocol";
+import { harmonicBytes, kRecordWords } from "../data/protocol";
 import type { MapLayer } from "./layer";
+
+/// Numbers of one degree per Gaussian, words that spark packs them into, and how.
+const kLevels = [
+  { floats: 9, words: 2, encode: spark_utils.encodeSh1Rgb },
+  { floats: 15, words: 4, encode: spark_utils.encodeSh2Rgb },
+  { floats: 21, words: 4, encode: spark_utils.encodeSh3Rgb },
+] as const;
 
 /// The map as Gaussian splats, sorted and drawn by spark.
 export class SplatLayer implements MapLayer {
@@ -13,6 +26,7 @@ export class SplatLayer implements MapLayer {
   private mesh: SplatMesh | null = null;
   private readonly spark: SparkRenderer;
   private capacity = 0;
+  private degree = 0;
 
   constructor(renderer: WebGLRenderer, changed: () => void) {
     // The map's splats are trained with a screen-space low-pass of 0.3 px^2 and no level of detail.
@@ -28,13 +42,14 @@ export class SplatLayer implements MapLayer {
   }
 
   sync(store: GaussianStore, from: number, to: number): void {
-    if (store.capacity !== this.capacity) {
-      this.allocate(store.capacity);
+    if (store.capacity !== this.capacity || store.degree !== this.degree) {
+      this.allocate(store.capacity, store.degree);
       [from, to] = [0, store.count];
     }
     const { packed, mesh } = this;
     if (!packed?.packedArray || !mesh) return;
     for (let i = from; i < to; ++i) pack(packed.packedArray, store, i);
+    this.syncHarmonics(store, from, to);
     if (packed.numSplats !== store.count) {
       packed.numSplats = store.count;
       mesh.numSplats = store.count;
@@ -56,15 +71,40 @@ export class SplatLayer implements MapLayer {
     end();
   }
 
-  private allocate(capacity: number): void {
+  /// Coefficients go into textures of spark's, which it makes when they are first drawn.
+  private syncHarmonics(store: GaussianStore, from: number, to: number): void {
+    const { packed } = this;
+    if (!packed || store.degree === 0) return;
+    const bytes = harmonicBytes(store.degree);
+    let first = 0;
+    for (const [k, level] of kLevels.slice(0, store.degree).entries()) {
+      const array = packed.ensureSplatsSh(k + 1, this.capacity);
+      array.fill(0, from * level.words, to * level.words);
+      const values = new Float32Array(level.floats);
+      for (let i = from; i < to; ++i) {
+        for (let n = 0; n < level.floats; ++n) {
+          values[n] = store.harmonics[i * bytes + first + n]! / 128 - 1;
+        }
+        level.encode(array, i, values);
+      }
+      const texture = packed.extra[`sh${k + 1}Texture`] as { value: Texture } | undefined;
+      if (texture) texture.value.needsUpdate = true;
+      first += level.floats;
+    }
+  }
+
+  private allocate(capacity: number, degree: number): void {
     if (this.mesh) {
       this.object.remove(this.mesh);
       this.mesh.dispose();
     }
     this.capacity = capacity;
+    this.degree = degree;
     this.packed = new PackedSplats({ maxSplats: capacity });
     this.packed.packedArray = this.packed.ensureSplats(capacity);
     this.packed.numSplats = 0;
+    // Before the mesh: spark builds its shader for what is there then.
+    for (let level = 1; level <= degree; ++level) this.packed.ensureSplatsSh(level, capacity);
     this.mesh = new SplatMesh({ packedSplats: this.packed, raycastable: false, editable: false });
     this.object.add(this.mesh);
   }

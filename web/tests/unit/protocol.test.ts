@@ -18,10 +18,23 @@ interface Sketch {
   version?: number;
   put?: [id: number, x: number][];
   removed?: number[];
+  degree?: number;
+  /// First byte of the harmonics of each Gaussian put.
+  harmonics?: number[];
 }
 
-function encode({ flags = 2, version = 1, put = [], removed = [] }: Sketch): ArrayBuffer {
-  const view = new DataView(new ArrayBuffer(24 + 48 * put.length + 4 * removed.length));
+function encode({
+  flags = 2,
+  version = 1,
+  put = [],
+  removed = [],
+  degree = 0,
+  harmonics = [],
+}: Sketch): ArrayBuffer {
+  const records_end = 24 + 48 * put.length + 4 * removed.length;
+  const view = new DataView(new ArrayBuffer(records_end + 16 * degree * put.length));
+  view.setUint8(2, degree);
+  harmonics.forEach((value, i) => view.setUint8(records_end + 16 * degree * i, value));
   view.setUint8(0, 1);
   view.setUint8(1, flags);
   view.setBigUint64(8, BigInt(version), true);
@@ -116,6 +129,32 @@ test("the store follows diffs", () => {
   assert.equal(store.version, 2);
   assert.deepEqual(store.takeDirty(), [0, 3]);
   assert.ok(store.takeDirty()[0] >= store.takeDirty()[1]);
+});
+
+test("harmonics follow their Gaussians", () => {
+  const put: [number, number][] = [
+    [1, 1],
+    [2, 2],
+    [3, 3],
+  ];
+  const store = new GaussianStore();
+  store.apply(decode({ flags: 3, put, degree: 2, harmonics: [10, 20, 30] }));
+  const first = (slot: number): number => store.harmonics[32 * slot]!;
+  assert.equal(store.degree, 2);
+  assert.deepEqual([first(0), first(1), first(2)], [10, 20, 30]);
+  store.apply(decode({ version: 2, put: [[2, 2]], removed: [1], degree: 2, harmonics: [21] }));
+  assert.deepEqual([first(0), first(1)], [30, 21]);
+  const many = Array.from({ length: 5000 }, (_, i): [number, number] => [i + 10, i]);
+  store.apply(decode({ version: 3, put: many, degree: 2, harmonics: many.map(() => 7) }));
+  assert.deepEqual([first(0), first(1), first(5001)], [30, 21, 7]);
+  store.apply(decode({ flags: 3, version: 4, put: [[1, 1]] }));
+  assert.equal(store.degree, 0);
+  assert.equal(store.harmonics.length, 0);
+});
+
+test("harmonics of no known degree are refused", () => {
+  assert.equal(decodeBinary(encode({ put: [[1, 0]], degree: 4 })), null);
+  assert.equal(decodeBinary(encode({ put: [[1, 0]], degree: 1 }).slice(0, -1)), null);
 });
 
 test("a version counts as held only with its last message", () => {

@@ -44,24 +44,33 @@ gl.useProgram(program);
 /** @type {(name: string) => WebGLUniformLocation | null} */
 const uniform = (name) => gl.getUniformLocation(program, name);
 
-const kTexels = 2048;
-const rows = Math.max(1, Math.ceil((2 * count) / kTexels));
-const padded = new Uint32Array(4 * kTexels * rows);
-padded.set(new Uint32Array(bytes.buffer));
-gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
-gl.texImage2D(
-  gl.TEXTURE_2D,
-  0,
-  gl.RGBA32UI,
-  kTexels,
-  rows,
-  0,
-  gl.RGBA_INTEGER,
-  gl.UNSIGNED_INT,
-  padded,
-);
-gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
-gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+/** Bytes as texels of 16 in texture number `unit`, for the sampler `name`. */
+/** @type {(unit: number, name: string, data: Uint8Array<ArrayBuffer>) => void} */
+function texture(unit, name, data) {
+  const kTexels = 2048;
+  const rows = Math.max(1, Math.ceil(data.length / 16 / kTexels));
+  const padded = new Uint32Array(4 * kTexels * rows);
+  padded.set(new Uint32Array(data.buffer));
+  gl.activeTexture(gl.TEXTURE0 + unit);
+  gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
+  gl.texImage2D(
+    gl.TEXTURE_2D,
+    0,
+    gl.RGBA32UI,
+    kTexels,
+    rows,
+    0,
+    gl.RGBA_INTEGER,
+    gl.UNSIGNED_INT,
+    padded,
+  );
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+  gl.uniform1i(uniform(name), unit);
+}
+texture(0, "records", bytes);
+texture(1, "harmonics", decoded(byId("harmonics").textContent ?? ""));
+gl.uniform1i(uniform("degree"), Number(byId("harmonics").dataset.degree));
 
 /** @type {(name: string, data: Float32Array<ArrayBuffer> | Uint32Array<ArrayBuffer>, per_splat: boolean) => WebGLBuffer} */
 function attribute(name, data, per_splat) {

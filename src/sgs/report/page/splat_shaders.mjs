@@ -2,12 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Records (io/splat_file.h) lie in a texture, two texels each; a vertex attribute names the record to
-// draw.
+// draw. The coefficients of spherical harmonics lie in another, one texel per degree: each adds to the
+// colour its basis function of the direction from the eye, as render/view_color.cc does.
 
 export const kVertex = `#version 300 es
 precision highp float;
 precision highp usampler2D;
 uniform usampler2D records;
+uniform usampler2D harmonics;
+uniform int degree;       // of the harmonics, 0 = none
 uniform mat3 R;           // camera from world
 uniform vec3 eye;
 uniform vec4 lens;        // fx fy cx cy in pixels
@@ -17,13 +20,37 @@ in uint index;
 out vec2 offset;
 out vec4 color;
 flat out vec3 conic;
+float coefficient(int number) {
+  uint width = uint(textureSize(harmonics, 0).x);
+  uint at = uint(degree) * index + uint(number >> 4);
+  uvec4 texel = texelFetch(harmonics, ivec2(at % width, at / width), 0);
+  return float(texel[number >> 2 & 3] >> (8 * (number & 3)) & 255u) / 128.0 - 1.0;
+}
+vec3 seenFrom(vec3 d) {
+  float x = d.x, y = d.y, z = d.z, xx = x * x, yy = y * y, zz = z * z;
+  float basis[15] = float[15](
+    -0.4886025119 * y, 0.4886025119 * z, -0.4886025119 * x,
+    1.0925484306 * x * y, -1.0925484306 * y * z, 0.3153915653 * (2.0 * zz - xx - yy),
+    -1.0925484306 * x * z, 0.5462742153 * (xx - yy),
+    -0.5900435899 * y * (3.0 * xx - yy), 2.8906114426 * x * y * z,
+    -0.4570457995 * y * (4.0 * zz - xx - yy), 0.3731763326 * z * (2.0 * zz - 3.0 * xx - 3.0 * yy),
+    -0.4570457995 * x * (4.0 * zz - xx - yy), 1.4453057213 * z * (xx - yy),
+    -0.5900435899 * x * (xx - 3.0 * yy));
+  vec3 sum = vec3(0.0);
+  int functions = (degree + 1) * (degree + 1) - 1;
+  for (int k = 0; k < functions; ++k) {
+    sum += basis[k] * vec3(coefficient(3 * k), coefficient(3 * k + 1), coefficient(3 * k + 2));
+  }
+  return sum;
+}
 void main() {
   gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
   uint width = uint(textureSize(records, 0).x), at = 2u * index;
   uvec4 a = texelFetch(records, ivec2(at % width, at / width), 0);
   ++at;
   uvec4 b = texelFetch(records, ivec2(at % width, at / width), 0);
-  vec3 p = R * (uintBitsToFloat(a.xyz) - eye);
+  vec3 ray = uintBitsToFloat(a.xyz) - eye;
+  vec3 p = R * ray;
   if (p.z < 0.1) return;
   vec3 s = vec3(uintBitsToFloat(a.w), uintBitsToFloat(b.xy));
   vec4 q = normalize((vec4(b.w & 255u, b.w >> 8 & 255u, b.w >> 16 & 255u, b.w >> 24) - 128.0));
@@ -42,6 +69,7 @@ void main() {
   float A = dot(mu, mu) + 0.3, B = dot(mu, mv), C = dot(mv, mv) + 0.3, det = A * C - B * B;
   color = vec4(b.z & 255u, b.z >> 8 & 255u, b.z >> 16 & 255u, b.z >> 24) / 255.0;
   if (det <= 0.0 || color.a < 1.0 / 255.0) return;
+  if (degree > 0) color.rgb = max(vec3(0.0), color.rgb + seenFrom(normalize(ray)));
   conic = vec3(C, -B, A) / det;
   // Ellipse on which the opacity falls to 1/255, as a box around it.
   float reach = sqrt(2.0 * log(255.0 * color.a));

@@ -45,6 +45,7 @@ struct Core {
   Core(const ServerOptions& o, const RunInfo& i)
       : options(o),
         hello(hello_message(i)),
+        refines(i.refines),
         policy{o.names, {}},
         pictures(i.camera,
                  [this](Picture p) { asio::post(io, [this, p = std::move(p)] { deliver(p); }); }) {}
@@ -58,6 +59,7 @@ struct Core {
 
   ServerOptions options;
   std::string hello;
+  bool refines;
   HostPolicy policy;
   std::span<const EmbeddedFile> files = embedded_files();
   Board board;
