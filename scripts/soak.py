@@ -127,16 +127,20 @@ def report(samples, out):
     return sound
 
 
+def recording(sgs, scratch):
+    """The one that was named, or a rendered one."""
+    if len(sys.argv) > 3:
+        return pathlib.Path(sys.argv[3]).resolve()
+    source = scratch / "input"
+    subprocess.run([sgs, "synth", "office", source, "--frames", "600", "--quiet"], check=True)
+    return source
+
+
 def main():
     sgs, minutes = str(pathlib.Path(sys.argv[1]).resolve()), float(sys.argv[2])
     with tempfile.TemporaryDirectory(prefix="sgs-soak-") as folder:
         scratch = pathlib.Path(folder)
-        source = pathlib.Path(sys.argv[3]).resolve() if len(sys.argv) > 3 else scratch / "input"
-        if len(sys.argv) <= 3:
-            subprocess.run(
-                [sgs, "synth", "office", source, "--frames", "600", "--quiet"], check=True
-            )
-        make_loop(source, scratch / "loop", 60 * minutes)
+        make_loop(recording(sgs, scratch), scratch / "loop", 60 * minutes)
         log, out, samples, stop = scratch / "log", scratch / "out", [], threading.Event()
         with open(log, "w") as said:
             process = subprocess.Popen(

@@ -62,7 +62,7 @@ class StageTimes {
   struct Place {
     double start_s;
     float duration_ms;
-    std::uint16_t stage, thread;  // in names_
+    std::uint16_t stage, thread;  // in numbers_
   };
   std::uint16_t number_of(const std::string& name);
   void note(const Place& place);

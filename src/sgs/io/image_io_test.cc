@@ -313,6 +313,15 @@ TEST(ImageIo, ASecondHeaderHidesNoSize) {
   bytes.insert(33, bytes.substr(8, 25));  // behind the first one
   ASSERT_TRUE(write_file(folder / "a.png", bytes));
   EXPECT_THAT(load_color(folder / "a.png").error().text(), HasSubstr("second header"));
+
+  ASSERT_TRUE(save_color(folder / "a.jpg", test_picture()));
+  bytes = read_file(folder / "a.jpg").value();
+  const std::size_t at = bytes.find("\xff\xc0");
+  ASSERT_NE(at, std::string::npos);
+  const std::size_t length = 2 + static_cast<unsigned char>(bytes[at + 3]);
+  bytes.insert(at + length, bytes.substr(at, length));
+  ASSERT_TRUE(write_file(folder / "a.jpg", bytes));
+  EXPECT_THAT(load_color(folder / "a.jpg").error().text(), HasSubstr("second header"));
 }
 
 }  // namespace
