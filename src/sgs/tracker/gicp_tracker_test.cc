@@ -368,6 +368,35 @@ TEST(TrackablePoints, WhatAFrameLooksThroughGoesIfItIsOld) {
   EXPECT_EQ(points.remove_in(space, pose_at(0)), 0);
 }
 
+TEST(TrackablePoints, EndSomewhere) {
+  registration::SourceCloud source;
+  registration::make_sampler({}, kCamera, false)
+      ->sample(render(room(), true, pose_at(0), 0).depth, source);
+  const std::size_t n = source.points.size();
+  TrackablePoints points({0.03f, 0.03f}, 10 * n);
+  const auto at = [](double x) { return SE3(Eigen::Matrix3d::Identity(), {x, 0, 0}) * pose_at(0); };
+  for (int k = 0; k < 40; ++k) {
+    points.insert(source, {0.1 * k, at(k)}, nullptr);
+    EXPECT_LE(points.alive(), 10 * n);
+    EXPECT_LE(points.cloud().points.size(), 21 * n);
+  }
+  // What is left lies around the camera, and follows it still.
+  const auto& cloud = points.cloud();
+  const auto farthest = [&] {
+    double x = 100;
+    for (const auto& p : cloud.points) {
+      if (p.alive()) x = std::min(x, static_cast<double>(p.point.x()));
+    }
+    return x;
+  };
+  EXPECT_GT(farthest(), 25);
+  EXPECT_GT(cloud.layout, 0u);
+  points.move_keyframe(39, at(139));
+  EXPECT_EQ(std::count_if(cloud.points.begin(), cloud.points.end(),
+                          [](const auto& p) { return p.alive() && p.point.x() > 100; }),
+            static_cast<std::ptrdiff_t>(n));
+}
+
 TEST(MotionModel, RepeatsTheDecayedMotionScaledWithTime) {
   MotionModel motion(MotionConfig{}, SE3{});
   Vector6d xi;

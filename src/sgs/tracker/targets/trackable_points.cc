@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/tracker/targets/trackable_points.h"
 
+#include <algorithm>
+#include <numeric>
+
 namespace sgs::tracker {
 
 int TrackablePoints::insert(const registration::SourceCloud& source, const Observer& keyframe,
@@ -25,7 +28,14 @@ int TrackablePoints::insert(const registration::SourceCloud& source, const Obser
   }
   keyframes_.push_back({keyframe.timestamp_s, T_local_camera, keyframe.velocity,
                         path_to(T_local_camera), begin, cloud_.points.size()});
-  return static_cast<int>(cloud_.points.size() - begin);
+  const std::size_t added = cloud_.points.size() - begin;
+  alive_ += static_cast<std::size_t>(
+      std::count_if(cloud_.points.end() - static_cast<std::ptrdiff_t>(added), cloud_.points.end(),
+                    [](const registration::TargetPoint& p) { return p.alive(); }));
+  if (alive_ > most_points_) remove_farthest(T_local_camera.t);
+  // Not before: until here `search` may speak of the points as they lay.
+  if (cloud_.points.size() > 2 * alive_) forget_removed();
+  return static_cast<int>(added);
 }
 
 double TrackablePoints::path_to(const SE3& T_local_camera) const {
@@ -46,12 +56,53 @@ int TrackablePoints::remove_in(const registration::FreeSpace& space, const SE3& 
     for (std::size_t i = keyframe.begin; i < keyframe.end; ++i) {
       registration::TargetPoint& p = cloud_.points[i];
       if (!p.alive() || !space.contains(R * p.point + t, spacing_.distance_m / 2)) continue;
-      p.variance_m2 = 0;
+      remove(p);
       ++removed;
     }
   }
   if (removed > 0) ++cloud_.moves;
   return removed;
+}
+
+void TrackablePoints::remove(registration::TargetPoint& point) {
+  point.variance_m2 = 0;
+  --alive_;
+}
+
+void TrackablePoints::remove_farthest(const Eigen::Vector3d& camera_position) {
+  std::vector<std::size_t> order(keyframes_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return (keyframes_[a].T_local_camera.t - camera_position).squaredNorm() >
+           (keyframes_[b].T_local_camera.t - camera_position).squaredNorm();
+  });
+  for (const std::size_t k : order) {
+    if (alive_ <= most_points_ - most_points_ / 4) break;
+    for (std::size_t i = keyframes_[k].begin; i < keyframes_[k].end; ++i) {
+      if (cloud_.points[i].alive()) remove(cloud_.points[i]);
+    }
+  }
+  ++cloud_.moves;
+}
+
+// Removed points keep their places until they are more than the others.
+void TrackablePoints::forget_removed() {
+  std::size_t kept = 0;
+  for (Keyframe& keyframe : keyframes_) {
+    const std::size_t begin = kept;
+    for (std::size_t i = keyframe.begin; i < keyframe.end; ++i) {
+      if (!cloud_.points[i].alive()) continue;
+      cloud_.points[kept] = cloud_.points[i];
+      if (!cloud_.covariances.empty()) cloud_.covariances[kept] = cloud_.covariances[i];
+      ++kept;
+    }
+    keyframe.begin = begin;
+    keyframe.end = kept;
+  }
+  cloud_.points.resize(kept);
+  cloud_.points.shrink_to_fit();
+  if (!cloud_.covariances.empty()) cloud_.covariances.resize(kept);
+  ++cloud_.layout;
 }
 
 void TrackablePoints::move_keyframe(int keyframe, const SE3& T_local_camera) {

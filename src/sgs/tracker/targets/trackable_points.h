@@ -30,11 +30,16 @@ class TrackablePoints {
     float distance_m = 0;    ///< and off it
   };
 
-  explicit TrackablePoints(const Spacing& spacing) : spacing_(spacing) {}
+  // limit: points that the tracker keeps to register frames to
+  static constexpr std::size_t kMostPoints = 3'000'000;
+
+  explicit TrackablePoints(const Spacing& spacing, std::size_t most_points = kMostPoints)
+      : spacing_(spacing), most_points_(most_points) {}
 
   /// Adds the points of a keyframe (camera to local) where no target is near, as `search`
   /// (prepared for this frame) tells; all of them when `search` is null. Returns how many were
-  /// added.
+  /// added. Where there are more than `most_points` then, a quarter of them goes: those of the
+  /// keyframes that are farthest away. An hour of driving on would otherwise fill the memory.
   int insert(const registration::SourceCloud& source, const Observer& keyframe,
              const registration::CorrespondenceSearch* search);
   /// Removes the points that a camera at `T_local_camera` looks through by more than half of the
@@ -48,6 +53,8 @@ class TrackablePoints {
   /// Moves all of them, and their points along their rays where depth is known better now.
   void correct(const PastCorrection& correction);
 
+  /// Points that have not been removed.
+  std::size_t alive() const { return alive_; }
   int keyframes() const { return static_cast<int>(keyframes_.size()); }
   const registration::TargetCloud& cloud() const { return cloud_; }
 
@@ -61,10 +68,15 @@ class TrackablePoints {
   };
 
   void change_depth(const Keyframe& keyframe, const DepthChange& change);
+  void remove(registration::TargetPoint& point);
+  void remove_farthest(const Eigen::Vector3d& camera_position);
+  void forget_removed();
   /// Length of the way from keyframe to keyframe until a camera at that pose.
   double path_to(const SE3& T_local_camera) const;
 
   Spacing spacing_;
+  std::size_t most_points_;
+  std::size_t alive_ = 0;
   std::vector<Keyframe> keyframes_;
   registration::TargetCloud cloud_;
 };
