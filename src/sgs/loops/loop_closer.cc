@@ -53,6 +53,7 @@ LoopCloser::LoopCloser(const LoopConfig& config, const tracker::TrackerConfig& t
 std::optional<PoseCorrection> LoopCloser::add(const RgbdFrame& frame,
                                               const tracker::TrackResult& result) {
   const double dt = T_last_ ? frame.timestamp_s - last_s_ : 0;
+  if (!T_last_) begin_s_ = solved_s_ = frame.timestamp_s;
   last_s_ = frame.timestamp_s;
   if (result.status == tracker::TrackingStatus::kLost) {
     gap_s_ += dt;
@@ -66,7 +67,7 @@ std::optional<PoseCorrection> LoopCloser::add(const RgbdFrame& frame,
   add_node(frame, result);
   look_for_loops();
   accept_supported();
-  return correction();
+  return is_time_to_solve() ? correction() : std::nullopt;
 }
 
 bool LoopCloser::wants_node(const RgbdFrame& frame, const SE3& T_world_camera) const {
@@ -91,23 +92,37 @@ void LoopCloser::add_node(const RgbdFrame& frame, const tracker::TrackResult& re
   skeleton_.add(std::move(node), covariance);
   skeleton_.note_left(camera_, config_.left_distance);
   skeleton_.bound_views(camera_, static_cast<std::size_t>(config_.memory_mb) * 1'000'000);
+  skeleton_.join_ways(pending_);
   path_m_ = gap_s_ = 0;
 }
 
-// A loop between these two stretches was found a moment ago.
-bool LoopCloser::recently_tied(int older) const {
-  const int newest = skeleton_.size() - 1;
-  const auto near = [&](const graph::Edge& e) {
-    return newest - e.to < config_.spacing_nodes &&
-           std::abs(older - e.from) < 2 * config_.spacing_nodes;
-  };
-  return std::any_of(skeleton_.loops().begin(), skeleton_.loops().end(), near);
+// Nodes from one loop to the next between the same two stretches.
+int LoopCloser::spacing() const {
+  constexpr int kMostTimes = 8;
+  const int share = static_cast<int>(config_.spacing_share * skeleton_.nodes_added());
+  return std::clamp(share, config_.spacing_nodes, kMostTimes * config_.spacing_nodes);
+}
+
+// Numbers of older nodes that a loop was found to a moment ago.
+std::vector<int> LoopCloser::recently_tied() const {
+  const auto number = [&](int node) { return skeleton_.node(node).number; };
+  const int newest = number(skeleton_.size() - 1);
+  std::vector<int> tied;
+  for (const graph::Edge& e : skeleton_.loops()) {
+    if (newest - number(e.to) < spacing()) tied.push_back(number(e.from));
+  }
+  return tied;
 }
 
 // Older nodes that may see what the newest one sees, the most alike first.
 std::vector<int> LoopCloser::candidates(const std::vector<graph::UncertainPose>& predicted) const {
   const int newest = skeleton_.size() - 1;
   const Node& n = skeleton_.node(newest);
+  const std::vector<int> tied = recently_tied();
+  const auto tied_to = [&](const Node& m) {
+    return std::any_of(tied.begin(), tied.end(),
+                       [&](int number) { return std::abs(m.number - number) < 2 * spacing(); });
+  };
   std::vector<std::pair<double, int>> alike;
   for (int k = 0; k < newest; ++k) {
     const Node& m = skeleton_.node(k);
@@ -115,7 +130,7 @@ std::vector<int> LoopCloser::candidates(const std::vector<graph::UncertainPose>&
     const graph::UncertainPose& p = predicted[static_cast<std::size_t>(k)];
     const double distance = registration::view_distance(camera_, m.mean_depth_m, p.T);
     const double reach = config_.reach_sigmas * view_sigma(p.covariance, camera_, m.mean_depth_m);
-    if (distance - reach > config_.revisit_distance || recently_tied(k)) continue;
+    if (distance - reach > config_.revisit_distance || tied_to(m)) continue;
     alike.emplace_back(-features::Ferns::similarity(m.ferns, n.ferns), k);
   }
   std::sort(alike.begin(), alike.end());
@@ -123,7 +138,10 @@ std::vector<int> LoopCloser::candidates(const std::vector<graph::UncertainPose>&
   for (const auto& likeness_and_node : alike) {
     if (static_cast<int>(out.size()) >= config_.candidates) break;
     const int k = likeness_and_node.second;
-    const auto next_to = [&](int other) { return std::abs(other - k) < config_.spacing_nodes; };
+    const auto next_to = [&](int other) {
+      return std::abs(skeleton_.node(other).number - skeleton_.node(k).number) <
+             config_.spacing_nodes;
+    };
     if (std::none_of(out.begin(), out.end(), next_to)) out.push_back(k);
   }
   return out;
@@ -148,9 +166,10 @@ void LoopCloser::look_for_loops() {
 
 // Pending loops become edges once enough of them agree with each other.
 void LoopCloser::accept_supported() {
-  const int newest = skeleton_.size() - 1;
-  std::erase_if(pending_,
-                [&](const graph::Edge& e) { return newest - e.to > config_.patience_nodes; });
+  const int newest = skeleton_.nodes_added() - 1;
+  std::erase_if(pending_, [&](const graph::Edge& e) {
+    return newest - skeleton_.node(e.to).number > config_.patience_nodes;
+  });
   std::vector<std::uint64_t> agrees(pending_.size(), 0);
   for (std::size_t i = 0; i < pending_.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
@@ -166,11 +185,26 @@ void LoopCloser::accept_supported() {
   counts_.accepted += static_cast<int>(believed.size());
 }
 
+// Loops that say what is known already, within their noise, wait: each correction moves map and
+// targets, and each costs what the whole graph does.
+bool LoopCloser::is_time_to_solve() const {
+  const auto& loops = skeleton_.loops();
+  if (loops.size() == loops_solved_) return false;
+  if (last_s_ - solved_s_ >= config_.rhythm * (last_s_ - begin_s_)) return true;
+  return std::any_of(loops.begin() + static_cast<std::ptrdiff_t>(loops_solved_), loops.end(),
+                     [&](const graph::Edge& e) {
+                       return graph::chi2(e, skeleton_.node(e.from).T_world_camera,
+                                          skeleton_.node(e.to).T_world_camera) >
+                              graph::chi2_limit(6);
+                     });
+}
+
 // Solves with the new loops; takes them back where they bend the tracked way too much.
 std::optional<PoseCorrection> LoopCloser::correction() {
   const std::size_t fresh = skeleton_.loops().size() - loops_solved_;
   if (fresh == 0 || in_flight_) return std::nullopt;
   const graph::GraphSolution solution = skeleton_.solve();
+  solved_s_ = last_s_;
   const bool bent =
       !solution.found ||
       std::any_of(solution.chi2.begin(), solution.chi2.begin() + skeleton_.tracked_edges(),

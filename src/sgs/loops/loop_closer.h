@@ -51,8 +51,10 @@ class LoopCloser {
   std::vector<int> candidates(const std::vector<graph::UncertainPose>& predicted) const;
   void look_for_loops();
   void accept_supported();
+  bool is_time_to_solve() const;
   std::optional<PoseCorrection> correction();
-  bool recently_tied(int older) const;
+  int spacing() const;
+  std::vector<int> recently_tied() const;
 
   LoopConfig config_;
   LoopVerifier verifier_;
@@ -65,6 +67,7 @@ class LoopCloser {
   double last_s_ = 0;
   double path_m_ = 0, gap_s_ = 0;  // since the last node
   std::size_t loops_solved_ = 0;
+  double begin_s_ = 0, solved_s_ = 0;  // of the session, and of the last look at all loops
   LoopCounts counts_;
 };
 

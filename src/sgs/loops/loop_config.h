@@ -43,6 +43,7 @@ struct LoopConfig {
   double reach_sigmas = 2;
   int candidates = 2;
   int spacing_nodes = 3;
+  double spacing_share = 0.01;
   double min_used = 0.35;
   double min_overlap = 0.35;
   int min_rank = 3;
@@ -55,6 +56,7 @@ struct LoopConfig {
   double max_odometry_chi2 = 30;
   double apply_m = 0.004;
   double apply_deg = 0.1;
+  double rhythm = 0.1;
   int memory_mb = 400;
   DriftConfig drift;
 
@@ -79,6 +81,10 @@ struct LoopConfig {
     p.add("spacing_nodes", spacing_nodes,
           "Nodes after a loop until the next one between the same two stretches.", "nodes",
           {0, 1000});
+    p.add("spacing_share", spacing_share,
+          "The same as a share of all nodes that there were: the longer a session, the fewer new "
+          "ties a known place needs. Up to eight times spacing_nodes.",
+          "", {0, 1});
     p.add("min_used", min_used, "Least share of the older view's pixels that fit.", "", {0, 1});
     p.add("min_overlap", min_overlap, "Least share of the newer view's points that fit.", "",
           {0, 1});
@@ -100,6 +106,11 @@ struct LoopConfig {
     p.add("apply_m", apply_m, "Corrections that move no pose by more are not applied.", "m",
           {0, 10});
     p.add("apply_deg", apply_deg, "The same of rotation; either suffices.", "deg", {0, 90});
+    p.add("rhythm", rhythm,
+          "Loops that contradict the path by no more than their own noise correct it only when the "
+          "session has grown by this share since the last time: a place that is well known is not "
+          "moved again and again.",
+          "", {0, 1});
     p.add("memory_mb", memory_mb,
           "What views of places may hold in memory; beyond, of views that show the same the newer "
           "ones go.",

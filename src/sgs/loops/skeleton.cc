@@ -15,6 +15,7 @@ void Skeleton::add(Node node, const Matrix6d& motion_covariance) {
     const SE3 T = nodes_.back().T_world_camera.inverse() * node.T_world_camera;
     motions_.push_back({T, motion_covariance, motion_covariance.inverse()});
   }
+  node.number = added_++;
   nodes_.push_back(std::move(node));
 }
 
@@ -61,6 +62,45 @@ void Skeleton::bound_views(const PinholeCamera& camera, std::size_t most_bytes) 
     bytes -= view.bytes();
     view = {};
   }
+}
+
+void Skeleton::join_ways(std::vector<graph::Edge>& others) {
+  std::vector<bool> needed(nodes_.size(), false);
+  needed.front() = needed.back() = true;
+  for (const auto* edges : {&loops_, &others}) {
+    for (const graph::Edge& e : *edges) {
+      needed[static_cast<std::size_t>(e.from)] = needed[static_cast<std::size_t>(e.to)] = true;
+    }
+  }
+  std::vector<int> new_index(nodes_.size(), -1);
+  std::size_t kept = 0;
+  Motion way;  // from the last kept node
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    if (k > 0) {
+      const Motion& m = motions_[k - 1];
+      way = way.covariance.isZero(0) ? m : joined(way, m);
+    }
+    if (!needed[k] && nodes_[k].view.empty()) continue;
+    new_index[k] = static_cast<int>(kept);
+    if (kept > 0) motions_[kept - 1] = way;
+    if (kept != k) nodes_[kept] = std::move(nodes_[k]);
+    way = Motion();
+    ++kept;
+  }
+  nodes_.resize(kept);
+  motions_.resize(kept - 1);
+  for (auto* edges : {&loops_, &others}) {
+    for (graph::Edge& e : *edges) {
+      e.from = new_index[static_cast<std::size_t>(e.from)];
+      e.to = new_index[static_cast<std::size_t>(e.to)];
+    }
+  }
+}
+
+Skeleton::Motion Skeleton::joined(const Motion& first, const Motion& then) {
+  const auto both = graph::UncertainPose{first.T_from_to, first.covariance} *
+                    graph::UncertainPose{then.T_from_to, then.covariance};
+  return {both.T, both.covariance, both.covariance.inverse()};
 }
 
 void Skeleton::add_loop(const graph::Edge& loop) { loops_.push_back(loop); }

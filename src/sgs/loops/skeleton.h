@@ -17,6 +17,7 @@ namespace sgs::loops {
 
 /// A frame that is remembered so that its place can be known again.
 struct Node {
+  int number = 0;  ///< counts the nodes that there were, given by add()
   double timestamp_s = 0;
   SE3 T_world_camera;  ///< in the tracker's world, as corrected so far
   double mean_depth_m = 0;
@@ -38,10 +39,17 @@ class Skeleton {
   /// Notes which nodes the newest one no longer sees.
   void note_left(const PinholeCamera& camera, double left_distance);
 
+  /// How many nodes there were, those that have been joined to others included.
+  int nodes_added() const { return added_; }
+
   /// Forgets views of places that were left until at most seven eighths of `most_bytes` are held,
   /// once there are more: always one of the two that show most alike, the newer one, as it has
   /// drifted more.
   void bound_views(const PinholeCamera& camera, std::size_t most_bytes);
+  /// Joins the ways to and from nodes whose views are forgotten and that no loop needs, so that
+  /// what there is to solve grows with the places and not with the time. `others` are edges that
+  /// are not in the graph yet; they and the loops are numbered anew.
+  void join_ways(std::vector<graph::Edge>& others);
 
   const std::vector<graph::Edge>& loops() const { return loops_; }
   void add_loop(const graph::Edge& loop);
@@ -65,13 +73,15 @@ class Skeleton {
  private:
   struct Motion {
     SE3 T_from_to;
-    Matrix6d covariance, information;
+    Matrix6d covariance = Matrix6d::Zero(), information = Matrix6d::Zero();
   };
+  static Motion joined(const Motion& first, const Motion& then);
   std::vector<graph::Edge> edges() const;
 
   std::vector<Node> nodes_;
   std::vector<Motion> motions_;  // to each node but the first
   std::vector<graph::Edge> loops_;
+  int added_ = 0;
 };
 
 }  // namespace sgs::loops

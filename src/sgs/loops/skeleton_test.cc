@@ -135,5 +135,54 @@ TEST(Skeleton, ViewsOfPlacesThatAreKnownAreForgotten) {
   for (int k = 0; k < kPlaces; ++k) EXPECT_FALSE(s.node(k).view.empty()) << k;
 }
 
+// A way of thirty nodes in a bow, with a loop: those that nothing needs can go, and the others end
+// where they would have ended.
+TEST(Skeleton, WaysAreJoinedWithoutChangingWhatTheySay) {
+  RgbdFrame frame;
+  frame.camera = kCamera;
+  frame.color = ColorImage(kCamera.width, kCamera.height);
+  frame.depth = DepthImage(kCamera.width, kCamera.height, 2.0f);
+  const auto build = [&frame] {
+    Skeleton s;
+    for (int k = 0; k < 30; ++k) {
+      Node n = node(k, SE3(so3_exp({0, 0, 0.02 * k}), {0.1 * k, 0.003 * k * k, 0}));
+      if (k % 10 == 5) n.view = CompactView(frame);
+      s.add(std::move(n), Matrix6d::Identity() * 1e-4 * (1 + k % 3));
+    }
+    const SE3 T = s.node(2).T_world_camera.inverse() * s.node(27).T_world_camera;
+    s.add_loop({2, 27, T * at(0.05), Matrix6d::Identity() * 1e6, true});
+    return s;
+  };
+  const Skeleton all = build();
+  Skeleton few = build();
+  std::vector<graph::Edge> pending = {{4, 28, at(2.4), Matrix6d::Identity(), true}};
+  few.join_ways(pending);
+  // First, last, the ends of both edges, and three views.
+  ASSERT_EQ(few.size(), 9);
+  EXPECT_EQ(few.nodes_added(), 30);
+  const auto index_of = [&](int number) {
+    for (int k = 0; k < few.size(); ++k) {
+      if (few.node(k).number == number) return k;
+    }
+    return -1;
+  };
+  EXPECT_EQ(pending[0].from, index_of(4));
+  EXPECT_EQ(pending[0].to, index_of(28));
+  EXPECT_EQ(few.loops()[0].from, index_of(2));
+  EXPECT_EQ(few.loops()[0].to, index_of(27));
+  const auto whole = all.tracked(5, 25), joined = few.tracked(index_of(5), index_of(25));
+  EXPECT_LT((whole.T.t - joined.T.t).norm(), 1e-12);
+  EXPECT_LT((whole.covariance - joined.covariance).norm(), 1e-9 * whole.covariance.norm());
+  const auto a = all.solve(), b = few.solve();
+  for (int k = 0; k < few.size(); ++k) {
+    const SE3& expected = a.T_world_node[static_cast<std::size_t>(few.node(k).number)];
+    const SE3& found = b.T_world_node[static_cast<std::size_t>(k)];
+    EXPECT_LT((expected.t - found.t).norm(), 1e-3) << few.node(k).number;
+  }
+  EXPECT_EQ(b.weights.back(), 1);
+  few.join_ways(pending);
+  EXPECT_EQ(few.size(), 9) << "what is left is needed";
+}
+
 }  // namespace
 }  // namespace sgs::loops
