@@ -56,11 +56,11 @@ TEST(OwnTracker, SessionMapsWithItsPosesAndBelievesItsStatus) {
 
   // Keyframes after frames 0 and 3; the next one was due at the lost frame and waits for frame 7.
   std::vector<std::int64_t> keyframes;
-  for (const auto& record : (*session)->records()) {
+  for (const auto& record : (*session)->records().all()) {
     if (record.mapping_keyframe) keyframes.push_back(record.index);
   }
   EXPECT_EQ(keyframes, (std::vector<std::int64_t>{0, 3, 7}));
-  EXPECT_EQ((*session)->records()[6].lost_reason, tracker::LostReason::kOther);
+  EXPECT_EQ((*session)->records().all()[6].lost_reason, tracker::LostReason::kOther);
   EXPECT_GT((*session)->snapshot()->gaussians.size(), 100u);
   const Trajectory trajectory = (*session)->trajectory();
   ASSERT_EQ(trajectory.size(), truth.size());

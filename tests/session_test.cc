@@ -151,7 +151,7 @@ TEST(Session, NeverMapsHeldOutFrames) {
   for (const auto& frame : frames) (*session)->feed(frame);
   (*session)->finish();
   int heldout = 0;
-  for (const auto& record : (*session)->records()) {
+  for (const auto& record : (*session)->records().all()) {
     EXPECT_EQ(record.heldout, record.index % 8 == 4);
     EXPECT_FALSE(record.heldout && record.mapping_keyframe);
     heldout += record.heldout;
@@ -174,7 +174,7 @@ std::vector<tracker::TrackingStatus> statuses_with_blind_frames(tracker::Tracker
   for (const auto& frame : frames) (*session)->feed(frame);
   (*session)->finish();
   std::vector<tracker::TrackingStatus> statuses;
-  for (const auto& record : (*session)->records()) statuses.push_back(record.status);
+  for (const auto& record : (*session)->records().all()) statuses.push_back(record.status);
   return statuses;
 }
 

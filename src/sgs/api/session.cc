@@ -182,7 +182,7 @@ std::vector<FrameResult> Session::frames() const {
   return internal::guarded([&] {
     const std::lock_guard lock(impl_->states);
     std::vector<FrameResult> results;
-    for (const auto& record : impl_->slam->records()) {
+    for (const auto& record : impl_->slam->records().all()) {
       results.push_back(internal::to_frame_result(record));
     }
     return results;
@@ -194,9 +194,9 @@ Trajectory Session::trajectory() const {
     const std::lock_guard lock(impl_->states);
     if (impl_->is_finished) return internal::to_api(impl_->slam->trajectory());
     Trajectory so_far;
-    for (const auto& record : impl_->slam->records()) {
-      so_far.times.push_back(record.timestamp_s);
-      so_far.poses.push_back(internal::to_api(record.T_odom_camera));
+    for (const auto& frame : impl_->slam->records().briefs()) {
+      so_far.times.push_back(frame.timestamp_s);
+      so_far.poses.push_back(internal::to_api(frame.T_odom_camera));
     }
     return so_far;
   });

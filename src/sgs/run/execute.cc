@@ -87,7 +87,7 @@ class Keeper {
       if (!live && session.can_be_saved()) source.state = [&session] { return session.save(); };
       checkpoints_.emplace(folder.lock(), checkpoint_s, std::move(source));
     }
-    for (const slam::FrameRecord& record : session.records()) add(record);
+    for (const slam::FrameRecord& record : session.records().all()) add(record);
   }
   void add(const slam::FrameRecord& record) {
     journal_->add(record);

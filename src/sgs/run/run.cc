@@ -270,7 +270,7 @@ Run beginning_of(const Input& input, const InputSpec& spec, const slam::SessionC
 Run run_of(const slam::Session& session, const Input& input, const InputSpec& spec,
            const slam::SessionConfig& config) {
   Run run = beginning_of(input, spec, config);
-  run.frames.assign(session.records().begin(), session.records().end());
+  run.frames = session.records().all();
   run.trajectory = session.trajectory();
   run.online = session.online_trajectory();
   run.keyframes = session.keyframe_trajectory();

@@ -103,9 +103,9 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& raw) {
   estimate_past(raw, frame, result, record);
   if (comes_as_before(record, depth_fingerprint(*raw))) hand_to_mapper(frame, record);
   report_loss(record);
-  records_.push_back(std::move(record));
-  if (on_frame_) on_frame_(records_.back());
-  return records_.back();
+  const FrameRecord& added = records_.add(std::move(record));
+  if (on_frame_) on_frame_(added);
+  return added;
 }
 
 // Before a frame is tracked: tracker, records and (with this frame's job) the map move together.
@@ -121,7 +121,7 @@ void Session::correct_past() {
   const ScopedTimer timer(track_times_, "correct the past");
   for (const auto& correction : corrections_) {
     tracker_->correct(*correction);
-    correct_records(*correction);
+    move_past(*correction);
     if (correction->depth) calibration_ = correction->depth->after();
   }
 }
@@ -148,10 +148,8 @@ void Session::estimate_past(const std::shared_ptr<const RgbdFrame>& raw,
   }
 }
 
-void Session::correct_records(const PastCorrection& correction) {
-  for (FrameRecord& r : records_) {
-    if (!r.bad) r.T_odom_camera = correction.corrected(r.T_odom_camera, r.timestamp_s);
-  }
+void Session::move_past(const PastCorrection& correction) {
+  records_.correct(correction);
   const MovedPose& newest = correction.poses.poses().back();
   log().info("{}: the past moves by up to {:.1f} cm, the camera by {:.1f} cm",
              correction.depth ? "depth is calibrated" : "a loop was closed",
@@ -202,10 +200,10 @@ FrameRecord Session::make_record(const RgbdFrame& frame, const MapView& view,
 // How many frames of a video a frame stands for, its own and those of the gap before it.
 double Session::video_frames(const FrameRecord& record) const {
   if (tracker_->needs_video() || record.status == tracker::TrackingStatus::kLost) return 1;
-  const auto last = std::find_if(records_.rbegin(), records_.rend(), [](const FrameRecord& r) {
-    return !r.bad && r.status != tracker::TrackingStatus::kLost;
-  });
-  if (last == records_.rend()) return 1;
+  const auto& past = records_.briefs();
+  const auto last =
+      std::find_if(past.rbegin(), past.rend(), [](const FrameBrief& f) { return f.tracked; });
+  if (last == past.rend()) return 1;
   return video_frames_between({last->timestamp_s, last->T_odom_camera},
                               {record.timestamp_s, record.T_odom_camera}, config_.max_gap_frames);
 }
@@ -284,7 +282,7 @@ void Session::feed_bad(std::int64_t index, double timestamp_s, const std::string
   record.bad = true;
   record.bad_reason = reason;
   comes_as_before(record, 0);
-  records_.push_back(std::move(record));
+  records_.add(std::move(record));
 }
 
 void Session::finish() {
@@ -305,7 +303,7 @@ void Session::apply_last(const std::shared_ptr<const PastCorrection>& correction
                          PastCorrections& last) {
   if (!correction) return;
   last.push_back(correction);
-  correct_records(*correction);
+  move_past(*correction);
   worker_->submit({nullptr, {}, {correction}});
   if (!correction->depth) return;
   calibration_ = correction->depth->after();
@@ -331,16 +329,16 @@ Trajectory Session::trajectory() const {
       (config_.tracker.given.refine && config_.tracker.type == tracker::TrackerType::kGiven);
   const PoseCorrection to_world = refined ? odom_to_world(worker_->keyframes()) : PoseCorrection();
   std::vector<StampedPose> poses;
-  for (const FrameRecord& r : records_) {
-    if (r.bad) continue;
-    poses.push_back({r.timestamp_s, to_world.corrected(r.T_odom_camera, r.timestamp_s)});
+  for (const FrameBrief& f : records_.briefs()) {
+    if (f.bad) continue;
+    poses.push_back({f.timestamp_s, to_world.corrected(f.T_odom_camera, f.timestamp_s)});
   }
   return Trajectory(std::move(poses));
 }
 
 Trajectory Session::online_trajectory() const {
   std::vector<StampedPose> poses;
-  for (const FrameRecord& r : records_) {
+  for (const FrameRecord& r : records_.all()) {
     if (!r.bad) poses.push_back({r.timestamp_s, r.T_online_camera});
   }
   return Trajectory(std::move(poses));

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <deque>
 #include <functional>
 #include <future>
 #include <memory>
@@ -21,6 +20,7 @@
 #include "sgs/slam/keyframe_pose.h"
 #include "sgs/slam/map_worker.h"
 #include "sgs/slam/past_worker.h"
+#include "sgs/slam/record_log.h"
 #include "sgs/slam/session_config.h"
 #include "sgs/tracker/tracker.h"
 
@@ -56,7 +56,7 @@ class Session {
   ~Session();
 
   /// Tracks one frame and hands it to the mapper; offline it waits when the mapper is more than
-  /// snapshot_lag frames behind. The record stays valid until the session dies.
+  /// snapshot_lag frames behind. The record stays valid until the next frame.
   const FrameRecord& feed(const std::shared_ptr<const RgbdFrame>& frame);
   /// Event: called in feed(), on its thread, after each frame has been tracked and handed on.
   using FrameEvent = std::function<void(const FrameRecord&)>;
@@ -90,7 +90,7 @@ class Session {
   map::SnapshotPtr snapshot();
   /// The finished map (after finish()); null where no keyframe was mapped.
   map::SnapshotPtr final_snapshot() const { return worker_->final_snapshot(); }
-  const std::deque<FrameRecord>& records() const { return records_; }
+  const RecordLog& records() const { return records_; }
   /// Poses of all tracked frames, loops closed and depth calibrated (after finish()); frames that
   /// were lost carry the tracker's guess at their pose. Those of a tracker that follows the map,
   /// and given poses that are to be refined, are carried into the refined map.
@@ -119,7 +119,7 @@ class Session {
   // The steps of a frame.
   void correct_past();
   void apply_last(const std::shared_ptr<const PastCorrection>& correction, PastCorrections& last);
-  void correct_records(const PastCorrection& correction);
+  void move_past(const PastCorrection& correction);
   std::shared_ptr<const RgbdFrame> calibrated(const std::shared_ptr<const RgbdFrame>& raw) const;
   void estimate_past(const std::shared_ptr<const RgbdFrame>& raw,
                      const std::shared_ptr<const RgbdFrame>& frame,
@@ -146,7 +146,7 @@ class Session {
   const LoopEstimator* loop_estimator_ = nullptr;  // that of loops_
   PastCorrections corrections_;                    // just before this frame
   std::optional<DepthCalibration> calibration_;    // learned so far
-  std::deque<FrameRecord> records_;                // deque: feed() hands out references
+  RecordLog records_;
   std::int64_t frames_fed_ = 0;
   std::size_t mapping_keyframes_ = 0;
   double video_time_ = 0;              // frames fed, gaps of single views filled up

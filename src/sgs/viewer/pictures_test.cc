@@ -150,20 +150,21 @@ TEST(Board, AFrameNumberThatNoCameraGivesFillsNoMemory) {
 }
 
 TEST(SessionFeed, PosesFollowTheRefinementOfTheNewestKeyframe) {
-  std::deque<slam::FrameRecord> records(3);
+  std::deque<slam::FrameBrief> frames;
   for (int i = 0; i < 3; ++i) {
-    records[static_cast<std::size_t>(i)].index = 10 + i;
-    records[static_cast<std::size_t>(i)].T_odom_camera.t.x() = i;
+    frames.push_back({10 + i, 0, SE3(Eigen::Matrix3d::Identity(), {1. * i, 0, 0}), false, true});
   }
+  slam::FrameRecord newest;
+  newest.T_odom_camera = frames.back().T_odom_camera;
   auto map = std::make_shared<map::Snapshot>();
-  EXPECT_EQ(pose_in_map(records[2], records, nullptr).t.x(), 2);
-  EXPECT_EQ(pose_in_map(records[2], records, map).t.x(), 2);
+  EXPECT_EQ(pose_in_map(newest, frames, nullptr).t.x(), 2);
+  EXPECT_EQ(pose_in_map(newest, frames, map).t.x(), 2);
   map->keyframe_frames = {11};
   map->T_world_keyframe = {SE3(so3_exp({0, 0, 0.1}), {5, 0, 0})};
-  const SE3 moved = pose_in_map(records[2], records, map);
+  const SE3 moved = pose_in_map(newest, frames, map);
   EXPECT_LT((moved.t - Eigen::Vector3d(5 + std::cos(0.1), std::sin(0.1), 0)).norm(), 1e-12);
   map->keyframe_frames = {99};  // unknown
-  EXPECT_EQ(pose_in_map(records[2], records, map).t.x(), 2);
+  EXPECT_EQ(pose_in_map(newest, frames, map).t.x(), 2);
 }
 
 }  // namespace

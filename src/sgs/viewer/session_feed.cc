@@ -8,14 +8,14 @@
 
 namespace sgs::viewer {
 
-SE3 pose_in_map(const slam::FrameRecord& record, const std::deque<slam::FrameRecord>& records,
+SE3 pose_in_map(const slam::FrameRecord& record, const std::deque<slam::FrameBrief>& frames,
                 const map::SnapshotPtr& snapshot) {
   if (!snapshot || snapshot->keyframe_frames.empty()) return record.T_odom_camera;
   const std::int64_t frame = snapshot->keyframe_frames.back();
   const auto it = std::lower_bound(
-      records.begin(), records.end(), frame,
-      [](const slam::FrameRecord& r, std::int64_t index) { return r.index < index; });
-  if (it == records.end() || it->index != frame || it->bad) return record.T_odom_camera;
+      frames.begin(), frames.end(), frame,
+      [](const slam::FrameBrief& f, std::int64_t index) { return f.index < index; });
+  if (it == frames.end() || it->index != frame || it->bad) return record.T_odom_camera;
   return snapshot->T_world_keyframe.back() * it->T_odom_camera.inverse() * record.T_odom_camera;
 }
 
@@ -25,7 +25,7 @@ FrameUpdate SessionFeed::update(slam::Session& session, const dataset::FeedItem&
   update.record = record;
   update.map = session.snapshot();
   update.frame = item.frame;
-  update.T_world_camera = pose_in_map(record, session.records(), update.map);
+  update.T_world_camera = pose_in_map(record, session.records().briefs(), update.map);
   if (const auto& truth = item.frame->truth_T_world_camera) {
     if (!T_world_truth_) T_world_truth_ = update.T_world_camera * truth->inverse();
     update.truth = *T_world_truth_ * *truth;

@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/slam/record_log.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace sgs::slam {
+namespace {
+
+/// A record that differs from others in each kind of field.
+FrameRecord record_of(int k) {
+  FrameRecord r;
+  r.index = 2 * k;
+  r.timestamp_s = 0.1 * k;
+  r.T_odom_camera = r.T_online_camera = SE3::exp(Vector6d::Constant(1e-3 * k));
+  if (k % 10 == 7) {
+    r.bad = true;
+    r.bad_reason = "no depth " + std::to_string(k);
+    return r;
+  }
+  r.status = k % 5 == 0 ? tracker::TrackingStatus::kLost : tracker::TrackingStatus::kDegenerate;
+  if (k % 5 == 0) r.lost_reason = tracker::LostReason::kOther;
+  r.mapping_keyframe = k % 3 == 0;
+  if (k % 2 == 0) r.diagnostics.axes = Matrix6d::Constant(k);
+  r.diagnostics.snr[5] = k;
+  r.diagnostics.ms_update = 0.5 * k;
+  r.track_ms = k;
+  r.fingerprint = 1000 + k;
+  r.gain[1] = k;
+  return r;
+}
+
+std::string text_of(const std::vector<FrameRecord>& records) { return frames_csv(records); }
+
+/// Everything that was added, through a log in that folder.
+void expect_all(const std::filesystem::path& folder) {
+  RecordLog log(folder);
+  std::vector<FrameRecord> expected;
+  for (int k = 0; k < static_cast<int>(3 * RecordLog::kBlock + 5); ++k) {
+    expected.push_back(record_of(k));
+    const FrameRecord& added = log.add(record_of(k));
+    EXPECT_EQ(&added, &log.back());
+    EXPECT_EQ(added.fingerprint, expected.back().fingerprint);
+  }
+  ASSERT_EQ(log.size(), expected.size());
+  const auto records = log.all();
+  ASSERT_EQ(records.size(), expected.size());
+  EXPECT_EQ(text_of(records), text_of(expected));
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    EXPECT_EQ(records[i].bad_reason, expected[i].bad_reason);
+    EXPECT_EQ(records[i].T_online_camera.R, expected[i].T_online_camera.R);
+    EXPECT_EQ(records[i].T_odom_camera.t, expected[i].T_odom_camera.t);
+    EXPECT_EQ(log.briefs()[i].tracked,
+              !expected[i].bad && expected[i].status != tracker::TrackingStatus::kLost);
+  }
+}
+
+TEST(RecordLog, GivesBackWhatLiesOnTheDisk) { expect_all(testing::TempDir()); }
+
+TEST(RecordLog, KeepsInMemoryWhatNoDiskTakes) { expect_all("/nowhere/at/all"); }
+
+TEST(RecordLog, MovesOldAndNewFrames) {
+  RecordLog log(testing::TempDir());
+  const int count = static_cast<int>(RecordLog::kBlock + 9);
+  for (int k = 0; k < count; ++k) log.add(record_of(k));
+  const SE3 moved(Eigen::Matrix3d::Identity(), {0, 0, 1});
+  log.correct(PastCorrection(PoseCorrection({{0, {}, moved}})));
+  const auto records = log.all();
+  for (int k = 0; k < count; ++k) {
+    const FrameRecord& r = records[static_cast<std::size_t>(k)];
+    const SE3 before = record_of(k).T_odom_camera;
+    EXPECT_NEAR((r.T_odom_camera.t - before.t).z(), r.bad ? 0 : 1, 1e-9) << k;
+    EXPECT_EQ(r.T_online_camera.t, before.t);
+  }
+  EXPECT_EQ(log.back().T_odom_camera.t, records.back().T_odom_camera.t);
+}
+
+}  // namespace
+}  // namespace sgs::slam
