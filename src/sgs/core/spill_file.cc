@@ -5,12 +5,12 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <string>
 #include <system_error>
-#include <utility>
 
 namespace sgs {
 namespace fs = std::filesystem;
@@ -42,7 +42,10 @@ Result<SpillFile> SpillFile::create(const fs::path& folder) {
 
 Result<std::int64_t> SpillFile::append(const void* bytes, std::size_t size) {
   const auto* next = static_cast<const char*>(bytes);
-  std::int64_t at = size_;
+  const auto room = free_.find(size);
+  const bool used_again = room != free_.end() && !room->second.empty();
+  const std::int64_t begin = used_again ? room->second.back() : size_;
+  std::int64_t at = begin;
   for (std::size_t left = size; left > 0;) {
     const ssize_t written = ::pwrite(*file_, next, left, at);
     if (written < 0 && errno == EINTR) continue;
@@ -54,7 +57,9 @@ Result<std::int64_t> SpillFile::append(const void* bytes, std::size_t size) {
     at += written;
     left -= static_cast<std::size_t>(written);
   }
-  return std::exchange(size_, at);
+  if (used_again) room->second.pop_back();
+  size_ = std::max(size_, at);
+  return begin;
 }
 
 void SpillFile::read(std::int64_t at, void* bytes, std::size_t size) const {

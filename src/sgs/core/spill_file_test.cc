@@ -28,6 +28,21 @@ TEST(SpillFile, GivesBackWhatItTook) {
   EXPECT_THROW(read_back(*file, *second, 7), std::system_error);
 }
 
+TEST(SpillFile, RoomIsUsedAgain) {
+  auto file = SpillFile::create();
+  ASSERT_TRUE(file);
+  const auto first = file->append("first", 5), second = file->append("again", 5);
+  ASSERT_TRUE(first && second);
+  file->release(*first, 5);
+  const auto longer = file->append("longer", 6), third = file->append("third", 5);
+  ASSERT_TRUE(longer && third);
+  EXPECT_EQ(*third, *first);
+  EXPECT_EQ(read_back(*file, 0, 16), "thirdagainlonger");
+  const auto last = file->append("sixth", 5);
+  ASSERT_TRUE(last);
+  EXPECT_EQ(*last, 16);
+}
+
 TEST(SpillFile, ADiskThatIsFullTakesNothing) {
   auto file = SpillFile::create();
   ASSERT_TRUE(file);

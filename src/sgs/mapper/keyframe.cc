@@ -57,6 +57,14 @@ float merged_depth(const std::array<float, 4>& depths) {
 MapKeyframe::MapKeyframe(const RgbdFrame& frame, const SE3& T, double max_depth_m)
     : T_world_camera(T), T_odom_camera(T), camera_(frame.camera), frame_index_(frame.index) {
   take_pictures(frame, max_depth_m);
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < pictures_->depth.size(); ++i) {
+    const std::uint16_t z = pictures_->depth.data()[i];
+    sum += z;
+    count += z > 0;
+  }
+  if (count > 0) mean_depth_m_ = sum / static_cast<double>(count) * pictures_->depth_unit_m;
 }
 
 void MapKeyframe::take_pictures(const RgbdFrame& frame, double max_depth_m) {
@@ -88,9 +96,8 @@ void MapKeyframe::read_parked(KeyframePictures& pictures) const {
   }
   pictures.depth_unit_m = depth_unit_m_;
   const std::size_t color_bytes = pictures.color.size() * sizeof(Rgb8);
-  file_->read(parked_at_, pictures.color.data(), color_bytes);
-  file_->read(parked_at_ + static_cast<std::int64_t>(color_bytes), pictures.depth.data(),
-              pictures.depth.size() * sizeof(std::uint16_t));
+  file_->read(color_at_, pictures.color.data(), color_bytes);
+  file_->read(depth_at_, pictures.depth.data(), pictures.depth.size() * sizeof(std::uint16_t));
   for (const auto& change : changes_) change_depth_of(pictures, *change);
 }
 
@@ -100,6 +107,7 @@ void MapKeyframe::change_depth(const std::shared_ptr<const DepthChange>& change)
 }
 
 void MapKeyframe::change_pictures(const std::shared_ptr<const DepthChange>& change) {
+  if (culled_) return;
   if (!pictures_) {
     changes_.push_back(change);
     return;
@@ -112,12 +120,31 @@ void MapKeyframe::change_pictures(const std::shared_ptr<const DepthChange>& chan
 Status MapKeyframe::park(SpillFile& file) {
   if (!pictures_) return {};
   const auto& [color, depth, unit] = *pictures_;
-  SGS_ASSIGN_OR_RETURN(const auto at, file.append(color.data(), color.size() * sizeof(Rgb8)));
-  SGS_RETURN_IF_ERROR(file.append(depth.data(), depth.size() * sizeof(std::uint16_t)));
-  parked_at_ = at;
+  const std::size_t color_bytes = color.size() * sizeof(Rgb8);
+  SGS_ASSIGN_OR_RETURN(color_at_, file.append(color.data(), color_bytes));
+  const auto depth_at = file.append(depth.data(), depth.size() * sizeof(std::uint16_t));
+  if (!depth_at) {
+    file.release(color_at_, color_bytes);
+    return tl::unexpected(depth_at.error());
+  }
+  depth_at_ = *depth_at;
   file_ = &file;
   pictures_.reset();
   return {};
+}
+
+void MapKeyframe::cull(SpillFile* file) {
+  SGS_CHECK(!file_ || file_ == file, "pictures go where they were parked");
+  culled_ = true;
+  pictures_.reset();
+  changes_.clear();
+  const std::size_t pixels =
+      static_cast<std::size_t>(camera_.width) * static_cast<std::size_t>(camera_.height);
+  if (file_) {
+    file->release(color_at_, pixels * sizeof(Rgb8));
+    file->release(depth_at_, pixels * sizeof(std::uint16_t));
+  }
+  file_ = nullptr;
 }
 
 std::size_t MapKeyframe::picture_bytes() const {
@@ -177,6 +204,11 @@ void TrainingViewCache::drop_half(std::size_t index) {
   SGS_CHECK(index == first_half_kept_, "views are dropped from the oldest on");
   if (index < half_.size()) half_[index].reset();
   ++first_half_kept_;
+}
+
+void TrainingViewCache::forget(std::size_t index) {
+  if (index < half_.size()) half_[index].reset();
+  std::erase_if(full_, [&](const auto& entry) { return entry.first == index; });
 }
 
 void TrainingViewCache::forget() {

@@ -47,12 +47,18 @@ class MapKeyframe {
   std::shared_ptr<const KeyframePictures> pictures() const;
   /// Moves the pictures to `file`, which must outlive this object.
   Status park(SpillFile& file);
+  /// Nothing is learned from this keyframe any more. Its pose stays for what hangs on it. `file`:
+  /// where the pictures may be parked.
+  void cull(SpillFile* file);
+  bool culled() const { return culled_; }
   /// Depth is known better now. Parked pictures follow whenever they are read.
   void change_depth(const std::shared_ptr<const DepthChange>& change);
   /// The same of the pictures only.
   void change_pictures(const std::shared_ptr<const DepthChange>& change);
   /// What pictures() takes in memory unless they are parked.
   std::size_t picture_bytes() const;
+  /// Of the pixels that have one, as measured first.
+  double mean_depth_m() const { return mean_depth_m_; }
   const PinholeCamera& camera() const { return camera_; }
   std::int64_t frame_index() const { return frame_index_; }
 
@@ -66,7 +72,8 @@ class MapKeyframe {
   /// Everything but the pictures.
   template <class Archive>
   void archive(Archive& a) {
-    a(frame_index_, T_world_camera, T_odom_camera, gain, visits, pose_information);
+    a(frame_index_, mean_depth_m_, culled_, T_world_camera, T_odom_camera, gain, visits,
+      pose_information);
   }
 
  private:
@@ -75,9 +82,11 @@ class MapKeyframe {
   PinholeCamera camera_;
   std::int64_t frame_index_ = 0;
   float depth_unit_m_ = 0;
+  double mean_depth_m_ = 1;
+  bool culled_ = false;
   std::shared_ptr<const KeyframePictures> pictures_;  // null where they are parked:
   const SpillFile* file_ = nullptr;
-  std::int64_t parked_at_ = 0;
+  std::int64_t color_at_ = 0, depth_at_ = 0;
   std::vector<std::shared_ptr<const DepthChange>> changes_;  // since they were parked
 };
 
@@ -103,6 +112,8 @@ class TrainingViewCache {
   /// on.
   void drop_half(std::size_t index);
   std::size_t first_half_kept() const { return first_half_kept_; }
+  /// A view that is not asked for any more.
+  void forget(std::size_t index);
   /// The pictures have changed: every view is made anew when it is needed.
   void forget();
 

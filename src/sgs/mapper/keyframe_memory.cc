@@ -20,15 +20,20 @@ void KeyframeMemory::make_room(std::vector<MapKeyframe>& keyframes, TrainingView
   if (count == 0) return;
   const std::size_t picture = keyframes.front().picture_bytes();
   const std::size_t view = half_view_bytes(keyframes.front().camera());
-  const auto used = [&] {
-    return picture * (count - parked_) + view * (count - views.first_half_kept()) + other_bytes;
+  const auto from = [&](std::size_t first) {
+    return std::count_if(keyframes.begin() + static_cast<std::ptrdiff_t>(first), keyframes.end(),
+                         [](const MapKeyframe& k) { return !k.culled(); });
   };
-  while (used() > budget_bytes_ && parked_ + kPicturesKept < count && park(keyframes[parked_])) {
+  std::size_t used = picture * static_cast<std::size_t>(from(parked_)) +
+                     view * static_cast<std::size_t>(from(views.first_half_kept())) + other_bytes;
+  while (used > budget_bytes_ && parked_ + kPicturesKept < count && park(keyframes[parked_])) {
+    if (!keyframes[parked_].culled()) used -= picture;
     ++parked_;
   }
   // A view can only go where its pictures can be read again at no more memory.
   const std::size_t most_dropped = std::min(parked_, count - std::min(count, kViewsKept));
-  while (used() > budget_bytes_ && views.first_half_kept() < most_dropped) {
+  while (used > budget_bytes_ && views.first_half_kept() < most_dropped) {
+    if (!keyframes[views.first_half_kept()].culled()) used -= view;
     views.drop_half(views.first_half_kept());
   }
 }

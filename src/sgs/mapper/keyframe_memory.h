@@ -24,13 +24,15 @@ class KeyframeMemory {
   /// to, is one warning: more memory is used then.
   void make_room(std::vector<MapKeyframe>& keyframes, TrainingViewCache& views,
                  std::size_t other_bytes = 0);
+  /// Nothing is learned from that keyframe any more.
+  void cull(MapKeyframe& keyframe) { keyframe.cull(file_ ? &*file_ : nullptr); }
 
  private:
   bool park(MapKeyframe& keyframe);
 
   std::size_t budget_bytes_;
   std::optional<SpillFile> file_;
-  std::size_t parked_ = 0;  // keyframes whose pictures are on disk: the oldest ones
+  std::size_t parked_ = 0;  // before that one, none has pictures in memory
   bool failed_ = false;
 };
 

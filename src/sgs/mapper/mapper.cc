@@ -11,6 +11,7 @@
 #include "sgs/map/mean_bounds.h"
 #include "sgs/mapper/insertion.h"
 #include "sgs/mapper/keyframe.h"
+#include "sgs/mapper/keyframe_culling.h"
 #include "sgs/mapper/keyframe_memory.h"
 #include "sgs/mapper/keyframe_refinement.h"
 #include "sgs/mapper/map_archive.h"
@@ -62,6 +63,8 @@ struct Mapper::Impl {
 
   void step();
   void prune();
+  void cull_keyframes();
+  void take_awaited();
   /// Everything but the keyframes.
   template <class Archive>
   void archive(Archive& a) {
@@ -162,6 +165,16 @@ void Mapper::Impl::prune() {
   bounds.assign(store.raw, store.average);
 }
 
+void Mapper::Impl::cull_keyframes() {
+  while (schedule.active().size() > static_cast<std::size_t>(config.schedule.most_keyframes)) {
+    const std::size_t index = most_redundant(keyframes, schedule.active());
+    schedule.cull(index);
+    memory.cull(keyframes[index]);
+    training_views.forget(index);
+    views.forget(index);
+  }
+}
+
 Mapper::Mapper(const MapperConfig& config, const PinholeCamera& camera, std::uint64_t seed,
                ThreadPool* pool)
     : impl_(std::make_unique<Impl>(config, camera, seed, pool)) {}
@@ -215,6 +228,7 @@ int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE
   m.schedule.add_keyframe(static_cast<std::size_t>(index));
   {
     const ScopedTimer part(m.times, "map/insertion/memory");
+    m.cull_keyframes();
     m.memory.make_room(m.keyframes, m.training_views, m.views.bytes());
   }
   m.changed = true;
@@ -281,6 +295,10 @@ bool Mapper::Impl::consistent() const {
   const auto known = [this](const map::Anchor& anchor) {
     return anchor.keyframe >= -1 && anchor.keyframe < static_cast<std::int64_t>(awaited.size());
   };
+  for (std::size_t k = 0; k < awaited.size(); ++k) {
+    const bool active = std::binary_search(schedule.active().begin(), schedule.active().end(), k);
+    if (awaited[k].culled() == active) return false;
+  }
   return map::consistent(store) && std::all_of(store.anchors.begin(), store.anchors.end(), known) &&
          schedule.consistent() && schedule.keyframes() == awaited.size() &&
          views.consistent(awaited.size(), store.size()) && iterations >= 0 && full_steps >= 0;
@@ -299,7 +317,16 @@ Status Mapper::restore(ArchiveReader& archive) {
     return fail(ErrorCode::kInvalidFormat, "the state of the map makes no sense");
   }
   m.bounds.assign(m.store.raw, m.store.average);
+  m.take_awaited();
   return {};
+}
+
+// Those that are not learned from need no pictures.
+void Mapper::Impl::take_awaited() {
+  while (!awaited.empty() && awaited.front().culled()) {
+    keyframes.push_back(std::move(awaited.front()));
+    awaited.pop_front();
+  }
 }
 
 std::optional<std::int64_t> Mapper::awaited_frame() const {
@@ -314,6 +341,7 @@ void Mapper::restore_keyframe(const RgbdFrame& frame) {
   m.awaited.front().take_pictures(frame, m.config.insertion.max_depth_m);
   m.keyframes.push_back(std::move(m.awaited.front()));
   m.awaited.pop_front();
+  m.take_awaited();
   m.memory.make_room(m.keyframes, m.training_views, m.views.bytes());
 }
 

@@ -31,6 +31,7 @@ MapperConfig paper_mapper_config() {
   c.objective.color_only_where_depth = true;
   c.objective.floater_margin_m = 0.2;
   c.schedule.order = VisitOrder::kRandom;
+  c.schedule.most_keyframes = 1000000;
   c.schedule.half_resolution_share = 0;
   c.schedule.prune_opacity = 0.005;
   c.schedule.look_interval = 1;

@@ -148,6 +148,7 @@ struct ObjectiveConfig {
 struct ScheduleConfig {
   VisitOrder order = VisitOrder::kBalanced;
   double visit_bias = 0.5;
+  int most_keyframes = 500;
   double half_resolution_share = 0.95;
   int prune_interval = 200;
   double prune_opacity = 0.02;
@@ -164,6 +165,10 @@ struct ScheduleConfig {
     p.add("visit_bias", visit_bias,
           "Order balanced: a keyframe comes with a frequency in proportion to (visits + 4)^-bias.",
           "", {0, 4});
+    p.add("most_keyframes", most_keyframes,
+          "Keyframes that are learned from at a time; beyond, of the two that show most alike the "
+          "older one is left out. More than three minutes of a live run.",
+          "", {2, 1000000});
     p.add("half_resolution_share", half_resolution_share, "Share of steps at half resolution.", "",
           {0, 1});
     p.add("prune_interval", prune_interval, "Steps between prunings.", "steps", {1, 1000000});

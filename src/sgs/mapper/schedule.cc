@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "sgs/core/error.h"
@@ -11,7 +12,13 @@
 namespace sgs::mapper {
 
 bool Schedule::consistent() const {
-  const auto known = [this](std::size_t index) { return index < count_; };
+  const bool in_order = std::adjacent_find(active_.begin(), active_.end(),
+                                           std::greater_equal<>()) == active_.end();
+  if (!in_order || active_.empty() != (count_ == 0)) return false;
+  if (count_ > 0 && active_.back() >= count_) return false;
+  const auto known = [this](std::size_t index) {
+    return std::binary_search(active_.begin(), active_.end(), index);
+  };
   const bool credits_finite = std::all_of(entries_.begin(), entries_.end(), [](const Entry& e) {
     return std::isfinite(e.credit) && e.visits >= 0;
   });
@@ -22,9 +29,17 @@ bool Schedule::consistent() const {
 
 void Schedule::add_keyframe(std::size_t index) {
   count_ = index + 1;
+  active_.push_back(index);
   fresh_.push_back(index);
   const double jitter = random_.uniform();
   entries_.push_back({jitter, jitter, 0, 0});
+}
+
+void Schedule::cull(std::size_t index) {
+  SGS_CHECK(active_.size() > 1, "a keyframe must be left");
+  std::erase(active_, index);
+  std::erase(fresh_, index);
+  std::erase(round_, index);
 }
 
 std::size_t Schedule::next() {
@@ -42,7 +57,7 @@ std::size_t Schedule::next() {
         index = next_in_round();
         break;
       case VisitOrder::kRandom:
-        index = random_.below(count_);
+        index = active_[random_.below(active_.size())];
         break;
     }
   }
@@ -52,8 +67,10 @@ std::size_t Schedule::next() {
 
 std::size_t Schedule::next_in_round() {
   if (round_.empty()) {
-    for (std::size_t i = 0; i < count_; ++i) round_.push_back(i);
-    for (std::size_t i = count_ - 1; i > 0; --i) std::swap(round_[i], round_[random_.below(i + 1)]);
+    round_ = active_;
+    for (std::size_t i = round_.size() - 1; i > 0; --i) {
+      std::swap(round_[i], round_[random_.below(i + 1)]);
+    }
   }
   const std::size_t index = round_.back();
   round_.pop_back();
@@ -62,9 +79,9 @@ std::size_t Schedule::next_in_round() {
 
 std::size_t Schedule::next_balanced() {
   double sum = 0;
-  for (const Entry& entry : entries_) sum += entry.weight;
-  std::size_t best = 0;
-  for (std::size_t i = 0; i < entries_.size(); ++i) {
+  for (const std::size_t i : active_) sum += entries_[i].weight;
+  std::size_t best = active_.front();
+  for (const std::size_t i : active_) {
     entries_[i].credit += entries_[i].weight / sum;
     if (entries_[i].credit > entries_[best].credit) best = i;
   }

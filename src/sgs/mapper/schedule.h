@@ -25,6 +25,10 @@ class Schedule {
       : random_(seed), order_(order), visit_bias_(visit_bias) {}
   /// Announces keyframe number `index`; it comes next.
   void add_keyframe(std::size_t index);
+  /// That one does not come any more. Another one must be left.
+  void cull(std::size_t index);
+  /// Those that come, in order.
+  const std::vector<std::size_t>& active() const { return active_; }
   /// Number of the keyframe to optimise; there must be one.
   std::size_t next();
   SplitMix64& random() { return random_; }
@@ -34,7 +38,7 @@ class Schedule {
 
   template <class Archive>
   void archive(Archive& a) {
-    a(random_, count_, fresh_, round_, entries_);
+    a(random_, count_, active_, fresh_, round_, entries_);
   }
 
  private:
@@ -46,6 +50,7 @@ class Schedule {
   VisitOrder order_;
   double visit_bias_;
   std::size_t count_ = 0;
+  std::vector<std::size_t> active_;
   std::vector<std::size_t> fresh_;  ///< announced, not yet visited
   std::vector<std::size_t> round_;  ///< kRounds: what is left of the current round, last first
 

@@ -86,6 +86,23 @@ TEST(Schedule, BalancedOrderSpreadsVisitsOverTime) {
   EXPECT_LE(longest, 2 * kKeyframes) << "twice a round, because of the jitter";
 }
 
+TEST(Schedule, WhatIsCulledComesNoMore) {
+  for (const VisitOrder order : {VisitOrder::kBalanced, VisitOrder::kRounds, VisitOrder::kRandom}) {
+    Schedule schedule(5, order, 0.5);
+    for (std::size_t k = 0; k < 9; ++k) schedule.add_keyframe(k);
+    schedule.cull(7);  // before its first visit
+    for (int i = 0; i < 12; ++i) EXPECT_NE(schedule.next(), 7u);
+    schedule.cull(0);
+    schedule.cull(4);
+    std::set<std::size_t> visited;
+    for (int i = 0; i < 100; ++i) visited.insert(schedule.next());
+    EXPECT_EQ(visited, (std::set<std::size_t>{1, 2, 3, 5, 6, 8}));
+    schedule.add_keyframe(9);
+    EXPECT_EQ(schedule.next(), 9u);
+    EXPECT_TRUE(schedule.consistent());
+  }
+}
+
 TEST(SplitMix64, IsUniform) {
   SplitMix64 random(5);
   std::vector<int> histogram(10);

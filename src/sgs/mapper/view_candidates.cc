@@ -33,6 +33,15 @@ void ViewCandidates::forget() {
   noting_.reset();
 }
 
+void ViewCandidates::forget(std::size_t keyframe) {
+  if (keyframe >= keyframes_.size()) return;
+  if (noting_ == keyframe) noting_.reset();
+  map::PackedSet& seen = keyframes_[keyframe].seen;
+  bytes_ -= seen.bytes();
+  seen = map::PackedSet();
+  bytes_ += seen.bytes();
+}
+
 void ViewCandidates::follow_removal(const map::GaussianSet& removed) {
   if (removed.count() == 0) return;
   keep();

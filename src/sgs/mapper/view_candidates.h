@@ -30,6 +30,8 @@ class ViewCandidates {
   Visit next(std::size_t keyframe, std::size_t gaussians);
   /// Gaussians have moved: the next visit of each keyframe looks at everything.
   void forget();
+  /// That keyframe is not visited any more.
+  void forget(std::size_t keyframe);
   /// `removed` Gaussians are about to go, the others move up.
   void follow_removal(const map::GaussianSet& removed);
   /// False for what cannot be with so many keyframes and Gaussians: read from a file.
