@@ -122,6 +122,16 @@ def report(samples, out):
         print(
             f"tracking, {name} third: median {quantile(part, 0.5):.2f} ms, p95 {quantile(part, 0.95):.2f} ms"
         )
+    part = max(1, len(frames) // 10)
+    print("in tenths: memory (MB), mapping steps a frame, thousands of Gaussians, loops")
+    for tenth in range(10):
+        rows = frames[tenth * part : (tenth + 1) * part]
+        seen = samples[tenth * len(samples) // 10 : (tenth + 1) * len(samples) // 10] or samples[-1:]
+        steps = int(rows[-1]["mapping_iterations"]) - int(rows[0]["mapping_iterations"])
+        print(
+            f"  {statistics.median(s['memory_mb'] for s in seen):.0f}, {steps / len(rows):.1f}, "
+            f"{int(rows[-1]['gaussians']) / 1000:.1f}, {rows[-1]['loops']}"
+        )
     indices = int(frames[-1]["index"]) + 1
     print(f"frames: {indices} came, {indices - len(frames)} dropped")
     return sound

@@ -30,7 +30,7 @@ class StageTimes {
     std::vector<double> values_ms;
     std::size_t stride = 1;  ///< of the observations in values_ms
   };
-  static constexpr std::size_t kMostValues = std::size_t{1} << 16;
+  static constexpr std::size_t kMostValues = std::size_t{1} << 14;
 
   /// One observation's place in time.
   struct Interval {

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "sgs/camera/depth_noise.h"
@@ -156,13 +157,15 @@ class QuadtreeInsertion {
   /// Whether the map leaves this leaf open. A borrowed depth is replaced by the rendered one where
   /// the map is already half opaque: it knows better.
   bool is_unexplained(int x, int y, int size, float& z, bool borrowed) const {
-    float alpha = 0, depth_sum = 0;
+    float alpha = 0, depth_sum = 0, nearest = std::numeric_limits<float>::infinity();
     for (const int dv : {size / 4, size - 1 - size / 4}) {
       for (const int du : {size / 4, size - 1 - size / 4}) {
         const int u = std::min((x + du) / scale_, rendering_->alpha.width() - 1);
         const int v = std::min((y + dv) / scale_, rendering_->alpha.height() - 1);
         alpha += 0.25f * rendering_->alpha(u, v);
         depth_sum += 0.25f * rendering_->depth_sum(u, v);
+        nearest = std::min(nearest, rendering_->depth_sum(u, v) /
+                                        std::max(rendering_->alpha(u, v), 1e-3f));
       }
     }
     constexpr float kTrustRendering = 0.3f;
@@ -172,7 +175,8 @@ class QuadtreeInsertion {
       if (open && alpha > kTrustRendering) z = rendered;
       return open;
     }
-    return open || rendered > z * static_cast<float>(1 + config_.front_ratio) +
+    // The nearest: a leaf on an edge shows what is behind it, too, and that again and again.
+    return open || nearest > z * static_cast<float>(1 + config_.front_ratio) +
                                   static_cast<float>(config_.front_margin_m);
   }
 
