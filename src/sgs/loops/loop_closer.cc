@@ -217,6 +217,7 @@ std::optional<PoseCorrection> LoopCloser::correction() {
     counts_.taken_back += static_cast<int>(fresh);
     return std::nullopt;
   }
+  skeleton_.thin_loops(static_cast<std::size_t>(config_.most_loops));
   loops_solved_ = skeleton_.loops().size();
   std::vector<MovedPose> poses;
   for (int k = 0; k < skeleton_.size(); ++k) {

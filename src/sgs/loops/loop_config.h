@@ -44,6 +44,7 @@ struct LoopConfig {
   int candidates = 2;
   int spacing_nodes = 3;
   double spacing_share = 0.01;
+  int most_loops = 800;
   double min_used = 0.35;
   double min_overlap = 0.35;
   int min_rank = 3;
@@ -85,6 +86,9 @@ struct LoopConfig {
           "The same as a share of all nodes that there were: the longer a session, the fewer new "
           "ties a known place needs. Up to eight times spacing_nodes.",
           "", {0, 1});
+    p.add("most_loops", most_loops,
+          "Of more loops every second older one is forgotten when they have been solved for.", "",
+          {1, 1000000});
     p.add("min_used", min_used, "Least share of the older view's pixels that fit.", "", {0, 1});
     p.add("min_overlap", min_overlap, "Least share of the newer view's points that fit.", "",
           {0, 1});

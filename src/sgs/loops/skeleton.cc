@@ -107,6 +107,16 @@ void Skeleton::add_loop(const graph::Edge& loop) { loops_.push_back(loop); }
 
 void Skeleton::remove_last_loops(std::size_t count) { loops_.resize(loops_.size() - count); }
 
+void Skeleton::thin_loops(std::size_t most) {
+  if (loops_.size() <= most) return;
+  const std::size_t old = loops_.size() - loops_.size() / 4;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < loops_.size(); ++i) {
+    if (i >= old || i % 2 == 0) loops_[kept++] = loops_[i];
+  }
+  loops_.resize(kept);
+}
+
 graph::UncertainPose Skeleton::tracked(int from, int to) const {
   if (from > to) return inverse(tracked(to, from));
   graph::UncertainPose out;

@@ -54,6 +54,9 @@ class Skeleton {
   const std::vector<graph::Edge>& loops() const { return loops_; }
   void add_loop(const graph::Edge& loop);
   void remove_last_loops(std::size_t count);
+  /// Forgets every second loop, the newest quarter excepted, once there are more than `most`: what
+  /// they said is in the poses, and the others between the same stretches hold it there.
+  void thin_loops(std::size_t most);
 
   /// The tracked way between two nodes, without loops.
   graph::UncertainPose tracked(int from, int to) const;

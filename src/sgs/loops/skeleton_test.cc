@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "sgs/loops/drift.h"
 
 namespace sgs::loops {
@@ -182,6 +185,32 @@ TEST(Skeleton, WaysAreJoinedWithoutChangingWhatTheySay) {
   EXPECT_EQ(b.weights.back(), 1);
   few.join_ways(pending);
   EXPECT_EQ(few.size(), 9) << "what is left is needed";
+}
+
+// Forty rounds of a circle whose way has drifted, each tied to the last one at every place.
+TEST(Skeleton, FewerLoopsHoldWhatTheyHaveFound) {
+  Skeleton s;
+  constexpr int kPlaces = 10, kRounds = 40;
+  for (int k = 0; k < kPlaces * kRounds; ++k) {
+    const double angle = 0.2 * std::numbers::pi * k;
+    s.add(node(k, SE3(so3_exp({0, 0, angle}), {std::cos(angle), std::sin(angle), 1e-3 * k})),
+          Matrix6d::Identity() * 1e-4);
+    if (k >= kPlaces) s.add_loop({k - kPlaces, k, SE3(), Matrix6d::Identity() * 1e5, true});
+  }
+  const auto all = s.solve();
+  s.thin_loops(1000);
+  EXPECT_EQ(s.loops().size(), 390u);
+  s.thin_loops(300);
+  EXPECT_EQ(s.loops().size(), 244u);
+  EXPECT_EQ(s.loops().back().to, 399);
+  std::vector<graph::Edge> none;
+  s.join_ways(none);
+  EXPECT_LT(s.size(), 400);
+  const auto fewer = s.solve();
+  for (int k = 0; k < s.size(); ++k) {
+    const SE3& expected = all.T_world_node[static_cast<std::size_t>(s.node(k).number)];
+    EXPECT_LT((fewer.T_world_node[static_cast<std::size_t>(k)].t - expected.t).norm(), 0.01) << k;
+  }
 }
 
 }  // namespace

@@ -51,6 +51,25 @@ TEST(KeyframeMemory, WhatIsParkedComesBackAsItWas) {
   }
 }
 
+TEST(KeyframeMemory, WhatIsCulledMakesRoom) {
+  Session tight(1), wide(std::size_t{1} << 40);
+  for (std::size_t i = 0; i < 100; ++i) {
+    for (Session* session : {&tight, &wide}) {
+      session->add();
+      if (i < 40 || i % 2 == 0) continue;
+      session->memory.cull(session->keyframes[i - 25]);  // some are parked, some are not
+      session->views.forget(i - 25);
+    }
+  }
+  for (std::size_t i = 0; i < 100; ++i) {
+    if (tight.keyframes[i].culled()) continue;
+    const auto a = tight.keyframes[i].pictures(), b = wide.keyframes[i].pictures();
+    EXPECT_EQ(std::memcmp(a->color.data(), b->color.data(), a->color.size() * sizeof(Rgb8)), 0);
+    EXPECT_EQ(std::memcmp(a->depth.data(), b->depth.data(), a->depth.size() * 2), 0);
+    EXPECT_TRUE(tight.views.get(tight.keyframes[i], i, 1));
+  }
+}
+
 TEST(KeyframeMemory, WithoutADiskMoreMemoryIsUsed) {
   ASSERT_EQ(setenv("TMPDIR", "/no/such/folder", 1), 0);
   Session tight(1);
