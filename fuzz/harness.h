@@ -50,6 +50,9 @@ inline std::filesystem::path scratch_file(const char* name) {
 /// A file that is read next: written in place, since a whole new file costs more than its parser.
 inline void write_plainly(const std::filesystem::path& path, std::string_view bytes) {
   std::FILE* file = std::fopen(path.c_str(), "wb");
+  if (!file && std::filesystem::create_directories(path.parent_path())) {
+    file = std::fopen(path.c_str(), "wb");
+  }
   require(file && std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size() &&
               std::fclose(file) == 0,
           "a file can be written");
