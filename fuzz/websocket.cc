@@ -40,8 +40,12 @@ class Connection {
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     const timeval patience{10, 0};
     ::setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-    fuzz::require(::connect(fd_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0,
-                  "the server takes connections");
+    int connected = -1;
+    do {
+      connected = ::connect(fd_, reinterpret_cast<sockaddr*>(&address), sizeof address);
+    } while (connected != 0 && (errno == EINTR || errno == EALREADY));  // libFuzzer's clock
+    // After an interruption the connection may have been made all the same.
+    fuzz::require(connected == 0 || errno == EISCONN, "the server takes connections");
   }
   ~Connection() { ::close(fd_); }
   Connection(const Connection&) = delete;

@@ -164,8 +164,8 @@ class QuadtreeInsertion {
         const int v = std::min((y + dv) / scale_, rendering_->alpha.height() - 1);
         alpha += 0.25f * rendering_->alpha(u, v);
         depth_sum += 0.25f * rendering_->depth_sum(u, v);
-        nearest = std::min(nearest, rendering_->depth_sum(u, v) /
-                                        std::max(rendering_->alpha(u, v), 1e-3f));
+        nearest = std::min(nearest,
+                           rendering_->depth_sum(u, v) / std::max(rendering_->alpha(u, v), 1e-3f));
       }
     }
     constexpr float kTrustRendering = 0.3f;
@@ -177,7 +177,7 @@ class QuadtreeInsertion {
     }
     // The nearest: a leaf on an edge shows what is behind it, too, and that again and again.
     return open || nearest > z * static_cast<float>(1 + config_.front_ratio) +
-                                  static_cast<float>(config_.front_margin_m);
+                                 static_cast<float>(config_.front_margin_m);
   }
 
   Eigen::Vector3f back_project(int u, int v, float z) const {

@@ -12,8 +12,8 @@
 namespace sgs::mapper {
 
 bool Schedule::consistent() const {
-  const bool in_order = std::adjacent_find(active_.begin(), active_.end(),
-                                           std::greater_equal<>()) == active_.end();
+  const bool in_order =
+      std::adjacent_find(active_.begin(), active_.end(), std::greater_equal<>()) == active_.end();
   if (!in_order || active_.empty() != (count_ == 0)) return false;
   if (count_ > 0 && active_.back() >= count_) return false;
   const auto known = [this](std::size_t index) {
