@@ -126,7 +126,9 @@ def report(samples, out):
     print("in tenths: memory (MB), mapping steps a frame, thousands of Gaussians, loops")
     for tenth in range(10):
         rows = frames[tenth * part : (tenth + 1) * part]
-        seen = samples[tenth * len(samples) // 10 : (tenth + 1) * len(samples) // 10] or samples[-1:]
+        seen = (
+            samples[tenth * len(samples) // 10 : (tenth + 1) * len(samples) // 10] or samples[-1:]
+        )
         steps = int(rows[-1]["mapping_iterations"]) - int(rows[0]["mapping_iterations"])
         print(
             f"  {statistics.median(s['memory_mb'] for s in seen):.0f}, {steps / len(rows):.1f}, "
