@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What the folders of other programs say of their images, and files of poses. The first byte
-// chooses the layout and whether its poses are wanted; lines `%%N` begin its file number N. Two
-// frames of images are there.
+// chooses the layout; lines `%%N` begin its file number N. Two frames of images are there.
 #include <array>
 #include <vector>
 
@@ -103,9 +102,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const fs::path folder = recording(layout);
   write_files(folder, layout, choice.rest);
   const bool own = layout.poses == std::string("recorded");
-  const bool with_poses = choice.number / layouts().size() % 2 == 0;
-  fuzz::read_sequence(folder, !with_poses ? ""
-                              : own       ? layout.poses
-                                          : (folder / layout.poses).string());
+  fuzz::read_sequence(folder, "");
+  fuzz::read_sequence(folder, own ? layout.poses : (folder / layout.poses).string());
   return 0;
 }

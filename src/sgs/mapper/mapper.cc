@@ -289,7 +289,7 @@ void Mapper::save(ArchiveWriter& archive) {
 // What a file says is believed only where nothing can go out of bounds by it.
 bool Mapper::Impl::consistent() const {
   for (std::size_t k = 0; k < awaited.size(); ++k) {
-    if (awaited[k].visits < 0) return false;
+    if (awaited[k].visits < 0 || !(awaited[k].mean_depth_m() > 0)) return false;
     if (k > 0 && awaited[k].frame_index() <= awaited[k - 1].frame_index()) return false;
   }
   const auto known = [this](const map::Anchor& anchor) {
