@@ -208,6 +208,16 @@ TEST(Image, BytesAreRoundedAndClamped) {
   EXPECT_EQ(to_byte(std::numeric_limits<float>::quiet_NaN()), 0);
 }
 
+TEST(Text, NearestWordHasTheFewestTypingErrors) {
+  const std::string_view words[] = {"tracker.kind", "mapper.steps", "mapper.stop", "seed"};
+  EXPECT_EQ(nearest_word("mapper.step", words), "mapper.steps");  // the first of two as near
+  EXPECT_EQ(nearest_word("traker.knd", words), "tracker.kind");
+  EXPECT_EQ(nearest_word("sed", words), "seed");
+  EXPECT_EQ(nearest_word("", words), "seed");
+  EXPECT_EQ(nearest_word("maper.stop" + std::string(9000, 'x'), words), "mapper.stop");
+  EXPECT_EQ(nearest_word("a", {}), "");
+}
+
 TEST(Text, PrintableKeepsWordsAndHidesWhatATerminalObeys) {
   EXPECT_EQ(printable("/camera/Bär"), "/camera/Bär");
   EXPECT_EQ(printable("a\x1b[2Jb\n\x7f"), "a?[2Jb??");

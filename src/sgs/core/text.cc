@@ -13,17 +13,23 @@
 namespace sgs {
 namespace {
 
-std::size_t edit_distance(std::string_view a, std::string_view b) {
+/// Insertions, removals and replacements that make `b` of `a`, as long as these are fewer than
+/// `bound`; `bound` otherwise.
+std::size_t edit_distance(std::string_view a, std::string_view b, std::size_t bound) {
+  if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) >= bound) return bound;
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
   for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
+    std::size_t diagonal = row[0], least = i;
     row[0] = i;
     for (std::size_t j = 1; j <= b.size(); ++j) {
       const std::size_t up = row[j];
-      row[j] = std::min({up + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      row[j] = std::min(std::min(up, row[j - 1]) + 1, replaced);
+      least = std::min(least, row[j]);
       diagonal = up;
     }
+    if (least >= bound) return bound;
   }
   return row.back();
 }
@@ -118,12 +124,12 @@ std::string shortened(std::string_view text) {
 
 std::string_view nearest_word(std::string_view word, std::span<const std::string_view> words) {
   // The distance takes the product of the lengths; nothing that long was meant as one of the words.
-  constexpr std::size_t kLongest = 200;
+  constexpr std::size_t kLongest = 80;
   word = word.substr(0, kLongest);
   std::string_view nearest;
   std::size_t least = std::numeric_limits<std::size_t>::max();
   for (const std::string_view candidate : words) {
-    const std::size_t distance = edit_distance(candidate, word);
+    const std::size_t distance = edit_distance(candidate, word, least);
     if (distance < least) {
       least = distance;
       nearest = candidate;

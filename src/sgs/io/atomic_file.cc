@@ -123,7 +123,7 @@ Result<std::string> read_file(const fs::path& path, std::int64_t limit_bytes) {
   constexpr std::size_t kBlock = 1 << 16;
   while (true) {
     const std::size_t size = content.size();
-    content.resize(std::max(size + kBlock, content.capacity()));
+    content.resize(size < content.capacity() ? content.capacity() : size + kBlock);
     const ssize_t got = ::read(file.get(), content.data() + size, content.size() - size);
     const int code = errno;
     content.resize(size + static_cast<std::size_t>(std::max<ssize_t>(got, 0)));

@@ -13,7 +13,7 @@ namespace sgs::io {
 namespace {
 
 constexpr int kGzipWindow = 15 + 16;  // zlib: 16 on top of the window's bits asks for gzip
-constexpr std::size_t kChunk = 1 << 18;
+constexpr std::size_t kChunk = 1 << 16;
 
 /// Calls `step` (deflate or inflate) until it ends, feeding input and collecting output in chunks.
 /// False on an error, on missing input and beyond `max_bytes`.
