@@ -27,7 +27,7 @@ struct Everything {
 void assignments(std::string_view text, const ParameterList& list) {
   while (!text.empty()) {
     const auto end = text.find('\n');
-    (void)list.set_assignment(std::string(text.substr(0, end)));
+    if (!list.set_assignment(std::string(text.substr(0, end)))) return;  // as `sgs run` does
     if (end == std::string_view::npos) return;
     text.remove_prefix(end + 1);
   }
