@@ -14,7 +14,7 @@ namespace {
 
 using namespace sgs;
 
-const PinholeCamera kCamera{32, 24, 30, 30, 15.5, 11.5};
+const PinholeCamera kCamera{16, 12, 15, 15, 7.5, 5.5};
 
 RgbdFrame frame(std::int64_t index) {
   RgbdFrame out;
@@ -52,7 +52,7 @@ void go_on_from(const std::string& state) {
   for (auto awaited = mapper.awaited_frame(); awaited; awaited = mapper.awaited_frame()) {
     mapper.restore_keyframe(frame(*awaited));
   }
-  mapper.iterate(2);
+  mapper.iterate(1);
   fuzz::require(mapper.snapshot() != nullptr, "a state that was taken has a map");
 }
 
