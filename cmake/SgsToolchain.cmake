@@ -53,7 +53,7 @@ if(NOT SGS_SANITIZE)
                       "$<BUILD_INTERFACE:-Wl,-z,relro,-z,now,-z,noexecstack>")
 endif()
 if(SGS_SANITIZE)
-  target_compile_options(sgs_options INTERFACE -fsanitize=${SGS_SANITIZE} -DSGS_SANITIZED -fno-omit-frame-pointer
+  target_compile_options(sgs_options INTERFACE -fsanitize=${SGS_SANITIZE} -fno-omit-frame-pointer
                                                -fno-sanitize-recover=all)
   target_link_options(sgs_options INTERFACE -fsanitize=${SGS_SANITIZE})
 endif()

@@ -34,8 +34,8 @@ class CompactView {
   PinholeCamera camera_;
   std::int64_t index_ = 0;
   double timestamp_s_ = 0;
-  PagedImage<std::uint8_t> gray_;
-  PagedImage<std::uint16_t> depth_;
+  Image<std::uint8_t> gray_;
+  Image<std::uint16_t> depth_;
 };
 
 }  // namespace sgs

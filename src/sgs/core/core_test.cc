@@ -4,23 +4,19 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <cstdint>
 #include <cstdlib>
 #include <exception>
 #include <limits>
 #include <stdexcept>
 #include <thread>
-#include <vector>
 
 #include "sgs/core/bounded_queue.h"
 #include "sgs/core/error.h"
 #include "sgs/core/image.h"
-#include "sgs/core/page_allocator.h"
 #include "sgs/core/stopwatch.h"
 #include "sgs/core/text.h"
 #include "sgs/core/thread_pool.h"
@@ -210,28 +206,6 @@ TEST(Image, BytesAreRoundedAndClamped) {
   EXPECT_EQ(to_byte(7.0f), 255);
   EXPECT_EQ(to_byte(-0.1f), 0);
   EXPECT_EQ(to_byte(std::numeric_limits<float>::quiet_NaN()), 0);
-}
-
-TEST(PageAllocator, HoldsWhatIsPutThereWhateverItsSize) {
-  for (const std::size_t size : {0, 1, 1000, 65535, 65536, 3000000}) {
-    std::vector<std::uint8_t, PageAllocator<std::uint8_t>> bytes(size, 7);
-    auto copy = bytes;
-    if (size > 0) copy.back() = 8;
-    copy.resize(2 * size + 1, 9);
-    EXPECT_EQ(std::count(bytes.begin(), bytes.end(), 7), static_cast<std::ptrdiff_t>(size));
-    EXPECT_EQ(copy.back(), 9);
-    EXPECT_EQ(std::count(copy.begin(), copy.end(), 8), size > 0 ? 1 : 0);
-  }
-  PageAllocator<double> doubles;
-  EXPECT_THROW((void)doubles.allocate(static_cast<std::size_t>(-1) / 2), std::bad_alloc);
-}
-
-TEST(PageAllocator, ImagesOfTwoKindsHoldTheSamePixels) {
-  const ColorImage image(40, 30, {1, 2, 3});
-  const PagedImage<Rgb8> paged(image);
-  EXPECT_EQ(paged.width(), 40);
-  EXPECT_EQ(paged(39, 29), (Rgb8{1, 2, 3}));
-  EXPECT_EQ(ColorImage(paged).size(), image.size());
 }
 
 TEST(Text, NearestWordHasTheFewestTypingErrors) {

@@ -6,25 +6,17 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "sgs/core/error.h"
-#include "sgs/core/page_allocator.h"
 
 namespace sgs {
 
 /// Dense row-major image that owns its pixels, without row padding. T is a plain pixel type.
-template <class T, class Allocator = std::allocator<T>>
+template <class T>
 class Image {
  public:
   Image() = default;
-  /// The same pixels in memory of another kind.
-  template <class Other>
-  explicit Image(const Image<T, Other>& other)
-      : width_(other.width()),
-        height_(other.height()),
-        pixels_(other.data(), other.data() + other.size()) {}
   /// Allocates `width` x `height` pixels, each set to `value`.
   Image(int width, int height, T value = T{})
       : width_(width),
@@ -50,12 +42,8 @@ class Image {
  private:
   int width_ = 0;
   int height_ = 0;
-  std::vector<T, Allocator> pixels_;
+  std::vector<T> pixels_;
 };
-
-/// An image that is kept for minutes and not only while a frame is worked at.
-template <class T>
-using PagedImage = Image<T, PageAllocator<T>>;
 
 /// 8-bit colour, red first (OpenCV's order is turned at the reader).
 struct Rgb8 {

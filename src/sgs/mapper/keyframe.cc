@@ -70,8 +70,8 @@ MapKeyframe::MapKeyframe(const RgbdFrame& frame, const SE3& T, double max_depth_
 void MapKeyframe::take_pictures(const RgbdFrame& frame, double max_depth_m) {
   depth_unit_m_ = static_cast<float>(max_depth_m / 65535);
   const auto pictures = std::make_shared<KeyframePictures>();
-  pictures->color = PagedImage<Rgb8>(frame.color);
-  pictures->depth = PagedImage<std::uint16_t>(frame.depth.width(), frame.depth.height());
+  pictures->color = frame.color;
+  pictures->depth = Image<std::uint16_t>(frame.depth.width(), frame.depth.height());
   pictures->depth_unit_m = depth_unit_m_;
   for (std::size_t i = 0; i < frame.depth.size(); ++i) {
     const float z = frame.depth.data()[i];
@@ -91,8 +91,8 @@ std::shared_ptr<const KeyframePictures> MapKeyframe::pictures() const {
 
 void MapKeyframe::read_parked(KeyframePictures& pictures) const {
   if (pictures.color.width() != camera_.width || pictures.color.height() != camera_.height) {
-    pictures.color = PagedImage<Rgb8>(camera_.width, camera_.height);
-    pictures.depth = PagedImage<std::uint16_t>(camera_.width, camera_.height);
+    pictures.color = ColorImage(camera_.width, camera_.height);
+    pictures.depth = Image<std::uint16_t>(camera_.width, camera_.height);
   }
   pictures.depth_unit_m = depth_unit_m_;
   const std::size_t color_bytes = pictures.color.size() * sizeof(Rgb8);

@@ -18,8 +18,8 @@ namespace sgs::mapper {
 
 /// The images of a keyframe in compact form: 8-bit colour, 16-bit depth, 5 bytes a pixel.
 struct KeyframePictures {
-  PagedImage<Rgb8> color;
-  PagedImage<std::uint16_t> depth;  ///< in units of `depth_unit_m`, 0 = none
+  ColorImage color;
+  Image<std::uint16_t> depth;  ///< in units of `depth_unit_m`, 0 = none
   float depth_unit_m = 0;
 
   float depth_m(int x, int y) const { return depth_unit_m * static_cast<float>(depth(x, y)); }

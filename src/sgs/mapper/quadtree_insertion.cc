@@ -16,7 +16,7 @@ namespace {
 /// image over blocks of the smallest cell, since all cells begin and end at their borders.
 class CellSums {
  public:
-  CellSums(const PagedImage<Rgb8>& image, int block)
+  CellSums(const ColorImage& image, int block)
       : block_(block), columns_(image.width() / block), stride_(columns_ + 1) {
     const int rows = image.height() / block;
     sums_.resize(static_cast<std::size_t>(stride_) * static_cast<std::size_t>(rows + 1));

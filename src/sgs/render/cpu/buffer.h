@@ -8,9 +8,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "sgs/core/error.h"
 #include "sgs/core/huge_pages.h"
-#include "sgs/core/page_allocator.h"
 
 namespace sgs::render::cpu {
 
@@ -22,29 +20,22 @@ class Buffer {
  public:
   Buffer() = default;
   Buffer(Buffer&& other) noexcept
-      : data_(std::exchange(other.data_, nullptr)),
-        capacity_(std::exchange(other.capacity_, 0)),
-        lives_long_(std::exchange(other.lives_long_, false)) {}
+      : data_(std::exchange(other.data_, nullptr)), capacity_(std::exchange(other.capacity_, 0)) {}
   Buffer& operator=(Buffer&& other) noexcept {
     std::swap(data_, other.data_);
     std::swap(capacity_, other.capacity_);
-    std::swap(lives_long_, other.lives_long_);
     return *this;
   }
-  ~Buffer() { release(); }
+  ~Buffer() { ::operator delete(data_, alignment(capacity_)); }
 
   /// Makes room for `size` elements and some more, keeping the first `keep`. New elements are not
   /// initialised.
   void ensure(std::size_t size, std::size_t keep = 0) {
     if (size > capacity_) grow(size + size / 2 + 64, keep);
   }
-  /// Makes room for just `size` elements where there was none: for what lives long and never grows.
-  void allocate_once(std::size_t size) {
-    SGS_CHECK(!data_, "a buffer that has been allocated");
-    if (size * sizeof(T) >= kHugePageBytes) return grow(size, 0);  // never on the heap
-    data_ = static_cast<T*>(allocate_pages(size * sizeof(T)));
-    capacity_ = size;
-    lives_long_ = true;
+  /// Makes room for just `size` elements: for what lives long and never grows.
+  void ensure_exactly(std::size_t size) {
+    if (size > capacity_) grow(size, 0);
   }
 
   T* data() { return data_; }
@@ -58,18 +49,9 @@ class Buffer {
     auto* data = static_cast<T*>(::operator new(capacity * sizeof(T), alignment(capacity)));
     advise_huge_pages(data, capacity * sizeof(T));
     if (keep > 0) std::memcpy(static_cast<void*>(data), data_, keep * sizeof(T));
-    release();
+    ::operator delete(data_, alignment(capacity_));
     data_ = data;
     capacity_ = capacity;
-    lives_long_ = false;
-  }
-
-  void release() {
-    if (lives_long_) {
-      free_pages(data_, capacity_ * sizeof(T));
-    } else {
-      ::operator delete(data_, alignment(capacity_));
-    }
   }
 
   static std::align_val_t alignment(std::size_t capacity) {
@@ -79,7 +61,6 @@ class Buffer {
 
   T* data_ = nullptr;
   std::size_t capacity_ = 0;
-  bool lives_long_ = false;
 };
 
 }  // namespace sgs::render::cpu

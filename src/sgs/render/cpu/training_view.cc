@@ -9,7 +9,7 @@ namespace sgs::render::cpu {
 CpuTrainingView::CpuTrainingView(const TrainingImage& image)
     : TrainingView(image.camera), grid_(image.camera.width, image.camera.height) {
   const std::size_t size = static_cast<std::size_t>(grid_.tiles()) * tile_floats(kTrainingChannels);
-  pixels_.allocate_once(size);
+  pixels_.ensure_exactly(size);
   const bool padded = grid_.width % kTileSide != 0 || grid_.height % kTileSide != 0;
   if (padded) std::fill_n(pixels_.data(), size, 0.0f);
   for (int row = 0; row < grid_.tiles_y; ++row) {
