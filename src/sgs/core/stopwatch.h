@@ -39,7 +39,7 @@ class StageTimes {
     double start_s = 0;       ///< as wall_time_s()
     double duration_ms = 0;
   };
-  static constexpr std::size_t kMostIntervals = std::size_t{1} << 20;  ///< the newest ones
+  static constexpr std::size_t kMostIntervals = std::size_t{1} << 17;  ///< the newest ones: 3 MB
 
   /// `thread` names the thread that the observations belong to.
   explicit StageTimes(std::string thread = "") : thread_(std::move(thread)) {}

@@ -112,9 +112,9 @@ void MapKeyframe::change_pictures(const std::shared_ptr<const DepthChange>& chan
     changes_.push_back(change);
     return;
   }
-  auto changed = std::make_shared<KeyframePictures>(*pictures_);
-  change_depth_of(*changed, *change);
-  pictures_ = std::move(changed);
+  // In place where nobody else looks at them: copies of all keyframes would tear holes into memory.
+  if (pictures_.use_count() > 1) pictures_ = std::make_shared<KeyframePictures>(*pictures_);
+  change_depth_of(*pictures_, *change);
 }
 
 Status MapKeyframe::park(SpillFile& file) {
@@ -138,6 +138,7 @@ void MapKeyframe::cull(SpillFile* file) {
   culled_ = true;
   pictures_.reset();
   changes_.clear();
+  pose_information.reset();
   const std::size_t pixels =
       static_cast<std::size_t>(camera_.width) * static_cast<std::size_t>(camera_.height);
   if (file_) {

@@ -66,14 +66,18 @@ class MapKeyframe {
   SE3 T_odom_camera;                      ///< where the tracker holds it to be
   std::array<float, 3> gain = {1, 1, 1};  ///< measured colour = gain * scene colour
   int visits = 0;                         ///< optimisation steps so far
-  /// Of its half-resolution view (pose_information), made when it is needed first.
-  std::optional<Matrix6d> pose_information;
+  /// Of its half-resolution view (pose_information), made when it is needed first; null before
+  /// that, and once the keyframe is culled.
+  std::shared_ptr<const Matrix6d> pose_information;
 
   /// Everything but the pictures.
   template <class Archive>
   void archive(Archive& a) {
+    std::optional<Matrix6d> information;
+    if (pose_information) information = *pose_information;
     a(frame_index_, mean_depth_m_, culled_, T_world_camera, T_odom_camera, gain, visits,
-      pose_information);
+      information);
+    pose_information = information ? std::make_shared<Matrix6d>(*information) : nullptr;
   }
 
  private:
@@ -84,7 +88,7 @@ class MapKeyframe {
   float depth_unit_m_ = 0;
   double mean_depth_m_ = 1;
   bool culled_ = false;
-  std::shared_ptr<const KeyframePictures> pictures_;  // null where they are parked:
+  std::shared_ptr<KeyframePictures> pictures_;  // null where they are parked:
   const SpillFile* file_ = nullptr;
   std::int64_t color_at_ = 0, depth_at_ = 0;
   std::vector<std::shared_ptr<const DepthChange>> changes_;  // since they were parked

@@ -142,7 +142,8 @@ void refine_pose(MapKeyframe& keyframe, const Vector6d& gradient, double pixels,
   prior << Eigen::Vector3d::Constant(pixels * config.pose_prior_rotation),
       Eigen::Vector3d::Constant(pixels * config.pose_prior_translation);
   const Vector6d offset = (keyframe.T_odom_camera.inverse() * keyframe.T_world_camera).log();
-  Matrix6d information = keyframe.pose_information.value_or(Matrix6d::Zero());
+  Matrix6d information =
+      keyframe.pose_information ? *keyframe.pose_information : Matrix6d(Matrix6d::Zero());
   information.diagonal() += prior;
   // Keeps directions that nothing determines where they are.
   information.diagonal().array() += 1e-2 * pixels;

@@ -69,7 +69,12 @@ PhotometricReference::PhotometricReference(const GrayPyramid& pyramid, const Dep
   slopes_.resize(points_.size());
   for (int l = 0; l < levels(); ++l) {
     const auto& level = pyramid.level(l);
-    for (const SelectedPixel& pixel : select_pixels(level.gray, l, depth, config)) {
+    auto& points = points_[static_cast<std::size_t>(l)];
+    auto& slopes = slopes_[static_cast<std::size_t>(l)];
+    const std::vector<SelectedPixel> selected = select_pixels(level.gray, l, depth, config);
+    points.reserve(selected.size());  // keyframes stay: no room to grow is kept
+    slopes.reserve(selected.size());
+    for (const SelectedPixel& pixel : selected) {
       const int u = full_pixel(pixel.x, l, depth.width());
       const int v = full_pixel(pixel.y, l, depth.height());
       const InverseDepthPlane plane = surface ? surface(u, v) : InverseDepthPlane{};
@@ -78,9 +83,8 @@ PhotometricReference::PhotometricReference(const GrayPyramid& pyramid, const Dep
       const Eigen::Vector3f p_row =
           level.camera.back_project(pixel.x, pixel.y, static_cast<double>(z)).cast<float>();
       const float offset = ReadoutMotion::offset(static_cast<float>(pixel.y), level.gray.height());
-      points_[static_cast<std::size_t>(l)].push_back(
-          {readout.to_middle(p_row, offset), level.gray(pixel.x, pixel.y)});
-      slopes_[static_cast<std::size_t>(l)].emplace_back(plane.slope_u, plane.slope_v);
+      points.push_back({readout.to_middle(p_row, offset), level.gray(pixel.x, pixel.y)});
+      slopes.emplace_back(plane.slope_u, plane.slope_v);
     }
   }
 }
