@@ -17,9 +17,9 @@
 #include "sgs/io/ply.h"
 #include "sgs/io/trajectory_io.h"
 #include "sgs/report/save_scores.h"
+#include "sgs/run/process_memory.h"
 #include "sgs/run/run_config.h"
 #include "sgs/run/run_files.h"
-#include "sgs/run/timings.h"
 
 namespace sgs::app {
 namespace {

@@ -18,12 +18,12 @@
 #include "sgs/report/save_scores.h"
 #include "sgs/run/calibrate.h"
 #include "sgs/run/execute.h"
+#include "sgs/run/process_memory.h"
 #include "sgs/run/refine.h"
 #include "sgs/run/resume.h"
 #include "sgs/run/run_config.h"
 #include "sgs/run/run_files.h"
 #include "sgs/run/score.h"
-#include "sgs/run/timings.h"
 #include "sgs/stream/address.h"
 #include "viewer_link.h"
 

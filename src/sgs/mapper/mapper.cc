@@ -130,8 +130,8 @@ void Mapper::Impl::step() {
   }
   if (refinement.pose && index > 0 && keyframe.visits >= refinement.pose_first_visit) {
     if (!keyframe.pose_information) {
-      keyframe.pose_information = std::make_shared<Matrix6d>(
-          pose_information(keyframe.training_image(1), loss));
+      keyframe.pose_information =
+          std::make_shared<Matrix6d>(pose_information(keyframe.training_image(1), loss));
     }
     // A step at full resolution sums over four times as many pixels.
     const PinholeCamera half = camera.halved(1);

@@ -16,6 +16,7 @@
 #include "sgs/run/journal.h"
 #include "sgs/run/machine.h"
 #include "sgs/run/map_checkpoints.h"
+#include "sgs/run/process_memory.h"
 #include "sgs/run/resume_file.h"
 #include "sgs/run/run_config.h"
 #include "sgs/run/run_files.h"
