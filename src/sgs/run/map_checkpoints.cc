@@ -110,7 +110,6 @@ void MapCheckpoints::loop() {
 void MapCheckpoints::look() {
   try {
     report(look_closely());
-    room_.maybe_return(wall_time_s());
   } catch (...) {
     schedule_.failed(wall_time_s());
     due_s_.reset();

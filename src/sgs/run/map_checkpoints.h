@@ -19,7 +19,6 @@
 #include "sgs/map/gaussian.h"
 #include "sgs/run/checkpoint_folders.h"
 #include "sgs/run/folder_lock.h"
-#include "sgs/run/process_memory.h"
 #include "sgs/slam/frame_record.h"
 
 namespace sgs::run {
@@ -91,7 +90,6 @@ class MapCheckpoints {
   std::uint64_t written_version_ = 0;
   bool failing_ = false;
   std::optional<double> due_s_;  // since when one is wanted
-  FreeRoom room_;                // what checkpoints are written from is most of what comes and goes
 
   std::mutex mutex_;
   std::condition_variable changed_;

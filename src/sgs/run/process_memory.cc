@@ -23,18 +23,6 @@ void return_freed_images([[maybe_unused]] bool frames_stay) {
 #endif
 }
 
-bool FreeRoom::maybe_return(double now_s) {
-  constexpr double kInterval_s = 300;
-  const bool first = next_s_ == 0;
-  if (!first && now_s < next_s_) return false;
-  next_s_ = now_s + kInterval_s;
-  if (first) return false;
-#if defined(__GLIBC__)
-  malloc_trim(0);
-#endif
-  return true;
-}
-
 std::int64_t peak_rss_bytes() {
   rusage usage{};
   constexpr std::int64_t kKiB = 1024;

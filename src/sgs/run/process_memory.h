@@ -13,19 +13,6 @@ namespace sgs::run {
 /// before any thread starts.
 void return_freed_images(bool frames_stay = false);
 
-/// Gives room that is free between what is held back to the system, at most every five minutes:
-/// after an hour it is a quarter of a process's memory. It takes 30 to 50 ms, in which nobody can
-/// allocate.
-class FreeRoom {
- public:
-  /// `now_s`: of a clock that never goes back. True where it was time. Nothing is given back in the
-  /// first minutes, when all of it is used again.
-  bool maybe_return(double now_s);
-
- private:
-  double next_s_ = 0;  // 0: not asked yet
-};
-
 /// Largest resident set of this process so far, bytes; 0 when the system does not tell.
 std::int64_t peak_rss_bytes();
 
