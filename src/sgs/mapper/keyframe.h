@@ -77,7 +77,9 @@ class MapKeyframe {
     if (pose_information) information = *pose_information;
     a(frame_index_, mean_depth_m_, culled_, T_world_camera, T_odom_camera, gain, visits,
       information);
-    pose_information = information ? std::make_shared<Matrix6d>(*information) : nullptr;
+    if constexpr (Archive::kReads) {
+      pose_information = information ? std::make_shared<Matrix6d>(*information) : nullptr;
+    }
   }
 
  private:

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include <cstring>
+#include <memory>
 
 #include "sgs/mapper/wall_scene.h"
 
@@ -68,6 +69,38 @@ TEST(KeyframeMemory, WhatIsCulledMakesRoom) {
     EXPECT_EQ(std::memcmp(a->depth.data(), b->depth.data(), a->depth.size() * 2), 0);
     EXPECT_TRUE(tight.views.get(tight.keyframes[i], i, 1));
   }
+}
+
+/// Everything is nearer by 0.05 / m.
+std::shared_ptr<const DepthChange> nearer() {
+  DepthCalibration c;
+  c.camera = small_camera();
+  c.grid = {2, 2};
+  c.offset_per_m.assign(4, 0.05);
+  return std::make_shared<DepthChange>(DepthCalibration{}, c);
+}
+
+TEST(MapKeyframe, PicturesThatSomebodyHoldsStayAsTheyWere) {
+  MapKeyframe keyframe(*wall_frame(small_camera(), SE3{}, 0), SE3{}, 10);
+  auto held = keyframe.pictures();
+  const float before = held->depth_m(3, 4);
+  ASSERT_GT(before, 0);
+  keyframe.change_pictures(nearer());
+  EXPECT_EQ(held->depth_m(3, 4), before);
+  const float once = keyframe.pictures()->depth_m(3, 4);
+  EXPECT_LT(once, before);
+  // Nobody holds them now: changed where they are.
+  const KeyframePictures* const place = keyframe.pictures().get();
+  keyframe.change_pictures(nearer());
+  EXPECT_EQ(keyframe.pictures().get(), place);
+  EXPECT_LT(keyframe.pictures()->depth_m(3, 4), once);
+}
+
+TEST(MapKeyframe, ACulledOneKeepsNoInformation) {
+  MapKeyframe keyframe(*wall_frame(small_camera(), SE3{}, 0), SE3{}, 10);
+  keyframe.pose_information = std::make_shared<Matrix6d>(Matrix6d::Identity());
+  keyframe.cull(nullptr);
+  EXPECT_EQ(keyframe.pose_information, nullptr);
 }
 
 TEST(KeyframeMemory, WithoutADiskMoreMemoryIsUsed) {
