@@ -52,10 +52,6 @@ if(NOT TARGET sgs_deflate)
   target_link_libraries(sgs_deflate INTERFACE ${SGS_DEFLATE_LIBRARY})
 endif()
 
-# jemalloc is optional: the program's allocator where it is found (docs/decisions/0050-one-heap.md).
-find_library(SGS_JEMALLOC_LIBRARY jemalloc)
-mark_as_advanced(SGS_JEMALLOC_LIBRARY)
-
 # OpenVDB is optional: where it is found, SGS_WITH_OPENVDB is on and the target sgs_openvdb exists.
 # (Debian ships OpenVDB's own find modules, but they fail without packages that we do not need.)
 find_path(SGS_OPENVDB_INCLUDE openvdb/openvdb.h)

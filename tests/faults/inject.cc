@@ -21,14 +21,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <new>
 
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* block, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
-void __libc_free(void* block);
 }
 
 namespace {
@@ -144,12 +142,6 @@ int posix_memalign(void** block, std::size_t alignment, std::size_t size) {
   return *block == nullptr ? ENOMEM : 0;
 }
 
-// All of the family, whichever allocator the program is linked with: no block may go back to
-// another one than it came from.
-void free(void* block) { __libc_free(block); }
-
-void* memalign(std::size_t alignment, std::size_t size) { return aligned_alloc(alignment, size); }
-
 int open(const char* path, int flags, ...) {
   static const auto real = next<int (*)(const char*, int, ...)>("open");
   std::va_list rest;
@@ -196,63 +188,3 @@ int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*
 }
 
 }  // extern "C"
-
-namespace {
-
-/// As the standard asks of operator new: the handler may make room, or throw.
-void* allocate_or_throw(std::size_t size, std::size_t alignment) {
-  for (;;) {
-    void* const block = alignment == 0 ? malloc(size) : aligned_alloc(alignment, size);
-    if (block != nullptr) return block;
-    const std::new_handler handler = std::get_new_handler();
-    if (handler == nullptr) throw std::bad_alloc();
-    handler();
-  }
-}
-
-void* allocate(std::size_t size, std::size_t alignment) noexcept {
-  try {
-    return allocate_or_throw(size, alignment);
-  } catch (const std::bad_alloc&) {
-    return nullptr;
-  }
-}
-
-}  // namespace
-
-// An allocator may bring its own of these, past malloc().
-void* operator new(std::size_t size) { return allocate_or_throw(size == 0 ? 1 : size, 0); }
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  return allocate(size == 0 ? 1 : size, 0);
-}
-void* operator new(std::size_t size, std::align_val_t alignment) {
-  return allocate_or_throw(size, static_cast<std::size_t>(alignment));
-}
-void* operator new(std::size_t size, std::align_val_t alignment, const std::nothrow_t&) noexcept {
-  return allocate(size, static_cast<std::size_t>(alignment));
-}
-void* operator new[](std::size_t size) { return operator new(size); }
-void* operator new[](std::size_t size, const std::nothrow_t& tag) noexcept {
-  return operator new(size, tag);
-}
-void* operator new[](std::size_t size, std::align_val_t alignment) {
-  return operator new(size, alignment);
-}
-void* operator new[](std::size_t size, std::align_val_t alignment,
-                     const std::nothrow_t& tag) noexcept {
-  return operator new(size, alignment, tag);
-}
-void operator delete(void* block) noexcept { free(block); }
-void operator delete(void* block, std::size_t) noexcept { free(block); }
-void operator delete(void* block, std::align_val_t) noexcept { free(block); }
-void operator delete(void* block, std::size_t, std::align_val_t) noexcept { free(block); }
-void operator delete(void* block, const std::nothrow_t&) noexcept { free(block); }
-void operator delete(void* block, std::align_val_t, const std::nothrow_t&) noexcept { free(block); }
-void operator delete[](void* block) noexcept { free(block); }
-void operator delete[](void* block, std::size_t) noexcept { free(block); }
-void operator delete[](void* block, std::align_val_t) noexcept { free(block); }
-void operator delete[](void* block, std::size_t, std::align_val_t) noexcept { free(block); }
-void operator delete[](void* block, const std::nothrow_t&) noexcept { free(block); }
-void operator delete[](void* block, std::align_val_t, const std::nothrow_t&) noexcept {
-  free(block);
-}
