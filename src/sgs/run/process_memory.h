@@ -10,8 +10,7 @@ namespace sgs::run {
 /// all threads share one heap. Otherwise those of keyframes, which live long, end up scattered
 /// between those of frames, which do not, and long runs take twice the memory. Where `frames_stay`
 /// in memory (--preload), so would theirs; otherwise images of up to 2 MB are used again. Call it
-/// before any thread starts. Nothing happens where the program is linked with an allocator of its
-/// own (docs/decisions/0050-one-heap.md).
+/// before any thread starts.
 void return_freed_images(bool frames_stay = false);
 
 /// Largest resident set of this process so far, bytes; 0 when the system does not tell.
