@@ -11,7 +11,7 @@
 namespace sgs::tracker {
 namespace {
 
-constexpr int kFrames = 24;
+constexpr int kWallFrames = 24;
 
 struct PaperRun {
   std::vector<TrackResult> results;
@@ -22,10 +22,10 @@ PaperRun run_paper(const TrackerConfig& config, bool papered = true) {
   PaperRun run;
   auto made = make_tracker(config, kWallCamera, wall_pose(0));
   EXPECT_TRUE(made.has_value());
-  for (int i = 0; i < kFrames; ++i) {
+  for (int i = 0; i < kWallFrames; ++i) {
     run.results.push_back((*made)->track(see_wall(wall_pose(i), i, papered), nullptr));
   }
-  run.end_error_m = (run.results.back().T_world_camera.t - wall_pose(kFrames - 1).t).norm();
+  run.end_error_m = (run.results.back().T_world_camera.t - wall_pose(kWallFrames - 1).t).norm();
   return run;
 }
 
@@ -57,7 +57,7 @@ TEST(PaperTracker, HasNoPriorBeforeItsFirstFrame) {
   TrackerConfig config = paper_config();
   config.prior.first_frame = 7;
   const PaperRun run = run_paper(config);
-  for (int i = 0; i < kFrames; ++i) {
+  for (int i = 0; i < kWallFrames; ++i) {
     const Diagnostics& d = run.results[static_cast<std::size_t>(i)].diagnostics;
     EXPECT_EQ(d.prior_active, i >= 7) << i;
     EXPECT_EQ(d.prior_source, i >= 7 ? PriorSource::kOrb : PriorSource::kNone) << i;
@@ -71,7 +71,7 @@ TEST(PaperTracker, RejectedPriorStandsForNoMotion) {
   EXPECT_EQ(run.results.back().diagnostics.prior_source, PriorSource::kZero);
   // Along the wall the pose is locked; off it the wall itself is still seen.
   EXPECT_NEAR(run.results.back().T_world_camera.t.x(), 0, 0.02);
-  EXPECT_NEAR(run.results.back().T_world_camera.t.z(), wall_pose(kFrames - 1).t.z(), 0.01);
+  EXPECT_NEAR(run.results.back().T_world_camera.t.z(), wall_pose(kWallFrames - 1).t.z(), 0.01);
 }
 
 TEST(PaperTracker, PlanarityAloneCallsForThePrior) {

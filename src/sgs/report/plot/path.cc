@@ -15,7 +15,7 @@ namespace sgs::report {
 namespace {
 
 constexpr double kPathLeft = 58, kPathRight = 14, kPathTop = 10, kPathBottom = 38, kBarWidth = 68;
-constexpr std::size_t kMaxPoints = 2500;
+constexpr std::size_t kMaxPathPoints = 2500;
 
 /// Widens the shorter axis until both have the same scale.
 void equalise(PanelScale& s) {
@@ -31,7 +31,7 @@ void equalise(PanelScale& s) {
 /// Pieces of equal colour; -1 is the path's own colour.
 std::string path_svg(const PlanePath& path, const PanelScale& scale, double value_max) {
   const std::size_t n = std::min(path.x.size(), path.y.size());
-  const std::size_t step = std::max<std::size_t>(1, n / kMaxPoints);
+  const std::size_t step = std::max<std::size_t>(1, n / kMaxPathPoints);
   const auto step_of = [&](std::size_t i) {
     if (path.value.size() != n || value_max <= 0 || !std::isfinite(path.value[i])) return -1;
     return heat_step(path.value[i] / value_max);

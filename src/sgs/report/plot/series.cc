@@ -12,18 +12,18 @@
 namespace sgs::report {
 namespace {
 
-constexpr std::size_t kMaxPoints = 1600;
+constexpr std::size_t kMaxSeriesPoints = 1600;
 constexpr std::size_t kStackStretches = 300;
 
-/// Positions to draw: all, or of each of kMaxPoints / 2 stretches the lowest and the highest.
+/// Positions to draw: all, or of each of kMaxSeriesPoints / 2 stretches the lowest and the highest.
 std::vector<std::size_t> visible_points(const PlotSeries& s) {
   std::vector<std::size_t> kept;
   const std::size_t n = std::min(s.x.size(), s.y.size());
-  if (n <= kMaxPoints) {
+  if (n <= kMaxSeriesPoints) {
     for (std::size_t i = 0; i < n; ++i) kept.push_back(i);
     return kept;
   }
-  constexpr std::size_t kStretches = kMaxPoints / 2;
+  constexpr std::size_t kStretches = kMaxSeriesPoints / 2;
   for (std::size_t b = 0; b < kStretches; ++b) {
     std::size_t low = b * n / kStretches, high = low;
     const std::size_t end = (b + 1) * n / kStretches;
