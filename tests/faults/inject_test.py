@@ -37,7 +37,8 @@ class Sgs:
 
     def __call__(self, *arguments, fault=None, stays=False, start=None):
         """Runs sgs with a fault; returns exit code, what it said and how many calls there were."""
-        environment = dict(os.environ, TMPDIR=str(self.scratch / "tmp"))
+        # Without the pool every block comes from the C library, and each request is a failure point.
+        environment = dict(os.environ, TMPDIR=str(self.scratch / "tmp"), SGS_PAGE_POOL="0")
         count = self.scratch / "count"
         count.unlink(missing_ok=True)
         if fault:
