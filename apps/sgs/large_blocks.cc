@@ -16,8 +16,9 @@
 namespace {
 
 constexpr std::size_t kLarge_bytes = std::size_t{64} << 10;
-// More than a machine has memory for; addresses cost nothing.
-constexpr std::size_t kAddress_bytes = std::size_t{64} << 30;
+constexpr std::size_t kPage_bytes = 4096;
+// Addresses only; whoever needs more gets the rest from the heap.
+constexpr std::size_t kAddress_bytes = std::size_t{16} << 30;
 // What a frame takes and gives back, and some more: with 64 MiB half of the room was given to the
 // system and asked back all the time.
 constexpr std::size_t kMostFree_bytes = std::size_t{144} << 20;
@@ -35,7 +36,7 @@ sgs::PagePool& pool() {
 }
 
 void* try_once(std::size_t bytes, std::size_t alignment) {
-  if (bytes >= kLarge_bytes && alignment <= kLarge_bytes / 16) {
+  if (bytes >= kLarge_bytes && alignment <= kPage_bytes) {
     if (void* block = pool().allocate(bytes)) return block;
   }
   if (bytes == 0) bytes = 1;
