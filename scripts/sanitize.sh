@@ -48,7 +48,7 @@ for preset in "${presets[@]}"; do
     continue
   fi
   cmake --build --preset "$preset"
-  ctest --test-dir "build/$preset" --output-on-failure -E '^(cli|bags|readers|inputs|install|viewer|faults|house)\.'
+  ctest --test-dir "build/$preset" --parallel "$(nproc)" --output-on-failure -E '^(cli|bags|readers|inputs|install|viewer|faults|house)\.'
   session "$preset"
   echo "$preset: clean"
 done

@@ -42,8 +42,7 @@ TEST(ViewColor, WithoutHarmonicsTheGaussiansThemselvesAreSeen) {
 // The order and the signs of 3D Gaussian Splatting: coefficients times -y, z, -x.
 TEST(ViewColor, DegreeOneFollowsTheDirectionFromCameraToMean) {
   const std::vector<map::Gaussian> gaussians = {at(0, 0, 2)};
-  map::Harmonics harmonics{1, {}};
-  harmonics.resize(1);
+  map::Harmonics harmonics{1, std::vector<float>(9)};
   const auto c = harmonics.of(0);
   c[0] = 0.1f;      // red by -y
   c[3 + 1] = 0.2f;  // green by z
@@ -65,8 +64,7 @@ TEST(ViewColor, BasisFunctionsAreOrthonormal) {
   constexpr std::size_t kFunctions = map::Harmonics::basis_functions(kDegree);
   // One Gaussian per basis function and channel red, all in one place.
   std::vector<map::Gaussian> gaussians(kFunctions, at(0, 0, 0));
-  map::Harmonics harmonics{kDegree, {}};
-  harmonics.resize(kFunctions);
+  map::Harmonics harmonics{kDegree, std::vector<float>(3 * kFunctions * kFunctions)};
   for (std::size_t k = 0; k < kFunctions; ++k) harmonics.of(k)[3 * k] = 1;
   std::vector<std::vector<double>> products(kFunctions, std::vector<double>(kFunctions, 0));
   constexpr int kDirections = 4000;
