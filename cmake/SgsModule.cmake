@@ -58,6 +58,6 @@ function(sgs_add_module name)
                                                    GTest::gmock GTest::gtest_main)
     target_compile_definitions(sgs_${name}_test PRIVATE SGS_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
     gtest_discover_tests(sgs_${name}_test TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
-                         PROPERTIES TIMEOUT 300)
+                         PROPERTIES TIMEOUT ${SGS_TEST_TIMEOUT_S})
   endif()
 endfunction()

@@ -218,6 +218,19 @@ class Run(Case):
         # Pauses count neither as system nor as wall time.
         self.assertGreater(json.loads((self.out / "metrics.json").read_text())["fps_wall"], 0)
 
+    def test_the_map_of_the_first_frame_arrives_though_the_run_is_paused(self):
+        program = self.start_run("--set", "mapper.first_keyframe_iterations=300")
+        with Client(program.port) as client:
+            client.send({"type": "control", "action": "step"})  # and pause
+            state = client.wait_for(lambda m: is_type("state")(m) and m["paused"])
+            # Mapping what the frame brought takes longer than tracking it; no other frame comes.
+            while state["map_version"] == 0:
+                state = client.wait_for(is_type("state"))
+            self.assertGreater(state["gaussians"], 0)
+            client.send({"type": "control", "action": "resume"})
+            client.wait_for(is_type("metrics"))
+        self.assertEqual(program.wait(), 0)
+
     def test_a_run_paused_by_nobody_goes_on(self):
         program = self.start_run()
         with Client(program.port) as client:

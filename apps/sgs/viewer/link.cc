@@ -40,11 +40,17 @@ class Link : public ViewerLink {
   Link(std::unique_ptr<viewer::Server> server, bool stay)
       : server_(std::move(server)), stay_(stay) {}
 
-  double before_frame() override { return server_->control().wait_turn(interrupted); }
+  double before_frame() override {
+    return server_->control().wait_turn([this] {
+      if (session_ != nullptr) server_->update_map(session_->snapshot());
+      return interrupted();
+    });
+  }
 
   void after_frame(slam::Session& session, const dataset::FeedItem& item,
                    const slam::FrameRecord& record) override {
     server_->post(feed_.update(session, item, record));
+    session_ = &session;  // there until after the last frame
   }
 
   void finish(slam::Session& session) override { server_->finish(session.snapshot()); }
@@ -62,6 +68,7 @@ class Link : public ViewerLink {
  private:
   std::unique_ptr<viewer::Server> server_;
   viewer::SessionFeed feed_;
+  slam::Session* session_ = nullptr;
   bool stay_;
 };
 

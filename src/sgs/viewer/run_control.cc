@@ -47,8 +47,12 @@ double RunControl::wait_turn(const std::function<bool()>& stop) {
   std::unique_lock lock(mutex_);
   if (!paused_) return 0;
   const double since_s = wall_time_s();
-  while (paused_ && !step_ && !stop()) {
-    changed_.wait_for(lock, std::chrono::milliseconds(50));
+  while (paused_ && !step_) {
+    lock.unlock();  // stop() may take its time, and locks
+    const bool end = stop();
+    lock.lock();
+    if (end) break;
+    changed_.wait_for(lock, std::chrono::milliseconds(50), [this] { return !paused_ || step_; });
   }
   step_ = false;
   return wall_time_s() - since_s;

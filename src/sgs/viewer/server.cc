@@ -249,6 +249,14 @@ void Server::post(FrameUpdate update) {
   impl_->wake();
 }
 
+void Server::update_map(map::SnapshotPtr map) {
+  const auto state = impl_->core.board.state();
+  if (!state.update || !map || map == state.update->map) return;
+  FrameUpdate again = *state.update;
+  again.map = std::move(map);
+  post(std::move(again));
+}
+
 void Server::finish(map::SnapshotPtr final_map) {
   const auto state = impl_->core.board.state();
   if (!state.update) return;
