@@ -61,7 +61,8 @@ class Server {
   /// Shows a new state: appends its pose to the path and replaces the newest one.
   void post(FrameUpdate update);
   /// The newest update once more with this map, unless it is the one that is shown: mapping goes on
-  /// for a moment after a frame, and while a run is paused no other one comes. Null changes nothing.
+  /// for a moment after a frame, and while a run is paused no other one comes. Null changes
+  /// nothing.
   void update_map(map::SnapshotPtr map);
   /// The newest update once more, as finished and with the final map.
   void finish(map::SnapshotPtr final_map);
