@@ -81,6 +81,34 @@ TEST(Session, SameBitsForAnyNumberOfThreads) {
   expect_same_bits(one, run(frames, config, 4));
 }
 
+/// With `render`, which tracks against the picture of the map.
+slam::SessionConfig render_config() {
+  auto config = session_config();
+  config.tracker.type = tracker::TrackerType::kRender;
+  return config;
+}
+
+TEST(Session, TrackingAgainstTheRenderedMapGivesTheSameBitsForAnyNumberOfThreads) {
+  const auto frames = small_sequence(10);
+  const SessionRun one = run(frames, render_config(), 1);
+  expect_same_bits(one, run(frames, render_config(), 1));
+  expect_same_bits(one, run(frames, render_config(), 2));
+}
+
+TEST(Session, TrackingAgainstTheRenderedMapMakesMoreMappingSteps) {
+  const auto frames = small_sequence(8);
+  const auto steps = [&](double least) {
+    auto config = render_config();
+    config.tracker.rendering.mapping_steps = least;
+    slam::SessionOptions options;
+    options.threads = 1;
+    auto session = *slam::Session::create(config, frames.front()->camera, options);
+    for (const auto& frame : frames) session->feed(frame);
+    return session->records().back().iterations;
+  };
+  EXPECT_GE(steps(3), steps(0) + 9);  // 1.5 more in each of at least six frames
+}
+
 TEST(Session, TracksASyntheticRoom) {
   const auto frames = small_sequence(20);
   const SessionRun outcome = run(frames, session_config(), 2);

@@ -24,13 +24,6 @@ struct ExposureSums {
 };
 ExposureSums exposure_sums(const MapKeyframe& keyframe, const render::Rendering& rendering);
 
-/// Gauss-Newton approximation of the second derivative of the summed loss in xi of
-/// T_world_camera * exp(xi), from the keyframe's own picture and depth: what a small motion would
-/// change in them. `image`: the training image the loss is summed over. Residuals of L1 terms are
-/// taken to be 0.03 (colour) and 2 cm (depth) in the mean. Colour without depth counts as if it
-/// were at the mean depth.
-Matrix6d pose_information(const render::TrainingImage& image, const render::LossConfig& loss);
-
 /// One Gauss-Newton step of a keyframe's pose: `config.pose_share` of the way to the minimum of the
 /// loss, quadratic with keyframe.pose_information, plus
 ///   1/2 pixels (pose_prior_rotation |phi|^2 + pose_prior_translation |rho|^2),

@@ -20,6 +20,7 @@
 #include "sgs/mapper/schedule.h"
 #include "sgs/mapper/snapshot_pool.h"
 #include "sgs/mapper/view_candidates.h"
+#include "sgs/render/pose_information.h"
 #include "sgs/render/rasterizer.h"
 
 namespace sgs::mapper {
@@ -131,7 +132,7 @@ void Mapper::Impl::step() {
   if (refinement.pose && index > 0 && keyframe.visits >= refinement.pose_first_visit) {
     if (!keyframe.pose_information) {
       keyframe.pose_information =
-          std::make_shared<Matrix6d>(pose_information(keyframe.training_image(1), loss));
+          std::make_shared<Matrix6d>(render::pose_information(keyframe.training_image(1), loss));
     }
     // A step at full resolution sums over four times as many pixels.
     const PinholeCamera half = camera.halved(1);

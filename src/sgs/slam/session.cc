@@ -66,6 +66,10 @@ Session::Session(const SessionConfig& config, const PinholeCamera& camera,
   if (config_.tracker.type == tracker::TrackerType::kGiven && !config_.tracker.given.refine) {
     config_.mapper.refinement.pose = false;
   }
+  if (config_.tracker.type == tracker::TrackerType::kRender) {
+    config_.mapper.iterations_per_frame =
+        std::max(config_.mapper.iterations_per_frame, config_.tracker.rendering.mapping_steps);
+  }
   const auto mode = options.live           ? MapWorker::Mode::kLive
                     : options.threads == 1 ? MapWorker::Mode::kInline
                                            : MapWorker::Mode::kThread;

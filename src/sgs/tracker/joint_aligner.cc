@@ -71,27 +71,53 @@ void JointAligner::look_at(const RgbdFrame& frame, const map::SnapshotPtr& snaps
 LostReason JointAligner::check_frame() const { return check_points(source_points(), config_.loss); }
 
 Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout, bool with_geometry) {
-  Alignment a;
-  a.T_local_camera = T_start;
-  a.lost_reason = LostReason::kNotFinite;
+  Alignment a = start(T_start, readout, with_geometry);
   if (!T_start.all_finite()) return a;
-  {
-    const CpuTimer timer(times_.index);
-    a.fit = vision_.start(T_start);
-    if (with_geometry) geometry_.prepare(T_start);
-  }
   const int coarsest = a.fit.has_references() ? vision_.levels() - 1 : 0;
-  a.fit.set_readout(readout.belief(a.T_local_camera));
   for (int level = coarsest; level >= 0; --level) {
     if (level < coarsest) a.fit.update_belief(readout.belief(a.T_local_camera));
     a.points_motion = readout.of_frame(a.fit.readout(), a.T_local_camera);
     geometry_.set_motion(a.points_motion);
     align_level(level, with_geometry, a);
   }
+  finish(with_geometry, a);
+  return a;
+}
+
+Alignment JointAligner::measure(const SE3& T, const ReadoutModel& readout) {
+  const bool with_geometry = can_be_registered();
+  Alignment a = start(T, readout, with_geometry);
+  if (!T.all_finite()) return a;
+  a.points_motion = readout.of_frame(a.fit.readout(), T);
+  geometry_.set_motion(a.points_motion);
+  if (a.fit.has_references()) {
+    const CpuTimer timer(times_.visual);
+    constexpr int kSteps = 5;  // gain and offset alone, robustly weighted
+    for (int i = 0; i < kSteps; ++i) {
+      a.fit.linearize(0, T);
+      a.fit.back_substitute(Vector6d::Zero());
+    }
+  }
+  finish(with_geometry, a);
+  return a;
+}
+
+Alignment JointAligner::start(const SE3& T_start, const ReadoutModel& readout, bool with_geometry) {
+  Alignment a;
+  a.T_local_camera = T_start;
+  a.lost_reason = LostReason::kNotFinite;
+  if (!T_start.all_finite()) return a;
+  const CpuTimer timer(times_.index);
+  a.fit = vision_.start(T_start);
+  if (with_geometry) geometry_.prepare(T_start);
+  a.fit.set_readout(readout.belief(T_start));
+  return a;
+}
+
+void JointAligner::finish(bool with_geometry, Alignment& a) {
   if (with_geometry) a.geometry = geometry_at(a.T_local_camera);
   if (a.fit.has_references()) a.picture = picture_at(a.T_local_camera, a.fit);
   a.lost_reason = judge(a);
-  return a;
 }
 
 void JointAligner::align_level(int level, bool with_geometry, Alignment& a) {

@@ -69,12 +69,15 @@ class JointAligner {
   void look_at(const RgbdFrame& frame, const map::SnapshotPtr& snapshot);
   /// Coarse to fine from one start pose. Not trusted where an axis is observed by neither half.
   Alignment align(const SE3& T_start, const ReadoutModel& readout) {
-    return align(T_start, readout, geometry_.has_targets() && check_frame() == LostReason::kNone);
+    return align(T_start, readout, can_be_registered());
   }
   /// The same by the picture alone.
   Alignment align_picture(const SE3& T_start, const ReadoutModel& readout) {
     return align(T_start, readout, false);
   }
+  /// What geometry and picture say of a pose that something else has found: nothing moves but the
+  /// brightness of the picture.
+  Alignment measure(const SE3& T, const ReadoutModel& readout);
   /// Which of the maps took in the frame.
   struct Extension {
     bool keyframe = false;  ///< a new one of the visual term
@@ -104,12 +107,17 @@ class JointAligner {
 
  private:
   Alignment align(const SE3& T_start, const ReadoutModel& readout, bool with_geometry);
+  Alignment start(const SE3& T_start, const ReadoutModel& readout, bool with_geometry);
+  void finish(bool with_geometry, Alignment& a);
   // While an alignment lasts, geometry_ holds its points and matches; what outlives it is the value
   // alone.
   void align_level(int level, bool with_geometry, Alignment& a);
   degeneracy::NormalEquations linearize_geometry(int level, const SE3& T);
   Alignment::Geometry geometry_at(const SE3& T);
   Alignment::Picture picture_at(const SE3& T, VisualTerm::Fit& fit);
+  bool can_be_registered() const {
+    return geometry_.has_targets() && check_frame() == LostReason::kNone;
+  }
   LostReason judge(const Alignment& a) const;
   LostReason why_unseen(const Alignment& a) const;
 

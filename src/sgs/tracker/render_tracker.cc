@@ -28,6 +28,7 @@ RenderTracker::RenderTracker(const RenderTrackerConfig& config, const PinholeCam
     : config_(config),
       camera_(camera),
       rasterizer_(render::make_cpu_rasterizer(nullptr)),
+      descent_(config.rendering, *rasterizer_),
       motion_(config.alignment.motion, T_world_first) {
   config_.alignment = to_drawing(config.alignment);
 }
@@ -35,20 +36,45 @@ RenderTracker::RenderTracker(const RenderTrackerConfig& config, const PinholeCam
 TrackResult RenderTracker::track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) {
   if (!reference_) return begin(frame);
   const bool has_map = snapshot && !snapshot->gaussians.empty();
-  Alignment a;
-  SE3 T_start = motion_.predict(frame.timestamp_s);
-  const int rounds = has_map ? config_.rendering.rounds : 1;
-  for (int round = 0; round < rounds; ++round) {
-    if (has_map) draw(*snapshot, T_start);
-    a = align(frame, T_start);
-    if (!a.trusted()) break;
-    T_start = a.T_local_camera;
-  }
+  const SE3 T_start = motion_.predict(frame.timestamp_s);
+  Alignment a = !has_map ? align(frame, T_start)
+                : config_.rendering.method == RenderMethod::kAligned
+                    ? align_to_drawings(frame, *snapshot, T_start)
+                    : descend(frame, *snapshot, T_start);
   if (a.trusted()) a.lost_reason = motion_.judge(a.T_local_camera);
   if (!a.trusted()) return lost(a);
   motion_.accept(a.T_local_camera, frame.timestamp_s);
   if (!has_map) reference_ = Reference{frame, a.T_local_camera};
   return tracked(a);
+}
+
+Alignment RenderTracker::align_to_drawings(const RgbdFrame& frame, const map::Snapshot& snapshot,
+                                           const SE3& T_world_start) {
+  Alignment a;
+  SE3 T_start = T_world_start;
+  for (int round = 0; round < config_.rendering.rounds; ++round) {
+    draw(snapshot, T_start);
+    a = align(frame, T_start);
+    if (!a.trusted()) break;
+    T_start = a.T_local_camera;
+  }
+  return a;
+}
+
+Alignment RenderTracker::descend(const RgbdFrame& frame, const map::Snapshot& snapshot,
+                                 const SE3& T_world_start) {
+  const auto descend_from = [&](const SE3& T_start) {
+    const SE3 T = descent_.descend(snapshot.gaussians, frame, T_start);
+    draw(snapshot, T);
+    return align(frame, T, Move::kNot);
+  };
+  Alignment a = descend_from(T_world_start);
+  if (a.trusted()) return a;
+  // Coarse to fine it may still be found.
+  const Alignment aligned = align_to_drawings(frame, snapshot, T_world_start);
+  if (!aligned.trusted()) return a;
+  a = descend_from(aligned.T_local_camera);
+  return a.trusted() ? a : aligned;
 }
 
 // The first frame is where the tracker was told it is; all it needs is depth.
@@ -77,7 +103,7 @@ void RenderTracker::draw(const map::Snapshot& snapshot, const SE3& T_world_camer
 
 // The aligner's local frame is the camera that the reference was seen from; what comes back is in
 // the world.
-Alignment RenderTracker::align(const RgbdFrame& frame, const SE3& T_world_start) {
+Alignment RenderTracker::align(const RgbdFrame& frame, const SE3& T_world_start, Move move) {
   const SE3& T_world_local = reference_->T_world_camera;
   aligner_.emplace(config_.alignment, camera_, T_world_local.inverse());
   aligner_->look_at(reference_->frame, nullptr);
@@ -91,7 +117,9 @@ Alignment RenderTracker::align(const RgbdFrame& frame, const SE3& T_world_start)
     const ReadoutModel global_shutter = {
         [](const SE3&) { return no_motion_during_readout(); },
         [](const Vector6d&, const SE3&) { return registration::FrameMotion{}; }};
-    a = aligner_->align(T_world_local.inverse() * T_world_start, global_shutter);
+    const SE3 T_local_start = T_world_local.inverse() * T_world_start;
+    a = move == Move::kFree ? aligner_->align(T_local_start, global_shutter)
+                            : aligner_->measure(T_local_start, global_shutter);
   }
   a.T_local_camera = (T_world_local * a.T_local_camera).normalized();
   return a;

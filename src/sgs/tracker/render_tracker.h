@@ -7,16 +7,19 @@
 #include "sgs/render/rasterizer.h"
 #include "sgs/tracker/joint_aligner.h"
 #include "sgs/tracker/motion_model.h"
+#include "sgs/tracker/pose_descent.h"
 #include "sgs/tracker/tracker.h"
 
 namespace sgs::tracker {
 
-/// Tracks against the picture of the map: the newest snapshot is drawn, colour and depth, from
-/// where the camera probably is, and the frame is aligned to that drawing by a JointAligner; drawn
+/// Tracks against the picture of the map: the pose is the one from which the newest snapshot,
+/// rendered, differs least from the frame (PoseDescent); a drawing from there says, by the rules of
+/// `spectral`, which axes depth leaves open and whether the picture fills them: directions that
+/// neither sees are reported, not slid along. With method `aligned` the snapshot is drawn from
+/// where the camera probably is and the frame is aligned to that drawing by a JointAligner; drawn
 /// again from there, and once more (projective alignment to a predicted view, as in Newcombe et
-/// al., KinectFusion, 2011, with a Gaussian map as the model). What frees an axis or loses a frame
-/// are the rules of `spectral`: directions that neither depth nor picture see are reported, not
-/// slid along. Until there is a map the last frame that was tracked takes its place.
+/// al., KinectFusion, 2011, with a Gaussian map as the model). Until there is a map the last frame
+/// that was tracked takes its place.
 class RenderTracker : public Tracker {
  public:
   RenderTracker(const RenderTrackerConfig& config, const PinholeCamera& camera,
@@ -34,8 +37,15 @@ class RenderTracker : public Tracker {
   TrackResult begin(const RgbdFrame& frame);
   /// Draws the map as seen from a pose.
   void draw(const map::Snapshot& snapshot, const SE3& T_world_camera);
-  /// Aligns a frame to the reference; the aligner is kept for what it tells about the frame.
-  Alignment align(const RgbdFrame& frame, const SE3& T_world_start);
+  /// By alignment to drawings, each from where the last one led to.
+  Alignment align_to_drawings(const RgbdFrame& frame, const map::Snapshot& snapshot,
+                              const SE3& T_world_start);
+  Alignment descend(const RgbdFrame& frame, const map::Snapshot& snapshot,
+                    const SE3& T_world_start);
+  enum class Move { kFree, kNot };
+  /// Aligns a frame to the reference, or judges the start; the aligner is kept for what it tells
+  /// about the frame.
+  Alignment align(const RgbdFrame& frame, const SE3& T_world_start, Move move = Move::kFree);
   TrackResult tracked(const Alignment& a) const;
   TrackResult lost(const Alignment& a);
 
@@ -43,6 +53,7 @@ class RenderTracker : public Tracker {
   PinholeCamera camera_;
   std::unique_ptr<render::Rasterizer> rasterizer_;
   render::Rendering rendering_;
+  PoseDescent descent_;
   std::optional<Reference> reference_;
   std::optional<JointAligner> aligner_;  // of the last alignment
   MotionModel motion_;                   // camera to world

@@ -4,45 +4,26 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
-#include "sgs/tracker/textured_wall.h"
+#include "sgs/tracker/wall_map.h"
 
 namespace sgs::tracker {
 namespace {
 
-/// The papered wall as Gaussians: one in the middle of every tile, nearly as flat and as large.
-map::SnapshotPtr wall_map(bool papered = true) {
-  constexpr double kTile_m = 0.02;
-  auto snapshot = std::make_shared<map::Snapshot>();
-  snapshot->version = 1;
-  for (double y = -1.4; y < 1.4; y += kTile_m) {
-    for (double x = -1.6; x < 2.2; x += kTile_m) {
-      map::Gaussian g{};
-      g.mean[0] = static_cast<float>(x + kTile_m / 2);
-      g.mean[1] = static_cast<float>(y + kTile_m / 2);
-      g.mean[2] = static_cast<float>(kWallDistance_m);
-      g.log_scale[0] = g.log_scale[1] = std::log(0.6f * static_cast<float>(kTile_m));
-      g.log_scale[2] = std::log(0.001f);
-      g.rotation[0] = 1;
-      g.opacity_logit = 5;
-      const double grey = papered ? wallpaper(x + kTile_m / 2, y + kTile_m / 2) : 128.0;
-      for (float& c : g.rgb) c = static_cast<float>(grey / 255);
-      snapshot->gaussians.push_back(g);
-    }
-  }
-  snapshot->anchors.resize(snapshot->gaussians.size());
-  return snapshot;
-}
+class RenderTracker : public testing::TestWithParam<RenderMethod> {};
+INSTANTIATE_TEST_SUITE_P(Method, RenderTracker,
+                         testing::Values(RenderMethod::kGaussNewton, RenderMethod::kAdam,
+                                         RenderMethod::kAligned),
+                         [](const auto& method) { return to_string(method.param); });
 
-std::unique_ptr<Tracker> make_render_tracker() {
+std::unique_ptr<Tracker> make_render_tracker(RenderMethod method) {
   TrackerConfig config;
   config.type = TrackerType::kRender;
+  config.rendering.method = method;
   return *make_tracker(config, kWallCamera, wall_pose(0));
 }
 
-TEST(RenderTracker, HoldsOnToTheDrawingOfAPaperedWall) {
-  const auto tracker = make_render_tracker();
+TEST_P(RenderTracker, HoldsOnToTheDrawingOfAPaperedWall) {
+  const auto tracker = make_render_tracker(GetParam());
   const auto map = wall_map();
   EXPECT_TRUE(tracker->follows_map());
   for (int i = 0; i < 12; ++i) {
@@ -56,8 +37,8 @@ TEST(RenderTracker, HoldsOnToTheDrawingOfAPaperedWall) {
   }
 }
 
-TEST(RenderTracker, SaysLostBeforeABareWallInsteadOfSliding) {
-  const auto tracker = make_render_tracker();
+TEST_P(RenderTracker, SaysLostBeforeABareWallInsteadOfSliding) {
+  const auto tracker = make_render_tracker(GetParam());
   tracker->track(see_wall(wall_pose(0), 0), nullptr);
   for (int i = 1; i < 4; ++i) {
     const TrackResult result = tracker->track(see_wall(wall_pose(i), i, false), wall_map(false));
@@ -66,16 +47,16 @@ TEST(RenderTracker, SaysLostBeforeABareWallInsteadOfSliding) {
   }
 }
 
-TEST(RenderTracker, AMapThatIsElsewhereIsALoss) {
-  const auto tracker = make_render_tracker();
+TEST_P(RenderTracker, AMapThatIsElsewhereIsALoss) {
+  const auto tracker = make_render_tracker(GetParam());
   tracker->track(see_wall(wall_pose(0), 0), nullptr);
   auto elsewhere = std::make_shared<map::Snapshot>(*wall_map());
   for (map::Gaussian& g : elsewhere->gaussians) g.mean[2] -= 50;
   EXPECT_EQ(tracker->track(see_wall(wall_pose(1), 1), elsewhere).status, TrackingStatus::kLost);
 }
 
-TEST(RenderTracker, GivesTheSameBitsAgain) {
-  const auto a = make_render_tracker(), b = make_render_tracker();
+TEST_P(RenderTracker, GivesTheSameBitsAgain) {
+  const auto a = make_render_tracker(GetParam()), b = make_render_tracker(GetParam());
   const auto map = wall_map();
   for (int i = 0; i < 5; ++i) {
     const RgbdFrame frame = see_wall(wall_pose(i), i);

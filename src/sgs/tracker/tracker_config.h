@@ -274,15 +274,55 @@ struct GivenConfig {
   }
 };
 
-/// What `render` aligns frames to: the map, drawn from where the camera probably is.
-struct RenderingConfig {
-  int rounds = 2;
-  double min_alpha = 0.95;
+enum class RenderMethod { kGaussNewton, kAdam, kAligned };
+constexpr auto enum_names(RenderMethod) {
+  using enum RenderMethod;
+  return std::to_array<EnumName<RenderMethod>>(
+      {{kGaussNewton, "gauss_newton"}, {kAdam, "adam"}, {kAligned, "aligned"}});
+}
+
+/// How `render` looks for the pose from which the map looks most like a frame.
+struct DescentConfig {
+  double color_weight = 0.45;
+  int newton_steps = 10;
+  int adam_steps = 60;
+  double adam_rotation_rate = 2e-3;
+  double adam_translation_rate = 2e-3;
 
   void declare(ParameterList& p) {
-    p.add("rounds", rounds, "How often the map is drawn and the frame aligned to it.", "", {1, 10});
-    p.add("min_alpha", min_alpha, "Depth is used where the drawing is at least this opaque.", "",
+    p.add("color_weight", color_weight,
+          "Share of colour in what the rendering is judged by; the rest is depth's.", "", {0, 1});
+    p.add("newton_steps", newton_steps, "Steps of method gauss_newton, a frame at most.", "",
+          {1, 1000});
+    p.add("adam_steps", adam_steps, "Steps of method adam, a frame.", "", {1, 10000});
+    p.add("adam_rotation_rate", adam_rotation_rate, "Size of its first steps, rotation.", "rad",
+          {1e-6, 0.1});
+    p.add("adam_translation_rate", adam_translation_rate, "Size of its first steps, translation.",
+          "m", {1e-6, 0.1});
+  }
+};
+
+/// What `render` compares frames with: the map, drawn from where the camera probably is.
+struct RenderingConfig {
+  RenderMethod method = RenderMethod::kGaussNewton;
+  int rounds = 2;
+  double min_alpha = 0.95;
+  double mapping_steps = 3;
+  DescentConfig descent;
+
+  void declare(ParameterList& p) {
+    p.add("method", method,
+          "How a pose is found: down the difference between rendering and frame, by Gauss-Newton "
+          "or as in the literature by Adam (slow), or aligned to a drawing of the map.");
+    p.add("rounds", rounds, "How often the map is drawn and the frame aligned to it (aligned).", "",
+          {1, 10});
+    p.add("min_alpha", min_alpha, "Pixels count where the drawing is at least this opaque.", "",
           {0, 1});
+    p.add("mapping_steps", mapping_steps,
+          "Mapping steps a frame, offline, if mapper.iterations_per_frame is less: new surface has "
+          "to be sharp soon.",
+          "", {0, 1000});
+    descent.declare(p);
   }
 };
 
