@@ -61,7 +61,8 @@ Result<report::MapPage> map_page_of(const std::string& folder) {
   for (const StampedPose& pose : run.keyframes.poses()) {
     page.cameras.push_back(pose.T_world_camera);
   }
-  page.title = run.input.input;
+  // The page goes to others: where the recording lies is nobody's business.
+  page.title = fs::path(run.input.input).filename().string();
   page.camera = run.camera;
   return page;
 }

@@ -9,6 +9,8 @@
 namespace sgs::map {
 
 inline constexpr int kMaxHarmonicDegree = 3;
+/// What formats that spend a byte on a coefficient (SPZ, pages) can hold.
+inline constexpr float kLargestHarmonic = 1;
 
 /// How the colours of a map's Gaussians depend on where they are seen from: real spherical
 /// harmonics above degree 0, in the order and with the signs of 3D Gaussian Splatting (Kerbl et al.

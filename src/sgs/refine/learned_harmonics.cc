@@ -45,7 +45,10 @@ void LearnedHarmonics::step(std::size_t i, std::uint32_t t, std::span<const floa
     const float g = gradient[k];
     m[k] = kBeta1 * m[k] + (1 - kBeta1) * g;
     v[k] = kBeta2 * v[k] + (1 - kBeta2) * g * g;
-    value[k] = kept_ * value[k] - rate * m[k] / std::sqrt(std::max(v[k], kLeast));
+    // What has come with more may keep it.
+    const float largest = std::max(map::kLargestHarmonic, std::abs(value[k]));
+    value[k] = std::clamp(kept_ * value[k] - rate * m[k] / std::sqrt(std::max(v[k], kLeast)),
+                          -largest, largest);
   }
 }
 

@@ -24,7 +24,8 @@ class LearnedHarmonics {
   void set_rates(double rate, double decay);
   /// New Gaussians at the end look the same from everywhere.
   void resize(std::size_t count);
-  /// Step number `t` (from 1) of Gaussian `i`.
+  /// Step number `t` (from 1) of Gaussian `i`. No coefficient grows beyond kLargestHarmonic, so
+  /// that every format shows what was learnt.
   void step(std::size_t i, std::uint32_t t, std::span<const float> gradient);
   /// Removes those that are not 0 in `removed`, keeping the order.
   void remove(std::span<const char> removed);

@@ -40,6 +40,20 @@ TEST(LearnedHarmonics, DecayShrinksWhatNothingHoldsUp) {
   EXPECT_FLOAT_EQ(first(harmonics, 2), 1.5f);
 }
 
+TEST(LearnedHarmonics, NothingGrowsBeyondWhatAByteHolds) {
+  LearnedHarmonics harmonics = three();
+  harmonics.set_rates(0.3, 0);
+  std::vector<float> gradient(9, 0.0f);
+  gradient[0] = -1;
+  gradient[1] = 1;
+  for (std::uint32_t t = 1; t < 9; ++t) {
+    for (const std::size_t i : {0u, 2u}) harmonics.step(i, t, gradient);
+  }
+  EXPECT_EQ(first(harmonics, 0), map::kLargestHarmonic);
+  EXPECT_EQ(harmonics.values().of(0)[1], -map::kLargestHarmonic);
+  EXPECT_EQ(first(harmonics, 2), 2);  // came with more
+}
+
 TEST(LearnedHarmonics, RowsFollowRemovalsSplitsAndNewOnes) {
   LearnedHarmonics harmonics = three();
   const std::vector<char> removed = {0, 1, 0};

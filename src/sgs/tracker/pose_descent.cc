@@ -118,18 +118,19 @@ SE3 PoseDescent::descend(std::span<const map::Gaussian> gaussians, const RgbdFra
   loss.depth_weight = static_cast<float>(1 - config_.descent.color_weight);
   loss.color_only_where_depth = true;
   if (!by_adam) {
-    // Newton's steps need a curvature: what ordinary residuals amount to.
+    // Newton's steps need a curvature. Knees well above what depth is off by would take its weight.
     loss.color_knee = 0.05f;
-    loss.depth_knee_m = 0.02f;
+    loss.depth_knee_m = 0.005f;
   }
   Target target(*rasterizer_, gaussians, image, loss, gradients_);
   return by_adam ? adam(target, T_world_start) : newton(target, T_world_start);
 }
 
-// The promised curvature is that of residuals below the knees: an upper bound, hence steps that are
-// longer than Newton's. One that does not lead down is halved.
+// The promised curvature is that of ordinary residuals, mostly an upper bound, hence steps that are
+// longer than Newton's. Where one does not lead down, it and those after it are halved.
 SE3 PoseDescent::newton(Target& target, const SE3& T_world_start) const {
-  constexpr double kLength = 1.8, kLongest = 0.05, kShortest = 1e-5;  // rad and m
+  constexpr double kLongest = 0.05, kShortest = 1e-5;  // rad and m
+  double length = 1.8;
   SE3 T = T_world_start, T_best = T_world_start;
   double least = std::numeric_limits<double>::infinity();
   Vector6d step = Vector6d::Zero();
@@ -137,11 +138,12 @@ SE3 PoseDescent::newton(Target& target, const SE3& T_world_start) const {
     if (target.look_from(T) && target.loss() < least) {
       least = target.loss();
       T_best = T;
-      step = kLength * target.newton_step();
+      step = length * target.newton_step();
       if (!step.allFinite()) break;
       if (step.norm() > kLongest) step *= kLongest / step.norm();
     } else {
       step *= 0.5;
+      length *= 0.5;
     }
     if (step.norm() < kShortest) break;
     T = (T_best * SE3::exp(step)).normalized();
