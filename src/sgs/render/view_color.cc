@@ -75,6 +75,11 @@ Eigen::Vector3f towards(const map::Gaussian& g, const Eigen::Vector3f& center) {
 
 constexpr float kLeastDistance_m = 1e-6f;  // nearer than this nothing is drawn anyway
 
+/// Where the colour of a view ends: what depends on the view takes none out of [0, 1] that would
+/// not be outside without.
+float least(float base) { return std::min(base, 0.0f); }
+float most(float base) { return std::max(base, 1.0f); }
+
 }  // namespace
 
 void color_towards(std::span<const map::Gaussian> gaussians, const map::Harmonics& harmonics,
@@ -98,6 +103,10 @@ void color_towards(std::span<const map::Gaussian> gaussians, const map::Harmonic
         const auto c = harmonics.of(i);
         for (std::size_t k = 0; k < functions; ++k) {
           for (std::size_t j = 0; j < 3; ++j) g.rgb[j] += c[3 * k + j] * values[k];
+        }
+        for (std::size_t j = 0; j < 3; ++j) {
+          const float base = gaussians[i].rgb[j];
+          g.rgb[j] = std::clamp(g.rgb[j], least(base), most(base));
         }
       }
       out[i] = g;
@@ -125,6 +134,13 @@ void color_backward(const map::Gaussian& gaussian, std::span<const float> coeffi
   basis(degree, d, values);
   std::array<Eigen::Vector3f, kMostFunctions> slopes;
   basis_gradients(degree, d, slopes);
+  // Beyond the end of its range a colour only follows what takes it back.
+  for (std::size_t j = 0; j < 3; ++j) {
+    float color = gaussian.rgb[j];
+    for (std::size_t k = 0; k < functions; ++k) color += coefficients[3 * k + j] * values[k];
+    const bool below = color<least(gaussian.rgb[j]), above = color> most(gaussian.rgb[j]);
+    if ((below && row.rgb[j] > 0) || (above && row.rgb[j] < 0)) row.rgb[j] = 0;
+  }
   Eigen::Vector3f by_direction = Eigen::Vector3f::Zero();
   for (std::size_t k = 0; k < functions; ++k) {
     float pull = 0;

@@ -14,7 +14,8 @@ namespace sgs::render {
 
 /// The Gaussians with the colours that they show to a camera at `center` (world). A rasterizer
 /// draws them as any others: it knows of one colour per Gaussian only. `harmonics` are those of
-/// `gaussians`. Same bits for any number of threads.
+/// `gaussians`. They take no colour out of [0, 1]: other viewers clamp there, too. Same bits for
+/// any number of threads.
 void color_towards(std::span<const map::Gaussian> gaussians, const map::Harmonics& harmonics,
                    const Eigen::Vector3d& center, std::vector<map::Gaussian>& out,
                    ThreadPool* pool);
@@ -39,7 +40,8 @@ class ViewColors {
 
 /// Derivatives of the colour of one Gaussian seen from `center`. From the loss's derivative by that
 /// colour (`row.rgb` of a gradient row): those by its coefficients, and what comes to `row.mean`,
-/// because the direction turns as the mean moves.
+/// because the direction turns as the mean moves. Where the colour is clamped, `row.rgb` becomes 0
+/// unless it leads back.
 void color_backward(const map::Gaussian& gaussian, std::span<const float> coefficients, int degree,
                     const Eigen::Vector3d& center, map::Gaussian& row, std::span<float> gradient);
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/render/view_color.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -58,14 +59,39 @@ TEST(ViewColor, DegreeOneFollowsTheDirectionFromCameraToMean) {
   EXPECT_NEAR(seen[0].rgb[2], 0.5f - 0.3f * k, 1e-6f);
 }
 
+TEST(ViewColor, NoColourIsTakenOutOfItsRange) {
+  std::vector<map::Gaussian> gaussians = {at(0, 0, 2)};
+  gaussians[0].rgb[2] = 1.3f;  // was outside before
+  map::Harmonics harmonics{1, std::vector<float>(9)};
+  const auto c = harmonics.of(0);
+  c[3] = -5;
+  c[3 + 1] = 5;
+  c[3 + 2] = 5;
+  std::vector<map::Gaussian> seen;
+  color_towards(gaussians, harmonics, {0, 0, -1}, seen, nullptr);
+  EXPECT_THAT(seen[0].rgb, ::testing::ElementsAre(0.0f, 1.0f, 1.3f));
+  // Derivatives that lead further out are none; those that lead back count.
+  std::vector<float> gradient(9);
+  for (const float sign : {1.0f, -1.0f}) {
+    map::Gaussian row{};
+    row.rgb[0] = sign;
+    row.rgb[1] = -sign;
+    color_backward(gaussians[0], harmonics.of(0), 1, {0, 0, -1}, row, gradient);
+    EXPECT_EQ(row.rgb[0], sign > 0 ? 0 : -1);
+    EXPECT_EQ(row.rgb[1], sign > 0 ? 0 : 1);
+    EXPECT_EQ(gradient[3] == 0, sign > 0);
+  }
+}
+
 // Basis functions are orthonormal on the sphere: a wrong constant or sign of a term shows.
 TEST(ViewColor, BasisFunctionsAreOrthonormal) {
   constexpr int kDegree = 3;
   constexpr std::size_t kFunctions = map::Harmonics::basis_functions(kDegree);
+  constexpr float kSmall = 0.2f;  // nothing is clamped
   // One Gaussian per basis function and channel red, all in one place.
   std::vector<map::Gaussian> gaussians(kFunctions, at(0, 0, 0));
   map::Harmonics harmonics{kDegree, std::vector<float>(3 * kFunctions * kFunctions)};
-  for (std::size_t k = 0; k < kFunctions; ++k) harmonics.of(k)[3 * k] = 1;
+  for (std::size_t k = 0; k < kFunctions; ++k) harmonics.of(k)[3 * k] = kSmall;
   std::vector<std::vector<double>> products(kFunctions, std::vector<double>(kFunctions, 0));
   constexpr int kDirections = 4000;
   std::vector<map::Gaussian> seen;
@@ -76,7 +102,7 @@ TEST(ViewColor, BasisFunctionsAreOrthonormal) {
                   nullptr);
     for (std::size_t a = 0; a < kFunctions; ++a) {
       for (std::size_t b = 0; b < kFunctions; ++b) {
-        products[a][b] += (seen[a].rgb[0] - 0.5) * (seen[b].rgb[0] - 0.5);
+        products[a][b] += (seen[a].rgb[0] - 0.5) * (seen[b].rgb[0] - 0.5) / (kSmall * kSmall);
       }
     }
   }
@@ -147,8 +173,13 @@ TEST(ViewColor, CoefficientsFollowTheLossOfAPicture) {
   testing::Random random(3);
   const PinholeCamera camera = testing::small_camera(48, 37);
   const SE3 pose = testing::tilted_pose();
-  const auto gaussians = testing::random_gaussians(camera, pose, 12, 4.0, random);
+  auto gaussians = testing::random_gaussians(camera, pose, 12, 4.0, random);
   map::Harmonics harmonics = random_harmonics(2, gaussians.size(), 7);
+  // No colour at an end of its range.
+  for (map::Gaussian& g : gaussians) {
+    for (float& c : g.rgb) c = 0.4f + 0.2f * c;
+  }
+  for (float& c : harmonics.coefficients) c *= 0.1f;
   const auto rasterizer = make_reference_rasterizer();
   ViewColors colors(nullptr);
   Rendering rendering;
