@@ -22,8 +22,8 @@ class PoseDescent {
       : config_(config), rasterizer_(&rasterizer) {}
 
   /// Camera to world, from a start not far away; the start itself where the map explains nothing of
-  /// the frame. `config.method` kAdam: Adam on the camera's twist (Keetha et al., SplaTAM, CVPR
-  /// 2024, section 3.3); otherwise Newton's steps with the curvature that the frame itself
+  /// the frame. `config.method` kAdam: Adam on the camera's twist (as Keetha et al., SplaTAM,
+  /// CVPR 2024); otherwise Newton's steps with the curvature that the frame itself
   /// promises (render::pose_information).
   SE3 descend(std::span<const map::Gaussian> gaussians, const RgbdFrame& frame,
               const SE3& T_world_start);
