@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <utility>
@@ -72,9 +73,12 @@ void print_result(const RunCommand& command, const eval::Metrics& metrics,
 /// What the preset `quality` adds: the finished map is learnt on, in the folder of the run.
 Status learn_on(const RunCommand& command, run::RunFolder& folder, run::Outcome& outcome) {
   constexpr std::int64_t kStepsPerFrame = 15;
+  // A short recording has few frames to learn from, each of them as rich as any.
+  constexpr std::int64_t kLeastSteps = 3000;
   run::RefineOptions options;
   options.threads = command.options.threads;
-  options.effort.steps = kStepsPerFrame * static_cast<std::int64_t>(outcome.run.frames.size());
+  options.effort.steps =
+      std::max(kLeastSteps, kStepsPerFrame * static_cast<std::int64_t>(outcome.run.frames.size()));
   Progress progress("refinement", options.config.checks, command.quiet);
   run::RefineWatch watch;
   watch.checked = [&](const refine::Judgement& now) {
