@@ -117,6 +117,59 @@ TEST(Loops, APlaceThatNeverComesBackIsNoLoop) {
   EXPECT_EQ(run(config, 2).loops.compared, 0);
 }
 
+/// What a closer without loops makes of the desk's frames when each motion of the truth comes
+/// `stretch` times as long and turned by `turn_rad` more per metre.
+struct Mending {
+  int mended = 0;
+  double said_m = 0, mended_m = 0;  ///< ATE of the frames as said, and with all corrections
+};
+
+Mending mend(double stretch, double turn_rad) {
+  slam::SessionConfig config = config_with_loops();
+  config.loops.min_gap_s = 1000;
+  loops::LoopCloser closer(config.loops, config.tracker, 0);
+  SE3 T_said, T_now, T_true_last;
+  std::vector<StampedPose> said, corrected;
+  for (const auto& frame : desk().frames) {
+    const SE3& T_true = *frame->truth_T_world_camera;
+    if (said.empty()) {
+      T_said = T_now = T_true;
+    } else {
+      SE3 motion = T_true_last.inverse() * T_true;
+      motion = SE3(motion.R * so3_exp({0, turn_rad * motion.t.norm(), 0}), stretch * motion.t);
+      T_said = T_said * motion;
+      T_now = T_now * motion;
+    }
+    T_true_last = T_true;
+    said.push_back({frame->timestamp_s, T_said});
+    corrected.push_back({frame->timestamp_s, T_now});
+    tracker::TrackResult result;
+    result.T_world_camera = T_now;
+    result.information = 1e7 * Matrix6d::Identity();
+    const auto correction = closer.add(*frame, result);
+    if (!correction) continue;
+    for (StampedPose& p : corrected) {
+      p.T_world_camera = correction->corrected(p.T_world_camera, p.timestamp_s);
+    }
+    T_now = corrected.back().T_world_camera;
+    closer.note_applied(*correction);
+  }
+  return {closer.counts().mended, ate_m(Trajectory(said), desk().truth),
+          ate_m(Trajectory(corrected), desk().truth)};
+}
+
+TEST(Loops, AWayThatTheViewsContradictIsMended) {
+  const Mending m = mend(1.02, 0.03);
+  EXPECT_GE(m.mended, 5);
+  EXPECT_LT(m.mended_m, 0.4 * m.said_m);
+}
+
+TEST(Loops, AWayThatTheViewsConfirmIsLeftAlone) {
+  const Mending m = mend(1, 0);
+  EXPECT_EQ(m.mended, 0);
+  EXPECT_EQ(m.mended_m, m.said_m);
+}
+
 /// Loops between the first and the second half of the desk's frames when they come with these
 /// poses.
 int loops_across(const std::function<SE3(const RgbdFrame&, std::size_t)>& pose_of) {

@@ -60,4 +60,13 @@ Matrix6d motion_covariance(const Matrix6d& normal_equations, double mean_depth_m
   return symmetric(alignment) + Matrix6d(drift.asDiagonal());
 }
 
+double deviation_chi2(const graph::Edge& edge, const graph::UncertainPose& expected) {
+  const Matrix6d& L = edge.information;
+  const Vector6d e = (edge.T_from_to.inverse() * expected.T).log();
+  // e^T (S + L^-1)^-1 e, with L of any rank: L - L (S^-1 + L)^-1 L.
+  const Matrix6d inner = (expected.covariance.inverse() + L).inverse();
+  const Matrix6d weight = L - L * inner * L;
+  return e.dot(weight * e);
+}
+
 }  // namespace sgs::loops

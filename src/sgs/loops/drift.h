@@ -3,6 +3,8 @@
 #pragma once
 
 #include "sgs/geometry/se3.h"
+#include "sgs/graph/consistency.h"
+#include "sgs/graph/pose_graph.h"
 #include "sgs/loops/loop_config.h"
 
 namespace sgs::loops {
@@ -19,5 +21,9 @@ Matrix6d edge_information(const Matrix6d& normal_equations, double mean_depth_m,
 /// trusted pose in between.
 Matrix6d motion_covariance(const Matrix6d& normal_equations, double mean_depth_m, double path_m,
                            double gap_s, const DriftConfig& config);
+
+/// Squared deviation of a measured edge from where its node `to` was expected in node `from`. What
+/// the edge did not see cannot contradict anything.
+double deviation_chi2(const graph::Edge& edge, const graph::UncertainPose& expected);
 
 }  // namespace sgs::loops

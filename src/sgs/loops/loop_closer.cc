@@ -23,18 +23,6 @@ double view_sigma(const Matrix6d& covariance, const PinholeCamera& camera, doubl
   return widths * (shift_m / depth_m + turn) + 0.5 * shift_m / depth_m + 0.5 * turn;
 }
 
-/// Squared deviation of a verified loop from where the other node was expected.
-double gate_chi2(const graph::Edge& loop, const graph::UncertainPose& predicted) {
-  // What the loop did not see cannot contradict anything.
-  const Matrix6d& L = loop.information;
-  const Vector6d e = (loop.T_from_to.inverse() * predicted.T).log();
-  const Matrix6d& S = predicted.covariance;
-  // e^T (S + L^-1)^-1 e, with L of any rank: L - L (S^-1 + L)^-1 L.
-  const Matrix6d inner = (S.inverse() + L).inverse();
-  const Matrix6d weight = L - L * inner * L;
-  return e.dot(weight * e);
-}
-
 bool agree(const Skeleton& skeleton, const graph::Edge& k, const graph::Edge& l) {
   const auto uncertain = [](const graph::Edge& e) {
     return graph::UncertainPose{e.T_from_to, graph::covariance_of(e.information)};
@@ -48,7 +36,7 @@ bool agree(const Skeleton& skeleton, const graph::Edge& k, const graph::Edge& l)
 
 LoopCloser::LoopCloser(const LoopConfig& config, const tracker::TrackerConfig& tracker,
                        std::uint64_t seed)
-    : config_(config), verifier_(config, tracker), ferns_(seed) {}
+    : config_(config), verifier_(config, tracker), way_check_(config), ferns_(seed) {}
 
 std::optional<PoseCorrection> LoopCloser::add(const RgbdFrame& frame,
                                               const tracker::TrackResult& result) {
@@ -90,10 +78,22 @@ void LoopCloser::add_node(const RgbdFrame& frame, const tracker::TrackResult& re
   const Matrix6d covariance =
       motion_covariance(*result.information, node.mean_depth_m, path_m_, gap_s_, config_.drift);
   skeleton_.add(std::move(node), covariance);
+  mend_way();
   skeleton_.note_left(camera_, config_.left_distance);
   skeleton_.bound_views(camera_, static_cast<std::size_t>(config_.memory_mb) * 1'000'000);
   skeleton_.join_ways(pending_);
   path_m_ = gap_s_ = 0;
+}
+
+// Across a gap nothing was tracked that could be wrong.
+void LoopCloser::mend_way() {
+  if (gap_s_ > 0) {
+    way_check_.forget();
+  } else if (const auto way = way_check_.mended(skeleton_, verifier_)) {
+    skeleton_.mend_last_way(*way);
+    ways_are_mended_ = true;
+    ++counts_.mended;
+  }
 }
 
 // Nodes from one loop to the next between the same two stretches.
@@ -156,7 +156,7 @@ void LoopCloser::look_for_loops() {
     const auto loop = verifier_.verify(skeleton_, older, newest, p.T);
     if (!loop) continue;
     ++counts_.verified;
-    if (gate_chi2(*loop, p) > config_.max_gate_chi2) {
+    if (deviation_chi2(*loop, p) > config_.max_gate_chi2) {
       ++counts_.gated;
       continue;
     }
@@ -189,7 +189,7 @@ void LoopCloser::accept_supported() {
 // targets, and each costs what the whole graph does.
 bool LoopCloser::is_time_to_solve() const {
   const auto& loops = skeleton_.loops();
-  if (loops.size() == loops_solved_) return false;
+  if (loops.size() == loops_solved_ && !ways_are_mended_) return false;
   if (last_s_ - solved_s_ >= config_.rhythm * (last_s_ - begin_s_)) return true;
   return std::any_of(loops.begin() + static_cast<std::ptrdiff_t>(loops_solved_), loops.end(),
                      [&](const graph::Edge& e) {
@@ -199,12 +199,13 @@ bool LoopCloser::is_time_to_solve() const {
                      });
 }
 
-// Solves with the new loops; takes them back where they bend the tracked way too much.
+// Solves with new loops and mended ways; takes loops back where they bend the tracked way too much.
 std::optional<PoseCorrection> LoopCloser::correction() {
   const std::size_t fresh = skeleton_.loops().size() - loops_solved_;
-  if (fresh == 0 || in_flight_) return std::nullopt;
+  if ((fresh == 0 && !ways_are_mended_) || in_flight_) return std::nullopt;
   const graph::GraphSolution solution = skeleton_.solve();
   solved_s_ = last_s_;
+  ways_are_mended_ = false;
   const bool bent =
       !solution.found ||
       std::any_of(solution.chi2.begin(), solution.chi2.begin() + skeleton_.tracked_edges(),
@@ -240,6 +241,7 @@ void LoopCloser::note_applied(const PastCorrection& correction) {
   if (T_last_) T_last_ = correction.corrected(*T_last_, last_s_);
   if (correction.depth) {
     pending_.clear();  // measured with the old depth
+    way_check_.forget();
   } else {
     in_flight_ = false;
   }

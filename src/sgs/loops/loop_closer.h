@@ -13,6 +13,7 @@
 #include "sgs/loops/loop_config.h"
 #include "sgs/loops/loop_verifier.h"
 #include "sgs/loops/skeleton.h"
+#include "sgs/loops/way_check.h"
 #include "sgs/tracker/track_result.h"
 
 namespace sgs::loops {
@@ -24,6 +25,7 @@ struct LoopCounts {
   int gated = 0;     ///< of these: contradicted the drift there can have been
   int accepted = 0;  ///< of these: in the graph
   int taken_back = 0;
+  int mended = 0;  ///< tracked ways that contradicted the views
   int corrections = 0;
 };
 
@@ -49,6 +51,7 @@ class LoopCloser {
   bool wants_node(const RgbdFrame& frame, const SE3& T_world_camera) const;
   void add_node(const RgbdFrame& frame, const tracker::TrackResult& result);
   std::vector<int> candidates(const std::vector<graph::UncertainPose>& predicted) const;
+  void mend_way();
   void look_for_loops();
   void accept_supported();
   bool is_time_to_solve() const;
@@ -58,12 +61,14 @@ class LoopCloser {
 
   LoopConfig config_;
   LoopVerifier verifier_;
+  WayCheck way_check_;
   features::Ferns ferns_;
   PinholeCamera camera_;
   Skeleton skeleton_;
   std::vector<graph::Edge> pending_;  // verified, without enough support so far
   bool in_flight_ = false;
-  std::optional<SE3> T_last_;  // of the last trusted frame
+  bool ways_are_mended_ = false;  // and the graph not solved since
+  std::optional<SE3> T_last_;     // of the last trusted frame
   double last_s_ = 0;
   double path_m_ = 0, gap_s_ = 0;  // since the last node
   std::size_t loops_solved_ = 0;

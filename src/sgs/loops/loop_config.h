@@ -58,6 +58,8 @@ struct LoopConfig {
   double apply_m = 0.004;
   double apply_deg = 0.1;
   double rhythm = 0.1;
+  double way_doubt = 0.1;
+  double way_ratio = 10;
   int memory_mb = 400;
   DriftConfig drift;
 
@@ -115,6 +117,13 @@ struct LoopConfig {
           "session has grown by this share since the last time: a place that is well known is not "
           "moved again and again.",
           "", {0, 1});
+    p.add("way_doubt", way_doubt,
+          "Tracked ways from node to node that deviate from what the two views say by less are "
+          "believed (squared, per direction, in units of drift.floor_m).",
+          "", {0, 1e6});
+    p.add("way_ratio", way_ratio,
+          "Beyond, the views are believed if they contradict each other so many times less.", "",
+          {1, 1e6});
     p.add("memory_mb", memory_mb,
           "What views of places may hold in memory; beyond, of views that show the same the newer "
           "ones go.",

@@ -26,6 +26,12 @@ std::optional<LoopVerifier::Found> LoopVerifier::align(const Node& older, const 
   return Found{a->T_reference_camera, information};
 }
 
+std::optional<LoopVerifier::Found> LoopVerifier::measure(const Node& older, const Node& newer,
+                                                         const SE3& T_start) const {
+  if (older.view.empty() || newer.view.empty()) return std::nullopt;
+  return align(older, newer, newer.view.frame(), T_start);
+}
+
 std::optional<SE3> LoopVerifier::match_features(const Node& older, const RgbdFrame& frame) const {
   features::OrbExtractor extractor(tracker_.relocaliser.orb);
   features::VisualMap map(tracker_.relocaliser.pose);

@@ -22,11 +22,15 @@ class LoopVerifier {
   std::optional<graph::Edge> verify(const Skeleton& skeleton, int older, int newer,
                                     const SE3& T_older_newer) const;
 
- private:
   struct Found {
     SE3 T_older_newer;
-    Matrix6d information;
+    Matrix6d information;  ///< as of graph::Edge
   };
+  /// The view of `newer` aligned to that of `older`, and nothing else asked. Empty where it cannot
+  /// be, and where one of the views is forgotten.
+  std::optional<Found> measure(const Node& older, const Node& newer, const SE3& T_start) const;
+
+ private:
   /// `frame` is what `newer` saw.
   std::optional<Found> align(const Node& older, const Node& newer, const RgbdFrame& frame,
                              const SE3& T_start) const;

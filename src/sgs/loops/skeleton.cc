@@ -19,6 +19,10 @@ void Skeleton::add(Node node, const Matrix6d& motion_covariance) {
   nodes_.push_back(std::move(node));
 }
 
+void Skeleton::mend_last_way(const graph::UncertainPose& way) {
+  motions_.back() = {way.T, way.covariance, way.covariance.inverse()};
+}
+
 void Skeleton::note_left(const PinholeCamera& camera, double left_distance) {
   const SE3& newest = nodes_.back().T_world_camera;
   for (Node& n : nodes_) {

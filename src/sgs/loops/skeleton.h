@@ -36,6 +36,9 @@ class Skeleton {
   /// Appends a node; `motion_covariance` is that of the way from the last one, on twists of the new
   /// one (of no meaning for the first).
   void add(Node node, const Matrix6d& motion_covariance);
+  /// Another way from the last node but one to the newest than the tracker said. Poses stay where
+  /// they are until the graph is solved.
+  void mend_last_way(const graph::UncertainPose& way);
   /// Notes which nodes the newest one no longer sees.
   void note_left(const PinholeCamera& camera, double left_distance);
 

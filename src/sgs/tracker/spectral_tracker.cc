@@ -70,14 +70,14 @@ Alignment SpectralTracker::follow_unless_elsewhere(const RgbdFrame& frame) {
   Alignment followed = follow_camera(frame.timestamp_s);
   poor_frames_ = is_doubtful(followed) ? poor_frames_ + 1 : 0;
   if (!in_doubt()) return followed;
+  const bool seen = followed.trusted() && sees_enough(followed);
+  if (seen && picture_of_this_place(followed, frame.timestamp_s)) return followed;
   if ((poor_frames_ - 1) % config_.alignment.relocalise_interval == 0) {
     if (const auto elsewhere = relocalised(frame)) return *elsewhere;
   }
-  if (!followed.trusted()) return followed;
-  const bool believed = sees_enough(followed)
-                            ? picture_of_this_place(followed, frame.timestamp_s).has_value()
-                            : is_explained(followed);
-  if (!believed) followed.lost_reason = LostReason::kPoorPictureFit;
+  if (followed.trusted() && (seen || !is_explained(followed))) {
+    followed.lost_reason = LostReason::kPoorPictureFit;
+  }
   return followed;
 }
 

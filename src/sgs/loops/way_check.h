@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "sgs/loops/loop_config.h"
+#include "sgs/loops/loop_verifier.h"
+#include "sgs/loops/skeleton.h"
+
+namespace sgs::loops {
+
+/// Whether the tracked way from node to node is what the two views say of it. Two variances are
+/// told apart by how they close: that of a tracked way against the alignment of its two views, and
+/// that of alignments among themselves, over three nodes (a -> b -> c against a -> c). Both are
+/// squared deviations per direction, in units of what an edge claims.
+class WayCheck {
+ public:
+  explicit WayCheck(const LoopConfig& config) : config_(config) {}
+
+  /// Measures the way to the newest node. Where ways have lately contradicted the views by much
+  /// more than views contradict each other: the way that both together say, to be put in its place.
+  std::optional<graph::UncertainPose> mended(const Skeleton& skeleton,
+                                             const LoopVerifier& verifier);
+  /// What was measured so far is of another camera, or of another piece of the way.
+  void forget() { *this = WayCheck(config_); }
+
+  double contradiction() const { return contradiction_.mean; }
+  double closure() const { return closure_.mean; }
+
+ private:
+  /// Mean of the last values, those of long ago fading.
+  struct Mean {
+    double mean = 0;
+    int count = 0;
+    void add(double value);
+  };
+
+  LoopConfig config_;
+  Mean contradiction_, closure_;
+  std::optional<SE3> T_last_step_;  // the newest node in the one before, as the views say
+};
+
+}  // namespace sgs::loops
