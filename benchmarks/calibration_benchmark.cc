@@ -44,7 +44,7 @@ Job parse(const std::string& text) {
 /// the grid that fits them best.
 struct Truth {
   Eigen::MatrixXd A;
-  Eigen::VectorXd b;
+  Eigen::VectorXd b, q;  // of the offsets, and of the inverse depths they are seen at
 
   void add(const RgbdFrame& frame, const synthetic::Sensor& sensor, const ImageGrid& grid) {
     constexpr int kStep = 8;
@@ -52,6 +52,7 @@ struct Truth {
       A.setIdentity(grid.size(), grid.size());
       A *= 1e-6;
       b.setZero(grid.size());
+      q.setZero(grid.size());
     }
     for (int y = kStep / 2; y < frame.depth.height(); y += kStep) {
       const std::vector<float> offsets = sensor.inverse_depth_offsets(y, frame.depth.row(y));
@@ -61,14 +62,26 @@ struct Truth {
         const auto w = grid.at(x, y, frame.camera);
         for (std::size_t k = 0; k < 4; ++k) {
           b[w.node[k]] += w.weight[k] * offset;
+          q[w.node[k]] += w.weight[k] / double{frame.depth(x, y)};
           for (std::size_t m = 0; m < 4; ++m) A(w.node[k], w.node[m]) += w.weight[k] * w.weight[m];
         }
       }
     }
   }
-  std::vector<double> offsets() const {
-    const Eigen::VectorXd x = A.ldlt().solve(b);
-    return {x.data(), x.data() + x.size()};
+  /// But for a common factor of all depths, which nothing in a recording tells: the one that brings
+  /// them nearest to what was found.
+  std::vector<double> offsets_like(const DepthCalibration& found) const {
+    const auto factors = A.ldlt();
+    const Eigen::VectorXd offset = factors.solve(b), inverse_depth = factors.solve(q);
+    double qq = 0, qe = 0;
+    for (Eigen::Index k = 0; k < offset.size(); ++k) {
+      const auto node = static_cast<std::size_t>(k);
+      const double weight = 1 / (found.sigma_per_m[node] * found.sigma_per_m[node]);
+      qq += weight * inverse_depth[k] * inverse_depth[k];
+      qe += weight * inverse_depth[k] * (found.offset_per_m[node] - offset[k]);
+    }
+    const Eigen::VectorXd like = offset + (qq > 0 ? qe / qq : 0) * inverse_depth;
+    return {like.data(), like.data() + like.size()};
   }
 };
 
@@ -114,7 +127,7 @@ Status judge(const Job& job, const slam::SessionConfig& config) {
   }
   const DepthCalibration& c = e.calibration;
   DepthCalibration ideal = c;
-  ideal.offset_per_m = truth.offsets();
+  ideal.offset_per_m = truth.offsets_like(c);
   const double mean = ideal.mean_offset_per_m(), found = c.mean_offset_per_m();
   const std::vector<double> area = c.grid.area();
   double shape_before = 0, shape_after = 0, covered = 0;
