@@ -118,13 +118,14 @@ TEST(Loops, APlaceThatNeverComesBackIsNoLoop) {
 }
 
 /// What a closer without loops makes of the desk's frames when each motion of the truth comes
-/// `stretch` times as long and turned by `turn_rad` more per metre.
+/// `stretch` times as long and turned by `turn_rad` more per metre, and once a step of `step_m` to
+/// the side.
 struct Mending {
   int mended = 0;
   double said_m = 0, mended_m = 0;  ///< ATE of the frames as said, and with all corrections
 };
 
-Mending mend(double stretch, double turn_rad) {
+Mending mend(double stretch, double turn_rad, double step_m = 0) {
   slam::SessionConfig config = config_with_loops();
   config.loops.min_gap_s = 1000;
   loops::LoopCloser closer(config.loops, config.tracker, 0);
@@ -137,6 +138,7 @@ Mending mend(double stretch, double turn_rad) {
     } else {
       SE3 motion = T_true_last.inverse() * T_true;
       motion = SE3(motion.R * so3_exp({0, turn_rad * motion.t.norm(), 0}), stretch * motion.t);
+      if (said.size() == desk().frames.size() / 2) motion.t.x() += step_m;
       T_said = T_said * motion;
       T_now = T_now * motion;
     }
@@ -166,6 +168,12 @@ TEST(Loops, AWayThatTheViewsContradictIsMended) {
 
 TEST(Loops, AWayThatTheViewsConfirmIsLeftAlone) {
   const Mending m = mend(1, 0);
+  EXPECT_EQ(m.mended, 0);
+  EXPECT_EQ(m.mended_m, m.said_m);
+}
+
+TEST(Loops, ASingleStepToOldSurfacesIsNotUndone) {
+  const Mending m = mend(1, 0, 0.01);
   EXPECT_EQ(m.mended, 0);
   EXPECT_EQ(m.mended_m, m.said_m);
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "sgs/core/log.h"
 #include "sgs/loops/drift.h"
 
 namespace sgs::loops {
@@ -18,10 +19,17 @@ double per_direction(const LoopVerifier::Found& found, const SE3& T_older_newer)
 
 }  // namespace
 
-void WayCheck::Mean::add(double value) {
-  constexpr int kMemory = 10;  // nodes
-  count = std::min(count + 1, kMemory);
-  mean += (value - mean) / count;
+void WayCheck::Usual::add(double value) {
+  constexpr std::size_t kMemory = 10;  // nodes
+  if (last_.size() == kMemory) last_.erase(last_.begin());
+  last_.push_back(value);
+}
+
+double WayCheck::Usual::value() const {
+  if (last_.empty()) return 0;
+  std::vector<double> sorted = last_;
+  std::sort(sorted.begin(), sorted.end());
+  return sorted[(sorted.size() - 1) / 2];
 }
 
 std::optional<graph::UncertainPose> WayCheck::mended(const Skeleton& skeleton,
@@ -37,7 +45,7 @@ std::optional<graph::UncertainPose> WayCheck::mended(const Skeleton& skeleton,
   if (deviation_chi2(edge, way) > config_.max_gate_chi2) return std::nullopt;
   T_last_step_ = seen->T_older_newer;
   contradiction_.add(per_direction(*seen, way.T));
-  if (contradiction_.mean < config_.way_doubt) return std::nullopt;
+  if (contradiction_.value() < config_.way_doubt) return std::nullopt;
 
   const auto number = [&](int node) { return skeleton.node(node).number; };
   if (T_last_step && a >= 0 && number(a) == number(c) - 2) {
@@ -45,14 +53,16 @@ std::optional<graph::UncertainPose> WayCheck::mended(const Skeleton& skeleton,
     const auto over = verifier.measure(skeleton.node(a), skeleton.node(c), T_a_c);
     if (over) closure_.add(per_direction(*over, T_a_c) / kSteps);
   }
-  if (closure_.count == 0 || contradiction_.mean < config_.way_ratio * closure_.mean) {
+  log().debug("way to node {}: {:.3f} against the views, usually {:.3f}; views {:.4f}", number(c),
+              per_direction(*seen, way.T), contradiction_.value(), closure_.value());
+  if (!closure_.known() || contradiction_.value() < config_.way_ratio * closure_.value()) {
     return std::nullopt;
   }
   // Alignments of neighbours are as good as they close; what they claim is meant for views from
   // elsewhere, and so much is left in doubt.
   constexpr double kLeastClosure = 1e-3;
   const Matrix6d by_way = way.covariance.inverse();
-  const Matrix6d by_views = seen->information / std::max(closure_.mean, kLeastClosure);
+  const Matrix6d by_views = seen->information / std::max(closure_.value(), kLeastClosure);
   const Vector6d e = (way.T.inverse() * seen->T_older_newer).log();
   const Vector6d step = (by_way + by_views).inverse() * (by_views * e);
   return graph::UncertainPose{way.T * SE3::exp(step), (by_way + seen->information).inverse()};

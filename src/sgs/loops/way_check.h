@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "sgs/loops/loop_config.h"
 #include "sgs/loops/loop_verifier.h"
@@ -25,19 +26,21 @@ class WayCheck {
   /// What was measured so far is of another camera, or of another piece of the way.
   void forget() { *this = WayCheck(config_); }
 
-  double contradiction() const { return contradiction_.mean; }
-  double closure() const { return closure_.mean; }
-
  private:
-  /// Mean of the last values, those of long ago fading.
-  struct Mean {
-    double mean = 0;
-    int count = 0;
+  /// The median of the last values: a tracker that comes upon its old surfaces steps over to them,
+  /// which one or two ways show, and rightly so. Drift is in all of them.
+  class Usual {
+   public:
     void add(double value);
+    double value() const;
+    bool known() const { return !last_.empty(); }
+
+   private:
+    std::vector<double> last_;
   };
 
   LoopConfig config_;
-  Mean contradiction_, closure_;
+  Usual contradiction_, closure_;
   std::optional<SE3> T_last_step_;  // the newest node in the one before, as the views say
 };
 

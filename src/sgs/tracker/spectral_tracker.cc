@@ -72,7 +72,8 @@ Alignment SpectralTracker::follow_unless_elsewhere(const RgbdFrame& frame) {
   if (!in_doubt()) return followed;
   const bool seen = followed.trusted() && sees_enough(followed);
   if (seen && picture_of_this_place(followed, frame.timestamp_s)) return followed;
-  if ((poor_frames_ - 1) % config_.alignment.relocalise_interval == 0) {
+  // A frame that shows enough is lost otherwise; a dark one may go on by its surfaces for a while.
+  if (seen || (poor_frames_ - 1) % config_.alignment.relocalise_interval == 0) {
     if (const auto elsewhere = relocalised(frame)) return *elsewhere;
   }
   if (followed.trusted() && (seen || !is_explained(followed))) {
