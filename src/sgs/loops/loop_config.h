@@ -119,10 +119,10 @@ struct LoopConfig {
           "", {0, 1});
     p.add("way_doubt", way_doubt,
           "Tracked ways from node to node that deviate from what the two views say by less are "
-          "believed (squared, per direction, in units of drift.floor_m).",
+          "believed (squared, per direction, in units of drift.floor_m; median of ten nodes).",
           "", {0, 1e6});
     p.add("way_ratio", way_ratio,
-          "Beyond, the views are believed if they contradict each other so many times less.", "",
+          "Beyond, the views mend the way if they contradict each other so many times less.", "",
           {1, 1e6});
     p.add("memory_mb", memory_mb,
           "What views of places may hold in memory; beyond, of views that show the same the newer "
