@@ -142,13 +142,14 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
   };
   const loops::LoopCounts& c = closer.counts();
   fmt::print(
-      "| {} | {} | {} | {:.2f} | {:.2f} | {} | {} / {} / {} / {} / {} | {} | {} | {:.2f} | {:.2f} "
+      "| {} | {} | {} | {:.2f} | {:.2f} | {} | {} / {} / {} / {} / {} | {} | {} | {} | {:.2f} | "
+      "{:.2f} "
       "| "
       "{:.1f} / {:.1f} | {:.2f} | {:.0f} |\n",
       benchmarks::short_name(input_name), online.size(), lost, ate_cm(online, truth),
       ate_cm(corrected, truth), s.size(), c.compared, c.verified, c.gated, c.accepted, c.taken_back,
-      wrong, c.corrections, loop_nees.mean(), way_nees.mean(), p95(0, track_ms.size() / 2),
-      p95(track_ms.size() / 2, track_ms.size()),
+      wrong, c.mended, c.corrections, loop_nees.mean(), way_nees.mean(),
+      p95(0, track_ms.size() / 2), p95(track_ms.size() / 2, track_ms.size()),
       closing_ms / static_cast<double>(std::max<std::size_t>(1, online.size())), longest_ms);
   std::fflush(stdout);
   return save_paths(options.trajectories, benchmarks::short_name(input_name), online, corrected);
@@ -174,9 +175,10 @@ int main(int argc, char** argv) {
   if (verbose) set_log_sinks({std::make_shared<spdlog::sinks::stderr_sink_st>()});
   const char* header =
       "| sequence | frames | lost | ATE online | final cm | nodes | compared / verified / gated / "
-      "accepted / taken back | wrong | corrections | NEES loops | way | tracking p95 first, second "
+      "accepted / taken back | wrong | ways mended | corrections | NEES loops | way | tracking p95 "
+      "first, second "
       "half ms | closing ms a frame | longest |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   return benchmarks::print_table(header, inputs, assignments,
                                  [&](const std::string& name, const slam::SessionConfig& config) {
                                    return judge(name, config, options);

@@ -44,7 +44,8 @@ std::optional<graph::UncertainPose> WayCheck::mended(const Skeleton& skeleton,
   const graph::Edge edge{b, c, seen->T_older_newer, seen->information, true};
   if (deviation_chi2(edge, way) > config_.max_gate_chi2) return std::nullopt;
   T_last_step_ = seen->T_older_newer;
-  contradiction_.add(per_direction(*seen, way.T));
+  const double deviation = per_direction(*seen, way.T);
+  contradiction_.add(deviation);
   if (contradiction_.value() < config_.way_doubt) return std::nullopt;
 
   const auto number = [&](int node) { return skeleton.node(node).number; };
@@ -54,7 +55,7 @@ std::optional<graph::UncertainPose> WayCheck::mended(const Skeleton& skeleton,
     if (over) closure_.add(per_direction(*over, T_a_c) / kSteps);
   }
   log().debug("way to node {}: {:.3f} against the views, usually {:.3f}; views {:.4f}", number(c),
-              per_direction(*seen, way.T), contradiction_.value(), closure_.value());
+              deviation, contradiction_.value(), closure_.value());
   if (!closure_.known() || contradiction_.value() < config_.way_ratio * closure_.value()) {
     return std::nullopt;
   }

@@ -138,7 +138,8 @@ void color_backward(const map::Gaussian& gaussian, std::span<const float> coeffi
   for (std::size_t j = 0; j < 3; ++j) {
     float color = gaussian.rgb[j];
     for (std::size_t k = 0; k < functions; ++k) color += coefficients[3 * k + j] * values[k];
-    const bool below = color<least(gaussian.rgb[j]), above = color> most(gaussian.rgb[j]);
+    const bool below = color < least(gaussian.rgb[j]);
+    const bool above = color > most(gaussian.rgb[j]);
     if ((below && row.rgb[j] > 0) || (above && row.rgb[j] < 0)) row.rgb[j] = 0;
   }
   Eigen::Vector3f by_direction = Eigen::Vector3f::Zero();

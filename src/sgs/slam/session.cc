@@ -156,7 +156,7 @@ void Session::move_past(const PastCorrection& correction) {
   records_.correct(correction);
   const MovedPose& newest = correction.poses.poses().back();
   log().info("{}: the past moves by up to {:.1f} cm, the camera by {:.1f} cm",
-             correction.depth ? "depth is calibrated" : "a loop was closed",
+             correction.depth ? "depth is calibrated" : "the path is corrected",
              100 * correction.poses.largest_translation_m(),
              100 * (newest.after.t - newest.before.t).norm());
 }
