@@ -40,8 +40,11 @@ struct TargetCloud {
   std::vector<TargetPoint> points;
   std::vector<Eigen::Matrix3f> covariances;  ///< normalised ellipses; empty or one per point
   std::uint64_t layout = 0;
-  /// Changes whenever points that were there before have moved, been removed or come back.
+  /// Changes whenever points that were there before have moved or come back.
   std::uint64_t moves = 0;
+  /// Those that were marked as removed while `layout` was what it is, in that order; none of a
+  /// cloud that counts these as moves.
+  std::vector<std::int32_t> removed;
 };
 
 /// Ellipse of a plane with unit normal `n` as G-ICP normalises it: 1 along the surface, `floor`

@@ -14,7 +14,8 @@ FreeSpace::FreeSpace(const SourceCloud& cloud, const PinholeCamera& camera, int 
       fy_(static_cast<float>(camera.fy / step_px)),
       cx_(static_cast<float>((camera.cx + 0.5) / step_px)),
       cy_(static_cast<float>((camera.cy + 0.5) / step_px)),
-      nearest_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), 0.0f) {
+      nearest_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), 0.0f),
+      cover_({fx_, fy_, cx_, cy_, 0}, width_, height_) {
   constexpr float kSigmas = 3;
   const auto index = [&](int column, int row) {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
@@ -40,6 +41,7 @@ FreeSpace::FreeSpace(const SourceCloud& cloud, const PinholeCamera& camera, int 
       nearest_[index(column, row)] = nearest;
     }
   }
+  cover_.draw(nearest_);
 }
 
 bool FreeSpace::contains(const Eigen::Vector3f& point, float margin_m) const {

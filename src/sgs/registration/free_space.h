@@ -7,6 +7,8 @@
 
 #include "sgs/camera/pinhole.h"
 #include "sgs/registration/clouds.h"
+#include "sgs/registration/cover_image.h"
+#include "sgs/registration/view_pyramid.h"
 
 namespace sgs::registration {
 
@@ -23,6 +25,14 @@ class FreeSpace {
   /// `margin_m` behind it. False where there is no surface around it: at an edge or beside a thin
   /// thing nothing is sampled.
   bool contains(const Eigen::Vector3f& point, float margin_m) const;
+  /// Whether no point of a sphere is contained, whatever the margin; may say no where none is.
+  bool misses(const Eigen::Vector3f& centre, float radius) const {
+    return cover_.covers(centre, radius, 0);
+  }
+  /// Outside of it contains() is false.
+  ViewPyramid view() const {
+    return {{fx_, fy_}, {cx_, cy_}, {0, 0}, Eigen::Array2i(width_, height_).cast<float>()};
+  }
 
  private:
   int width_, height_;
@@ -30,6 +40,7 @@ class FreeSpace {
   // Least depth of the 3x3 cells around each, three standard deviations of it taken off; 0 where
   // one of them is without a point.
   std::vector<float> nearest_;
+  CoverImage cover_;  // of those
 };
 
 }  // namespace sgs::registration

@@ -49,6 +49,13 @@ TEST(FreeSpace, LiesBeforeWhatIsMeasured) {
   EXPECT_FALSE(space.contains(at(80, 60, 2.5), kMargin_m));
 }
 
+TEST(FreeSpace, MissesWhatLiesWhollyBehind) {
+  const FreeSpace space(wall(2), camera(), kStep_px);
+  EXPECT_TRUE(space.misses(at(80, 60, 3), 0.5f));
+  EXPECT_FALSE(space.misses(at(80, 60, 2.2), 0.5f));
+  EXPECT_FALSE(space.misses(at(80, 60, 1), 0.1f));
+}
+
 TEST(FreeSpace, EndsWithTheImage) {
   const FreeSpace space(wall(2), camera(), kStep_px);
   EXPECT_FALSE(space.contains(at(1, 60, 1), kMargin_m));

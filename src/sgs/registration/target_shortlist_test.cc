@@ -74,6 +74,28 @@ TEST(TargetShortlist, LooksAgainWhenTheCameraMovedOrTargetsDid) {
   EXPECT_EQ(list.looks(), 5);
 }
 
+TEST(TargetShortlist, ForgetsRemovedTargetsAtOnce) {
+  TargetCloud cloud;
+  add_wall(cloud, 2, 1.5f);
+  TargetShortlist list(kCells, kWidth, kHeight);
+  list.update(cloud, SE3{});
+  const std::vector<int> before = list.indices();
+  const auto remove = [&](int i) {
+    cloud.points[static_cast<std::size_t>(i)].variance_m2 = 0;
+    cloud.removed.push_back(i);
+  };
+  remove(before[3]);
+  remove(before[7]);
+  list.update(cloud, SE3{});
+  EXPECT_EQ(list.looks(), 2);
+  std::vector<int> expected = before;
+  expected.erase(expected.begin() + 7);
+  expected.erase(expected.begin() + 3);
+  EXPECT_EQ(list.indices(), expected);
+  list.update(cloud, SE3{});
+  EXPECT_EQ(list.looks(), 2);
+}
+
 TEST(TargetShortlist, ListsNewTargetsAtOnce) {
   TargetCloud cloud;
   add_wall(cloud, 2, 1.5f);

@@ -4,8 +4,27 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace sgs::tracker {
+namespace {
+
+/// Numbers of the source's points, tile by tile of the picture, so that neighbours in the list are
+/// neighbours in space (registration::TargetBlocks).
+std::vector<std::size_t> by_tiles(const registration::SourceCloud& source) {
+  constexpr int kTile_px = 64;
+  std::vector<std::size_t> order(source.points.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto tile = [&](std::size_t i) {
+    const registration::SourcePoint& p = source.points[i];
+    return std::pair(p.v / kTile_px, p.u / kTile_px);
+  };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return tile(a) < tile(b); });
+  return order;
+}
+
+}  // namespace
 
 int TrackablePoints::insert(const registration::SourceCloud& source, const Observer& keyframe,
                             const registration::CorrespondenceSearch* search) {
@@ -17,7 +36,7 @@ int TrackablePoints::insert(const registration::SourceCloud& source, const Obser
   const Eigen::Vector3f t_search = T.t.cast<float>();
   const bool with_ellipses = !source.covariances.empty();
   const std::size_t begin = cloud_.points.size();
-  for (std::size_t i = 0; i < source.points.size(); ++i) {
+  for (const std::size_t i : by_tiles(source)) {
     const registration::SourcePoint& p = source.points[i];
     if (search && search->occupied(R_search * p.point + t_search, R_search * p.normal,
                                    spacing_.radius_per_m * p.point.z(), spacing_.distance_m)) {
@@ -46,26 +65,32 @@ double TrackablePoints::path_to(const SE3& T_local_camera) const {
 
 int TrackablePoints::remove_in(const registration::FreeSpace& space, const SE3& T_local_camera) {
   constexpr double kLongWay_m = 10;
+  const double path_m = path_to(T_local_camera);
+  const auto lately =
+      std::find_if(keyframes_.begin(), keyframes_.end(),
+                   [&](const Keyframe& keyframe) { return path_m - keyframe.path_m < kLongWay_m; });
+  const std::size_t end = lately == keyframes_.begin() ? 0 : std::prev(lately)->end;
+  if (end == 0) return 0;
   const SE3 inverse = T_local_camera.inverse();
   const Eigen::Matrix3f R = inverse.R.cast<float>();
   const Eigen::Vector3f t = inverse.t.cast<float>();
-  const double path_m = path_to(T_local_camera);
-  int removed = 0;
-  for (const Keyframe& keyframe : keyframes_) {
-    if (path_m - keyframe.path_m < kLongWay_m) break;
-    for (std::size_t i = keyframe.begin; i < keyframe.end; ++i) {
-      registration::TargetPoint& p = cloud_.points[i];
-      if (!p.alive() || !space.contains(R * p.point + t, spacing_.distance_m / 2)) continue;
-      remove(p);
-      ++removed;
+  const std::size_t before = alive_;
+  blocks_.follow(cloud_);
+  const auto behind = [&](const registration::TargetBlocks::Sphere& s) {
+    return space.misses(s.centre, s.radius);
+  };
+  for (const auto& range : blocks_.in_view(space.view(), T_local_camera, behind)) {
+    for (std::size_t i = range.begin; i < std::min(range.end, end); ++i) {
+      const registration::TargetPoint& p = cloud_.points[i];
+      if (p.alive() && space.contains(R * p.point + t, spacing_.distance_m / 2)) remove(i);
     }
   }
-  if (removed > 0) ++cloud_.moves;
-  return removed;
+  return static_cast<int>(before - alive_);
 }
 
-void TrackablePoints::remove(registration::TargetPoint& point) {
-  point.variance_m2 = 0;
+void TrackablePoints::remove(std::size_t point) {
+  cloud_.points[point].variance_m2 = 0;
+  cloud_.removed.push_back(static_cast<std::int32_t>(point));
   --alive_;
 }
 
@@ -79,10 +104,9 @@ void TrackablePoints::remove_farthest(const Eigen::Vector3d& camera_position) {
   for (const std::size_t k : order) {
     if (alive_ <= most_points_ - most_points_ / 4) break;
     for (std::size_t i = keyframes_[k].begin; i < keyframes_[k].end; ++i) {
-      if (cloud_.points[i].alive()) remove(cloud_.points[i]);
+      if (cloud_.points[i].alive()) remove(i);
     }
   }
-  ++cloud_.moves;
 }
 
 // Removed points keep their places until they are more than the others.
@@ -102,6 +126,7 @@ void TrackablePoints::forget_removed() {
   cloud_.points.resize(kept);
   cloud_.points.shrink_to_fit();
   if (!cloud_.covariances.empty()) cloud_.covariances.resize(kept);
+  cloud_.removed.clear();
   ++cloud_.layout;
 }
 

@@ -9,6 +9,7 @@
 #include "sgs/geometry/se3.h"
 #include "sgs/registration/correspondence_search.h"
 #include "sgs/registration/free_space.h"
+#include "sgs/registration/target_blocks.h"
 
 namespace sgs::tracker {
 
@@ -68,7 +69,7 @@ class TrackablePoints {
   };
 
   void change_depth(const Keyframe& keyframe, const DepthChange& change);
-  void remove(registration::TargetPoint& point);
+  void remove(std::size_t point);
   void remove_farthest(const Eigen::Vector3d& camera_position);
   void forget_removed();
   /// Length of the way from keyframe to keyframe until a camera at that pose.
@@ -79,6 +80,7 @@ class TrackablePoints {
   std::size_t alive_ = 0;
   std::vector<Keyframe> keyframes_;
   registration::TargetCloud cloud_;
+  registration::TargetBlocks blocks_;
 };
 
 }  // namespace sgs::tracker
