@@ -14,13 +14,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "injected_drift.h"
 #include "sgs/core/log.h"
 #include "sgs/core/stopwatch.h"
 #include "sgs/eval/trajectory_metrics.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/trajectory_io.h"
 #include "sgs/loops/loop_closer.h"
-#include "sgs/tracker/test_drifting_tracker.h"
 #include "tracking_input.h"
 
 namespace {
@@ -28,7 +28,7 @@ namespace {
 using namespace sgs;
 
 struct Options {
-  bool drift = false, bias = false;
+  benchmarks::InjectedDrift drift;
   std::string calibration, trajectories;
 };
 
@@ -71,15 +71,7 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
   dataset::FrameSource& source = *input.source;
   const Trajectory truth = source.ground_truth();
   SGS_ASSIGN_OR_RETURN(auto tracker, tracker::make_tracker(config.tracker, source.camera(), SE3{}));
-  if (options.drift || options.bias) {
-    tracker::DriftingTracker::Drift drift;
-    if (!options.drift) drift.translation_m = drift.rotation_deg = 0;
-    if (options.bias) {
-      drift.length_ratio = 0.01;
-      drift.turn_deg = 0.5;
-    }
-    tracker = std::make_unique<tracker::DriftingTracker>(std::move(tracker), drift, config.seed);
-  }
+  tracker = options.drift.onto(std::move(tracker), config.seed);
   loops::LoopCloser closer(config.loops, config.tracker, config.seed);
   std::vector<StampedPose> online, corrected;
   std::vector<double> track_ms;
@@ -165,9 +157,7 @@ int main(int argc, char** argv) {
   app.add_option("INPUT", inputs)->required();
   app.add_option("--set", assignments, "key=value")->take_all()->allow_extra_args(false);
   app.add_option("--calibration", options.calibration, "of the depth camera, for all inputs");
-  app.add_flag("--drift", options.drift,
-               "Add a random walk of 1 cm and 0.5 degrees after one metre.");
-  app.add_flag("--bias", options.bias, "Add a drift of 1 % and 0.5 degrees per metre.");
+  options.drift.declare(app);
   app.add_option("--trajectories", options.trajectories, "Folder for the paths, as TUM files");
   app.add_flag("--verbose", verbose);
   CLI11_PARSE(app, argc, argv);
