@@ -186,10 +186,12 @@ void LoopCloser::accept_supported() {
 }
 
 // Loops that say what is known already, within their noise, wait: each correction moves map and
-// targets, and each costs what the whole graph does.
+// targets, and each costs what the whole graph does. A mended way does not: what the map learns
+// until it is corrected, it learns in the wrong place.
 bool LoopCloser::is_time_to_solve() const {
   const auto& loops = skeleton_.loops();
-  if (loops.size() == loops_solved_ && !ways_are_mended_) return false;
+  if (ways_are_mended_) return true;
+  if (loops.size() == loops_solved_) return false;
   if (last_s_ - solved_s_ >= config_.rhythm * (last_s_ - begin_s_)) return true;
   return std::any_of(loops.begin() + static_cast<std::ptrdiff_t>(loops_solved_), loops.end(),
                      [&](const graph::Edge& e) {
