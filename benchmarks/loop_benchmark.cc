@@ -21,6 +21,7 @@
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/trajectory_io.h"
 #include "sgs/loops/loop_closer.h"
+#include "sgs/registration/view_distance.h"
 #include "tracking_input.h"
 
 namespace {
@@ -50,6 +51,60 @@ struct Nees {
   }
   double mean() const { return directions > 0 ? sum / directions : NAN; }
 };
+
+/// Stretches of the way on which an older node's view is seen again, by the truth, and from how many
+/// of them a loop to such a node was found.
+struct Revisits {
+  int stretches = 0, found = 0;
+};
+
+/// `seen_again[n]`: whether node n sees what a node of `config.min_gap_s` ago saw, which the camera
+/// had left since; empty where truth is missing.
+std::vector<bool> seen_again(const loops::Skeleton& s, const Trajectory& truth,
+                             const PinholeCamera& camera, const loops::LoopConfig& config) {
+  std::vector<std::optional<SE3>> poses;
+  for (int k = 0; k < s.size(); ++k) poses.push_back(truth.at(s.node(k).timestamp_s, 0.1));
+  std::vector<bool> again(poses.size(), false);
+  for (int m = 0; m < s.size(); ++m) {
+    const auto& from = poses[static_cast<std::size_t>(m)];
+    bool left = false;
+    for (int n = m + 1; from && n < s.size(); ++n) {
+      const auto& to = poses[static_cast<std::size_t>(n)];
+      if (!to) continue;
+      const double distance =
+          registration::view_distance(camera, s.node(m).mean_depth_m, from->inverse() * *to);
+      left = left || distance > config.left_distance;
+      const bool long_ago = s.node(n).timestamp_s - s.node(m).timestamp_s >= config.min_gap_s;
+      if (left && long_ago && distance < config.revisit_distance) {
+        again[static_cast<std::size_t>(n)] = true;
+      }
+    }
+  }
+  return again;
+}
+
+/// A stretch that is interrupted for a node or two goes on; one of a single node is a glance.
+Revisits revisits(const loops::Skeleton& s, const std::vector<bool>& again) {
+  constexpr int kInterruption = 2;
+  Revisits out;
+  for (int begin = 0, end = 0; begin < s.size(); begin = end + 1) {
+    end = begin;
+    if (!again[static_cast<std::size_t>(begin)]) continue;
+    int nodes = 0;
+    for (int k = begin; k < s.size() && k <= end + kInterruption + 1; ++k) {
+      if (!again[static_cast<std::size_t>(k)]) continue;
+      end = k;
+      ++nodes;
+    }
+    if (nodes < 2) continue;
+    ++out.stretches;
+    const auto& loops = s.loops();
+    out.found += std::any_of(loops.begin(), loops.end(), [&](const graph::Edge& e) {
+      return e.to >= begin && e.to <= end;
+    }) ? 1 : 0;
+  }
+  return out;
+}
 
 /// The path as it was said and as it is at the end, for plots.
 Status save_paths(const std::string& folder, const std::string& name,
@@ -125,6 +180,8 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
     const auto way = s.tracked(k, k + 1);
     if (a && b) way_nees.add({k, k + 1, way.T, way.covariance.inverse(), false}, a->inverse() * *b);
   }
+  const Revisits seen =
+      revisits(s, seen_again(s, truth, source.camera(), config.loops));
   const auto p95 = [&](std::size_t begin, std::size_t end) {
     std::vector<double> part(track_ms.begin() + static_cast<std::ptrdiff_t>(begin),
                              track_ms.begin() + static_cast<std::ptrdiff_t>(end));
@@ -134,13 +191,14 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
   };
   const loops::LoopCounts& c = closer.counts();
   fmt::print(
-      "| {} | {} | {} | {:.2f} | {:.2f} | {} | {} / {} / {} / {} / {} | {} | {} | {} | {:.2f} | "
+      "| {} | {} | {} | {:.2f} | {:.2f} | {} | {} / {} / {} / {} / {} | {} of {} | {} | {} | {} | "
+      "{:.2f} | "
       "{:.2f} "
       "| "
       "{:.1f} / {:.1f} | {:.2f} | {:.0f} |\n",
       benchmarks::short_name(input_name), online.size(), lost, ate_cm(online, truth),
       ate_cm(corrected, truth), s.size(), c.compared, c.verified, c.gated, c.accepted, c.taken_back,
-      wrong, c.mended, c.corrections, loop_nees.mean(), way_nees.mean(),
+      seen.found, seen.stretches, wrong, c.mended, c.corrections, loop_nees.mean(), way_nees.mean(),
       p95(0, track_ms.size() / 2), p95(track_ms.size() / 2, track_ms.size()),
       closing_ms / static_cast<double>(std::max<std::size_t>(1, online.size())), longest_ms);
   std::fflush(stdout);
@@ -165,10 +223,10 @@ int main(int argc, char** argv) {
   if (verbose) set_log_sinks({std::make_shared<spdlog::sinks::stderr_sink_st>()});
   const char* header =
       "| sequence | frames | lost | ATE online | final cm | nodes | compared / verified / gated / "
-      "accepted / taken back | wrong | ways mended | corrections | NEES loops | way | tracking p95 "
+      "accepted / taken back | revisits found | wrong | ways mended | corrections | NEES loops | way | tracking p95 "
       "first, second "
       "half ms | closing ms a frame | longest |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   return benchmarks::print_table(header, inputs, assignments,
                                  [&](const std::string& name, const slam::SessionConfig& config) {
                                    return judge(name, config, options);
