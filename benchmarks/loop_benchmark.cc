@@ -52,8 +52,8 @@ struct Nees {
   double mean() const { return directions > 0 ? sum / directions : NAN; }
 };
 
-/// Stretches of the way on which an older node's view is seen again, by the truth, and from how many
-/// of them a loop to such a node was found.
+/// Stretches of the way on which an older node's view is seen again, by the truth, and from how
+/// many of them a loop to such a node was found.
 struct Revisits {
   int stretches = 0, found = 0;
 };
@@ -99,9 +99,10 @@ Revisits revisits(const loops::Skeleton& s, const std::vector<bool>& again) {
     if (nodes < 2) continue;
     ++out.stretches;
     const auto& loops = s.loops();
-    out.found += std::any_of(loops.begin(), loops.end(), [&](const graph::Edge& e) {
-      return e.to >= begin && e.to <= end;
-    }) ? 1 : 0;
+    out.found += std::any_of(loops.begin(), loops.end(),
+                             [&](const graph::Edge& e) { return e.to >= begin && e.to <= end; })
+                     ? 1
+                     : 0;
   }
   return out;
 }
@@ -180,8 +181,7 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
     const auto way = s.tracked(k, k + 1);
     if (a && b) way_nees.add({k, k + 1, way.T, way.covariance.inverse(), false}, a->inverse() * *b);
   }
-  const Revisits seen =
-      revisits(s, seen_again(s, truth, source.camera(), config.loops));
+  const Revisits seen = revisits(s, seen_again(s, truth, source.camera(), config.loops));
   const auto p95 = [&](std::size_t begin, std::size_t end) {
     std::vector<double> part(track_ms.begin() + static_cast<std::ptrdiff_t>(begin),
                              track_ms.begin() + static_cast<std::ptrdiff_t>(end));
@@ -223,7 +223,8 @@ int main(int argc, char** argv) {
   if (verbose) set_log_sinks({std::make_shared<spdlog::sinks::stderr_sink_st>()});
   const char* header =
       "| sequence | frames | lost | ATE online | final cm | nodes | compared / verified / gated / "
-      "accepted / taken back | revisits found | wrong | ways mended | corrections | NEES loops | way | tracking p95 "
+      "accepted / taken back | revisits found | wrong | ways mended | corrections | NEES loops | "
+      "way | tracking p95 "
       "first, second "
       "half ms | closing ms a frame | longest |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
