@@ -19,8 +19,10 @@ constexpr double kLeastChange_per_m = 2e-4;
 constexpr double kLeastShift_px = 0.1;
 constexpr double kLeastDelay_s = 5e-4;
 constexpr double kSure_per_m = 5e-4;  // of the mean: more keyframes are not needed
-// A depth camera that is off by more is not a little distorted but something else.
-constexpr double kContradiction = 0.015;
+// A depth camera that is off by more is not a little distorted but something else. A path alone may
+// be: distortion that varies over the image bends it.
+constexpr double kContradiction = 0.015;        // of the path's length
+constexpr double kContradictionDepth = 0.0075;  // of depth itself
 
 /// Whether an estimate is sure enough to be acted on unasked.
 bool is_sure_enough(const DepthEstimate& e) {
@@ -42,6 +44,14 @@ double scale_of(const std::vector<MovedPose>& poses) {
     product += (p.before.t - before).dot(p.after.t - after);
   }
   return square > 0 ? product / square : 1;
+}
+
+/// By how much depth itself is off in the mean, as a share of it.
+double depth_share(const DepthEstimate& estimate, const std::vector<Keyframe>& keyframes) {
+  double depth_m = 0;
+  for (const Keyframe& k : keyframes) depth_m += k.mean_depth_m;
+  return std::abs(estimate.calibration.mean_offset_per_m()) * depth_m /
+         static_cast<double>(std::max<std::size_t>(1, keyframes.size()));
 }
 
 /// The same path in another scale; the first pose stays.
@@ -135,11 +145,11 @@ std::optional<DepthEstimate> OnlineCalibration::attempt() {
 bool OnlineCalibration::is_contradiction(const DepthEstimate& estimate, double scale) {
   std::vector<std::string> warnings = estimate.warnings();
   const double off = std::abs(scale_ * scale - 1);
-  if (off > kContradiction) {
+  if (off > kContradiction && depth_share(estimate, archive_.keyframes()) > kContradictionDepth) {
     warnings.push_back(fmt::format(
-        "pictures and depth disagree on the metre by {:.1f} %: the intrinsics or the registration "
-        "of the two cameras are probably wrong",
-        100 * off));
+        "pictures and depth disagree on the metre by {:.1f} % ({} keyframes, an offset of {:+.4f} "
+        "/m): the intrinsics or the registration of the two cameras are probably wrong",
+        100 * off, estimate.keyframes, estimate.calibration.mean_offset_per_m()));
   }
   for (const std::string& warning : warnings) {
     log().warn("{}; no calibration is learned from this recording", warning);

@@ -101,6 +101,12 @@ TEST(OnlineCalibration, DepthOfAnotherMetreIsNotBentStraight) {
   EXPECT_TRUE(lessons(room, 1.06).empty());
 }
 
+TEST(OnlineCalibration, APathOfAnotherLengthAloneIsNoContradiction) {
+  TestRoom room;
+  room.distort = [](double, double, double q) { return q - 0.002; };
+  EXPECT_FALSE(lessons(room, 1.03).empty());
+}
+
 TEST(OnlineCalibration, WaitsUntilWhatItSaidIsApplied) {
   TestRoom room;
   room.distort = [](double, double, double q) { return q - 0.006; };

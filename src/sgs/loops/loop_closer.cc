@@ -63,7 +63,7 @@ bool LoopCloser::wants_node(const RgbdFrame& frame, const SE3& T_world_camera) c
   const Node& last = skeleton_.node(skeleton_.size() - 1);
   SE3 T_last_camera = last.T_world_camera.inverse() * T_world_camera;
   return registration::view_distance(frame.camera, last.mean_depth_m, T_last_camera) >
-         config_.view_distance;
+         way_check_.share() * config_.view_distance;
 }
 
 void LoopCloser::add_node(const RgbdFrame& frame, const tracker::TrackResult& result) {

@@ -60,6 +60,7 @@ struct LoopConfig {
   double rhythm = 0.1;
   double way_doubt = 0.1;
   double way_ratio = 10;
+  double doubt_share = 0.33;
   int memory_mb = 400;
   DriftConfig drift;
 
@@ -124,6 +125,9 @@ struct LoopConfig {
     p.add("way_ratio", way_ratio,
           "Beyond, the views mend the way if they contradict each other so many times less.", "",
           {1, 1e6});
+    p.add("doubt_share", doubt_share,
+          "While ways are mended nodes are so much closer together: what drifts in between stays.",
+          "", {0.05, 1});
     p.add("memory_mb", memory_mb,
           "What views of places may hold in memory; beyond, of views that show the same the newer "
           "ones go.",

@@ -3,6 +3,7 @@
 #include "sgs/loops/way_check.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "sgs/core/log.h"
@@ -32,33 +33,49 @@ double WayCheck::Usual::value() const {
   return sorted[(sorted.size() - 1) / 2];
 }
 
+// How alignments from node to node close with one over two whole steps.
+void WayCheck::measure_closure(const Skeleton& skeleton, const LoopVerifier& verifier,
+                               double share) {
+  const auto steps = static_cast<std::size_t>(std::lround(2 / share));
+  const int c = skeleton.size() - 1, a = c - static_cast<int>(steps);
+  if (T_steps_.size() < steps || a < 0) return;
+  if (skeleton.node(a).number != skeleton.node(c).number - static_cast<int>(steps)) return;
+  SE3 T_a_c;
+  for (std::size_t k = T_steps_.size() - steps; k < T_steps_.size(); ++k)
+    T_a_c = T_a_c * T_steps_[k];
+  const auto over = verifier.measure(skeleton.node(a), skeleton.node(c), T_a_c);
+  if (over) closure_.add(per_direction(*over, T_a_c) / static_cast<double>(steps + 1));
+}
+
 std::optional<graph::UncertainPose> WayCheck::mended(const Skeleton& skeleton,
                                                      const LoopVerifier& verifier) {
-  constexpr double kSteps = 3;  // alignments in a closed triangle
-  const auto T_last_step = std::exchange(T_last_step_, std::nullopt);
-  const int c = skeleton.size() - 1, b = c - 1, a = c - 2;
+  const double share = std::exchange(share_, 1);
+  const int c = skeleton.size() - 1, b = c - 1;
   if (b < 0) return std::nullopt;
   const graph::UncertainPose way = skeleton.tracked(b, c);
   const auto seen = verifier.measure(skeleton.node(b), skeleton.node(c), way.T);
-  if (!seen) return std::nullopt;
-  const graph::Edge edge{b, c, seen->T_older_newer, seen->information, true};
-  if (deviation_chi2(edge, way) > config_.max_gate_chi2) return std::nullopt;
-  T_last_step_ = seen->T_older_newer;
-  const double deviation = per_direction(*seen, way.T);
-  contradiction_.add(deviation);
-  if (contradiction_.value() < config_.way_doubt) return std::nullopt;
-
-  const auto number = [&](int node) { return skeleton.node(node).number; };
-  if (T_last_step && a >= 0 && number(a) == number(c) - 2) {
-    const SE3 T_a_c = *T_last_step * seen->T_older_newer;
-    const auto over = verifier.measure(skeleton.node(a), skeleton.node(c), T_a_c);
-    if (over) closure_.add(per_direction(*over, T_a_c) / kSteps);
-  }
-  log().debug("way to node {}: {:.3f} against the views, usually {:.3f}; views {:.4f}", number(c),
-              deviation, contradiction_.value(), closure_.value());
-  if (!closure_.known() || contradiction_.value() < config_.way_ratio * closure_.value()) {
+  const graph::Edge edge{b, c, seen ? seen->T_older_newer : SE3{},
+                         seen ? seen->information : Matrix6d(Matrix6d::Zero()), true};
+  if (!seen || deviation_chi2(edge, way) > config_.max_gate_chi2) {
+    T_steps_.clear();
     return std::nullopt;
   }
+  const auto most_steps = static_cast<std::size_t>(std::lround(2 / config_.doubt_share));
+  if (T_steps_.size() == most_steps) T_steps_.erase(T_steps_.begin());
+  T_steps_.push_back(seen->T_older_newer);
+  const double deviation = per_direction(*seen, way.T);
+  // Drift that is the same everywhere grows with the way, its square with the square: so much it
+  // would be over a whole step.
+  contradiction_.add(deviation / (share * share));
+  if (contradiction_.value() < config_.way_doubt) return std::nullopt;
+  measure_closure(skeleton, verifier, share);
+  log().debug("way to node {}: {:.3f} against the views, usually {:.3f}; views {:.4f}",
+              skeleton.node(c).number, deviation, contradiction_.value(), closure_.value());
+  if (!closure_.known() ||
+      share * share * contradiction_.value() < config_.way_ratio * closure_.value()) {
+    return std::nullopt;
+  }
+  share_ = config_.doubt_share;
   // Alignments of neighbours are as good as they close; what they claim is meant for views from
   // elsewhere, and so much is left in doubt.
   constexpr double kLeastClosure = 1e-3;

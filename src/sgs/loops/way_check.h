@@ -13,8 +13,9 @@ namespace sgs::loops {
 
 /// Whether the tracked way from node to node is what the two views say of it. Two variances are
 /// told apart by how they close: that of a tracked way against the alignment of its two views, and
-/// that of alignments among themselves, over three nodes (a -> b -> c against a -> c). Both are
-/// squared deviations per direction, in units of what an edge claims.
+/// that of alignments among themselves, over two whole steps (a -> b -> c against a -> c): closer
+/// ones share their errors. Both are squared deviations per direction, in units of what an edge
+/// claims.
 class WayCheck {
  public:
   explicit WayCheck(const LoopConfig& config) : config_(config) {}
@@ -23,6 +24,8 @@ class WayCheck {
   /// more than views contradict each other: the way that both together say, to be put in its place.
   std::optional<graph::UncertainPose> mended(const Skeleton& skeleton,
                                              const LoopVerifier& verifier);
+  /// By how much the next way is to be shorter than usual: less than 1 while ways are mended.
+  double share() const { return share_; }
   /// What was measured so far is of another camera, or of another piece of the way.
   void forget() { *this = WayCheck(config_); }
 
@@ -39,9 +42,12 @@ class WayCheck {
     std::vector<double> last_;
   };
 
+  void measure_closure(const Skeleton& skeleton, const LoopVerifier& verifier, double share);
+
   LoopConfig config_;
   Usual contradiction_, closure_;
-  std::optional<SE3> T_last_step_;  // the newest node in the one before, as the views say
+  double share_ = 1;
+  std::vector<SE3> T_steps_;  // from node to node up to the newest one, as the views say
 };
 
 }  // namespace sgs::loops

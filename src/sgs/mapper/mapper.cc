@@ -15,6 +15,7 @@
 #include "sgs/mapper/keyframe_memory.h"
 #include "sgs/mapper/keyframe_refinement.h"
 #include "sgs/mapper/map_archive.h"
+#include "sgs/mapper/merge_layers.h"
 #include "sgs/mapper/move_map.h"
 #include "sgs/mapper/optimizer.h"
 #include "sgs/mapper/schedule.h"
@@ -64,6 +65,7 @@ struct Mapper::Impl {
 
   void step();
   void prune();
+  void merge_layers(std::span<const SE3> moves);
   void cull_keyframes();
   void take_awaited();
   /// Everything but the keyframes.
@@ -167,6 +169,15 @@ void Mapper::Impl::prune() {
   bounds.assign(store.raw, store.average);
 }
 
+void Mapper::Impl::merge_layers(std::span<const SE3> moves) {
+  const ScopedTimer timer(times, "map/merge");
+  const std::size_t merged = mapper::merge_layers(moves, config.merge, store, removed);
+  if (merged == 0) return;
+  log().debug("{} of {} Gaussians were there twice", merged, store.size());
+  views.follow_removal(removed);
+  store.remove_if([this](std::size_t i) { return removed.contains(i); });
+}
+
 void Mapper::Impl::cull_keyframes() {
   while (schedule.active().size() > static_cast<std::size_t>(config.schedule.most_keyframes)) {
     const std::size_t index = most_redundant(keyframes, schedule.active());
@@ -248,6 +259,7 @@ void Mapper::move_keyframes(const std::vector<SE3>& moves) {
     keyframe.T_odom_camera = (moves[k] * keyframe.T_odom_camera).normalized();
   }
   move_gaussians(moves, m.store);
+  if (m.config.merge.enabled) m.merge_layers(moves);
   m.bounds.assign(m.store.raw, m.store.average);
   m.views.forget();
   m.changed = true;

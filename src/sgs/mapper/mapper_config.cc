@@ -39,6 +39,7 @@ MapperConfig paper_mapper_config() {
   c.schedule.min_transmittance = 1e-4;
   c.refinement.exposure = false;
   c.refinement.pose = false;
+  c.merge.enabled = false;
   return c;
 }
 

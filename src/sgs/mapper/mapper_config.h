@@ -233,6 +233,25 @@ struct KeyframeRefinementConfig {
   }
 };
 
+/// What becomes of surfaces that were mapped twice in places that a correction brings together.
+struct MergeConfig {
+  bool enabled = true;
+  double apart_m = 0.01;
+  double distance = 0.7;
+  double color = 0.15;
+
+  void declare(ParameterList& p) {
+    p.add("enabled", enabled,
+          "Where a correction lays two layers on each other, merge those of their Gaussians that "
+          "show the same.");
+    p.add("apart_m", apart_m, "Layers that lay closer together than this before are left alone.",
+          "m", {0, 10});
+    p.add("distance", distance, "Gaussians that lie closer together are merged.",
+          "reaches of the smaller", {0, 1});
+    p.add("color", color, "Those whose colours differ by more are left alone.", "", {0, 1});
+  }
+};
+
 /// Settings of the mapper; the defaults are the `default` preset.
 struct MapperConfig {
   double iterations_per_frame = 1.5;
@@ -243,6 +262,7 @@ struct MapperConfig {
   ObjectiveConfig objective;
   ScheduleConfig schedule;
   KeyframeRefinementConfig refinement;
+  MergeConfig merge;
 
   void declare(ParameterList& p) {
     p.add("iterations_per_frame", iterations_per_frame,
@@ -263,6 +283,7 @@ struct MapperConfig {
     p.add_group("objective", objective);
     p.add_group("schedule", schedule);
     p.add_group("refinement", refinement);
+    p.add_group("merge", merge);
   }
 };
 

@@ -44,6 +44,7 @@ void ReadoutEstimator::add_keyframe(std::size_t keyframe, const Eigen::Vector3d&
   const Eigen::Vector3d none = Eigen::Vector3d::Zero();
   if (keyframe >= keyframes_.size()) keyframes_.resize(keyframe + 1, {none, none, none, scatter_});
   keyframes_[keyframe] = {turning_rate, rotation, none, scatter_};
+  if (aligned_to_ == keyframe) aligned_to_.reset();
 }
 
 Eigen::Vector3d ReadoutEstimator::keyframe_error(std::size_t keyframe) const {
@@ -66,6 +67,14 @@ ReadoutEstimator::Belief ReadoutEstimator::predict(const Vector6d& velocity,
   return belief;
 }
 
+void ReadoutEstimator::begin(std::size_t keyframe) {
+  const Keyframe& k = keyframes_[keyframe];
+  const double known = 1 / std::max(k.variance, kTiny_rad * kTiny_rad);
+  joint_.information = Eigen::Vector4d(information_, known, known, known).asDiagonal();
+  joint_.moment << moment_, known * k.short_by;
+  aligned_to_ = keyframe;
+}
+
 void ReadoutEstimator::update(const Eigen::Vector3d& turning_rate, const Eigen::Vector3d& rotation,
                               const Eigen::Matrix3d& information, std::size_t keyframe) {
   if (!config_.estimate || !turning_rate.allFinite() || !rotation.allFinite()) return;
@@ -82,15 +91,21 @@ void ReadoutEstimator::update(const Eigen::Vector3d& turning_rate, const Eigen::
   if (keyframe >= keyframes_.size()) add_keyframe(keyframe, {0, 0, 0}, {0, 0, 0});
   Keyframe& k = keyframes_[keyframe];
   const Eigen::Vector3d rate = turning_rate - k.turning_rate, turn = rotation - k.rotation;
-  const double information_gain = rate.dot(weight * rate);
-  const double moment = rate.dot(weight * (turn - k.short_by));
-  if (!(information_gain >= 0) || !std::isfinite(moment)) return;
-  information_ += information_gain;
-  moment_ += moment;
+  if (aligned_to_ != keyframe) begin(keyframe);
+  Eigen::Matrix<double, 3, 4> J;
+  J << rate, Eigen::Matrix3d::Identity();
+  Joint joint = joint_;
+  joint.information += J.transpose() * weight * J;
+  joint.moment += J.transpose() * (weight * turn);
+  const Eigen::Matrix4d both = joint.information.inverse();
+  const Eigen::Vector4d estimate = both * joint.moment;
+  if (!(both(0, 0) > 0) || !estimate.allFinite()) return;
+  joint_ = joint;
+  information_ = 1 / both(0, 0);
+  moment_ = information_ * estimate(0);
+  k.short_by = estimate.tail<3>();
+  k.variance = both.diagonal().tail<3>().mean();
   const Eigen::Vector3d off = turn - readout_s() * rate - k.short_by;
-  const double gain = k.variance / (k.variance + covariance.diagonal().maxCoeff());
-  k.short_by += gain * off;
-  k.variance *= 1 - gain;
 
   if (last_off_) {
     constexpr double kForget = 1.0 / 30;

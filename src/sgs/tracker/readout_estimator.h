@@ -17,8 +17,9 @@ namespace sgs::tracker {
 /// A picture shows its turn against a keyframe's only, that is tau times the difference of the two
 /// turning rates: a camera that turns steadily shows nothing, however fast. By how much the
 /// keyframe's own turn differs from tau times its rate is common to all frames aligned to it; it is
-/// estimated as what they have in common beyond, and taken off before one of them becomes the next
-/// keyframe. Without that the errors of all keyframes would add up.
+/// estimated together with tau (one after the other it would take tau's part for its own), and
+/// taken off before one of them becomes the next keyframe. Without that the errors of all keyframes
+/// would add up.
 class ReadoutEstimator {
  public:
   explicit ReadoutEstimator(const ReadoutConfig& config);
@@ -54,6 +55,12 @@ class ReadoutEstimator {
     double variance = 0;  // of that, rad^2
   };
   Keyframe keyframe_or_still(std::size_t keyframe) const;
+  /// What is known of tau and of the error of the keyframe that frames are aligned to, together.
+  struct Joint {
+    Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
+    Eigen::Vector4d moment = Eigen::Vector4d::Zero();  // information times estimate
+  };
+  void begin(std::size_t keyframe);
 
   ReadoutConfig config_;
   double information_;  // of the readout time, 1/s^2
@@ -64,6 +71,8 @@ class ReadoutEstimator {
   double scatter_;  // variance, rad^2
   std::optional<Eigen::Vector3d> last_off_;
   std::vector<Keyframe> keyframes_;
+  std::optional<std::size_t> aligned_to_;  // the keyframe of joint_
+  Joint joint_;
 };
 
 }  // namespace sgs::tracker
