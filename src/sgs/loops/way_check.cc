@@ -41,8 +41,9 @@ void WayCheck::measure_closure(const Skeleton& skeleton, const LoopVerifier& ver
   if (T_steps_.size() < steps || a < 0) return;
   if (skeleton.node(a).number != skeleton.node(c).number - static_cast<int>(steps)) return;
   SE3 T_a_c;
-  for (std::size_t k = T_steps_.size() - steps; k < T_steps_.size(); ++k)
-    T_a_c = T_a_c * T_steps_[k];
+  for (auto T = T_steps_.end() - static_cast<std::ptrdiff_t>(steps); T != T_steps_.end(); ++T) {
+    T_a_c = T_a_c * *T;
+  }
   const auto over = verifier.measure(skeleton.node(a), skeleton.node(c), T_a_c);
   if (over) closure_.add(per_direction(*over, T_a_c) / static_cast<double>(steps + 1));
 }
@@ -54,9 +55,11 @@ std::optional<graph::UncertainPose> WayCheck::mended(const Skeleton& skeleton,
   if (b < 0) return std::nullopt;
   const graph::UncertainPose way = skeleton.tracked(b, c);
   const auto seen = verifier.measure(skeleton.node(b), skeleton.node(c), way.T);
-  const graph::Edge edge{b, c, seen ? seen->T_older_newer : SE3{},
-                         seen ? seen->information : Matrix6d(Matrix6d::Zero()), true};
-  if (!seen || deviation_chi2(edge, way) > config_.max_gate_chi2) {
+  const auto is_possible = [&](const LoopVerifier::Found& found) {
+    const graph::Edge edge{b, c, found.T_older_newer, found.information, true};
+    return deviation_chi2(edge, way) <= config_.max_gate_chi2;
+  };
+  if (!seen || !is_possible(*seen)) {
     T_steps_.clear();
     return std::nullopt;
   }

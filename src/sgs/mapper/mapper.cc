@@ -65,6 +65,7 @@ struct Mapper::Impl {
 
   void step();
   void prune();
+  /// After a move only: what keyframes see is forgotten then, and need not follow the removal.
   void merge_layers(std::span<const SE3> moves);
   void cull_keyframes();
   void take_awaited();
@@ -174,7 +175,6 @@ void Mapper::Impl::merge_layers(std::span<const SE3> moves) {
   const std::size_t merged = mapper::merge_layers(moves, config.merge, store, removed);
   if (merged == 0) return;
   log().debug("{} of {} Gaussians were there twice", merged, store.size());
-  views.follow_removal(removed);
   store.remove_if([this](std::size_t i) { return removed.contains(i); });
 }
 

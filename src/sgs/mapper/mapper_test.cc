@@ -192,6 +192,22 @@ TEST(Mapper, PullsAMisplacedKeyframeBack) {
   EXPECT_LT((refined.t - truth.t).head<2>().norm(), 0.009) << refined.t.transpose();
 }
 
+TEST(Mapper, MergesWhatAMoveLaysOnItself) {
+  const auto size = [](bool merge) {
+    MapperConfig config = config_for_test();
+    config.merge.enabled = merge;
+    Mapper mapper(config, small_camera(), 3, nullptr);
+    // The same view twice, the second time held to be 20 cm nearer, until that is mended.
+    mapper.add_keyframe(wall_frame(small_camera(), SE3{}, 0), SE3{});
+    mapper.add_keyframe(wall_frame(small_camera(), SE3{}, 1), translated(0, 0, -0.2));
+    mapper.iterate(20);
+    mapper.move_keyframes({SE3{}, translated(0, 0, 0.2)});
+    mapper.iterate(20);  // goes on from there
+    return mapper.size();
+  };
+  EXPECT_LT(static_cast<double>(size(true)), 0.8 * static_cast<double>(size(false)));
+}
+
 TEST(Mapper, IsPulledTowardsTheTrackedPoseNotTheOneItBeganWith) {
   MapperConfig config = config_for_test();
   config.refinement.pose_prior_rotation = config.refinement.pose_prior_translation = 1e4;
@@ -262,8 +278,9 @@ void walk(Mapper& mapper, int begin, int end) {
     mapper.iterate(7);
     if (const auto change = change_behind(i)) mapper.change_depth(change);
     if (i % 11 == 10) {
-      mapper.move_keyframes(
-          std::vector<SE3>(static_cast<std::size_t>(i + 1), translated(0, 0, 1e-3)));
+      std::vector<SE3> moves;  // two keyframes not alike, so that some Gaussians are merged
+      for (int k = 0; k <= i; ++k) moves.push_back(translated(0, 0, k % 2 == 0 ? 1e-3 : 0.015));
+      mapper.move_keyframes(moves);
     }
   }
 }

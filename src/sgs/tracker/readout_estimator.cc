@@ -67,6 +67,7 @@ ReadoutEstimator::Belief ReadoutEstimator::predict(const Vector6d& velocity,
   return belief;
 }
 
+// What tau and the error of the last keyframe had in common is left behind with that keyframe.
 void ReadoutEstimator::begin(std::size_t keyframe) {
   const Keyframe& k = keyframes_[keyframe];
   const double known = 1 / std::max(k.variance, kTiny_rad * kTiny_rad);

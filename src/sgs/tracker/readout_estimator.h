@@ -60,6 +60,7 @@ class ReadoutEstimator {
     Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
     Eigen::Vector4d moment = Eigen::Vector4d::Zero();  // information times estimate
   };
+  /// Frames are aligned to another keyframe from now on.
   void begin(std::size_t keyframe);
 
   ReadoutConfig config_;
