@@ -100,6 +100,7 @@ TEST(Session, TrackingAgainstTheRenderedMapMakesMoreMappingSteps) {
   const auto steps = [&](double least) {
     auto config = render_config();
     config.tracker.rendering.mapping_steps = least;
+    config.snapshot_interval = 1;  // steps are counted up to the newest one
     slam::SessionOptions options;
     options.threads = 1;
     auto session = *slam::Session::create(config, frames.front()->camera, options);
