@@ -99,6 +99,8 @@ class JointAligner {
   int source_points() const { return static_cast<int>(geometry_.source().points.size()); }
   const GeometricTerm& geometry() const { return geometry_; }
   const VisualTerm& vision() const { return vision_; }
+  /// The camera is now where this keyframe of vision() is (VisualTerm::carry_to).
+  void carry_to(std::size_t keyframe) { vision_.carry_to(keyframe); }
   const degeneracy::Observability& observability() const { return observability_; }
   const degeneracy::SurfaceInformation& surfaces() const { return surfaces_; }
   double planarity() const { return planarity_; }

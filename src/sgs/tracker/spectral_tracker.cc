@@ -155,10 +155,15 @@ std::optional<Alignment> SpectralTracker::relocalised(const RgbdFrame& frame) {
   // The jump is what relocalisation is for: judge the alignment as a motion from there.
   MotionModel motion = motion_;
   motion.jump_to(*found);
+  const std::size_t last = aligner_.vision().newest_keyframe();
+  aligner_.carry_to(aligner_.vision().nearest_keyframe(*found));
   Alignment a = align(*found, frame.timestamp_s, motion);
   const bool agreed = a.trusted() && is_explained(a) && a.picture_holds() && sees_enough(a) &&
                       a.picture->mean_cost <= kNotStrange;
-  if (!is_confirmed(a) && !agreed) return std::nullopt;
+  if (!is_confirmed(a) && !agreed) {
+    aligner_.carry_to(last);
+    return std::nullopt;
+  }
   motion_ = motion;
   poor_frames_ = 0;
   return a;

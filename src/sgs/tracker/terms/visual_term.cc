@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "sgs/registration/view_distance.h"
@@ -55,6 +56,18 @@ VisualTerm::Fit VisualTerm::start(const SE3& T_local_predicted) {
     add(index);
   }
   return fit;
+}
+
+std::size_t VisualTerm::nearest_keyframe(const SE3& T_local_camera) const {
+  std::size_t out = newest_;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < keyframes_.size(); ++i) {
+    const double distance = view_distance(keyframes_[i], T_local_camera);
+    if (distance >= nearest) continue;
+    nearest = distance;
+    out = i;
+  }
+  return out;
 }
 
 void VisualTerm::compare_references(const Fit& fit) {

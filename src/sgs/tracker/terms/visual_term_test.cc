@@ -66,5 +66,21 @@ TEST_F(DriftedWall, AnOldKeyframeThatContradictsIsLeftOutUntilThePastIsCorrected
   EXPECT_EQ(references(kDrift_m), 2);
 }
 
+TEST_F(DriftedWall, ACameraThatWasCarriedOffIsAlignedToTheNearestKeyframe) {
+  constexpr double kDrift_m = 0.06;
+  make(kDrift_m);
+  for (int k = 0; k < 12; ++k) references(kDrift_m);  // the first one contradicts
+  EXPECT_EQ(term_.newest_keyframe(), 2u);
+  EXPECT_EQ(term_.nearest_keyframe(beside(0.8)), 1u);
+  EXPECT_EQ(term_.nearest_keyframe(beside(0.02)), 0u);
+  const RgbdFrame frame = see_wall(beside(0.02), frames_++);
+  const double before = look(term_, frame, 0.02, 0).mean_cost();
+  term_.carry_to(0);
+  const VisualTerm::Fit fit = look(term_, frame, 0.02, 0);
+  EXPECT_EQ(fit.references(), 2);  // that one, and what lies beside it
+  EXPECT_GT(fit.newest_share(), 0.9);
+  EXPECT_LT(fit.mean_cost(), 0.6 * before);
+}
+
 }  // namespace
 }  // namespace sgs::tracker
