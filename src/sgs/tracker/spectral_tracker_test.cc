@@ -175,6 +175,27 @@ TEST(SpectralTracker, SurfacesAreNotBelievedAgainstThePicture) {
   EXPECT_LT(distance_m(back.T_world_camera, wall_pose(9)), 0.01);
 }
 
+// From far off most of what was near can still be seen, too small to be aligned to: the frame in
+// which the camera is found must be as well aligned as those that follow.
+TEST(SpectralTracker, CarriedBackToTheWallItIsAlignedToWhatItSawThere) {
+  const auto before_wall = [](double distance_m) {
+    return SE3(so3_exp({0.03, -0.02, 0.01}), {0, 0, kWallDistance_m - distance_m});
+  };
+  constexpr int kAway = 60;  // frames
+  const auto tracker = must_make({}, kWallCamera, before_wall(0.8));
+  for (int i = 0; i < kAway; ++i) {
+    const auto r = tracker->track(see_wall(before_wall(0.8 + 0.04 * i), i), nullptr);
+    ASSERT_NE(r.status, TrackingStatus::kLost) << i;
+  }
+  const SE3 back = before_wall(0.82);
+  const TrackResult found = tracker->track(see_wall(back, kAway), nullptr);
+  EXPECT_NE(found.status, TrackingStatus::kLost);
+  EXPECT_LT(distance_m(found.T_world_camera, back), 0.005);
+  const TrackResult next = tracker->track(see_wall(back, kAway + 1), nullptr);
+  EXPECT_GT(found.diagnostics.visual_inliers, 0.9 * next.diagnostics.visual_inliers);
+  EXPECT_LT(found.diagnostics.visual_cost, 1.05 * next.diagnostics.visual_cost);
+}
+
 TEST(SpectralTracker, SurvivesBrightnessChanges) {
   const auto tracker = must_make({}, kWallCamera, wall_pose(0));
   for (int i = 0; i < 20; ++i) {
