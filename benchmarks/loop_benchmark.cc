@@ -99,10 +99,12 @@ Revisits revisits(const loops::Skeleton& s, const std::vector<bool>& again) {
     if (nodes < 2) continue;
     ++out.stretches;
     const auto& loops = s.loops();
-    out.found += std::any_of(loops.begin(), loops.end(),
-                             [&](const graph::Edge& e) { return e.to >= begin && e.to <= end; })
-                     ? 1
-                     : 0;
+    const bool found = std::any_of(loops.begin(), loops.end(), [&](const graph::Edge& e) {
+      return e.to >= begin && e.to <= end;
+    });
+    out.found += found ? 1 : 0;
+    log().debug("nodes {} to {} ({:.1f} to {:.1f} s) see a place again: {}", begin, end,
+                s.node(begin).timestamp_s, s.node(end).timestamp_s, found ? "found" : "missed");
   }
   return out;
 }

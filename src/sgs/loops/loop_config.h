@@ -45,7 +45,7 @@ struct LoopConfig {
   int spacing_nodes = 3;
   double spacing_share = 0.01;
   int most_loops = 800;
-  double min_used = 0.35;
+  double min_used = 0.2;
   double min_overlap = 0.35;
   int min_rank = 3;
   double min_information = 2e4;

@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/loops/loop_verifier.h"
+
+#include <gtest/gtest.h>
+
+#include "sgs/registration/view_distance.h"
+#include "sgs/tracker/textured_wall.h"
+
+namespace sgs::loops {
+namespace {
+
+SE3 before_wall(double x_m, double distance_m) {
+  return {so3_exp({0.02, -0.01, 0.01}), {x_m, 0, tracker::kWallDistance_m - distance_m}};
+}
+
+/// Three nodes side by side before the papered wall, 1.5 m away from it, and where a fourth is.
+class LoopVerifierTest : public testing::Test {
+ protected:
+  LoopVerifierTest() {
+    for (const double x : {-0.15, 0.0, 0.15}) add(before_wall(x, 1.5), before_wall(x, 1.5));
+  }
+  /// `T_seen`: where its picture is taken.
+  void add(const SE3& T_said, const SE3& T_seen) {
+    const RgbdFrame frame = tracker::see_wall(T_seen, skeleton_.size());
+    Node node;
+    node.timestamp_s = 10 * skeleton_.size();
+    node.T_world_camera = T_said;
+    node.mean_depth_m = registration::mean_depth(frame.depth, 10);
+    node.view = CompactView(frame);
+    skeleton_.add(std::move(node), 1e-4 * Matrix6d::Identity());
+  }
+  /// Of the newest node to the one in the middle, which is expected where the nodes say.
+  std::optional<graph::Edge> verify() const {
+    const LoopVerifier verifier(LoopConfig{}, tracker::TrackerConfig{});
+    const int newest = skeleton_.size() - 1;
+    return verifier.verify(
+        skeleton_, 1, newest,
+        skeleton_.node(1).T_world_camera.inverse() * skeleton_.node(newest).T_world_camera);
+  }
+
+  Skeleton skeleton_;
+};
+
+// A quarter of what the older node saw fills the newer one's image.
+TEST_F(LoopVerifierTest, APlaceIsKnownAgainFromHalfTheDistance) {
+  const SE3 T_true = before_wall(0.03, 0.75);
+  add(T_true * SE3(so3_exp({0.01, 0, 0.01}), {0.02, -0.01, 0.02}), T_true);
+  const auto loop = verify();
+  ASSERT_TRUE(loop);
+  const SE3 off = (before_wall(0, 1.5).inverse() * T_true).inverse() * loop->T_from_to;
+  EXPECT_LT(off.t.norm(), 0.005);
+  EXPECT_LT(off.angle(), 0.005);
+}
+
+// As flat and as far away, with another picture: surfaces alone join nothing.
+TEST_F(LoopVerifierTest, AnotherWallIsNotTakenForThisOne) {
+  for (const double distance_m : {1.5, 0.75}) {
+    add(before_wall(0.03, distance_m), before_wall(50.03, distance_m));
+    EXPECT_FALSE(verify()) << distance_m;
+  }
+}
+
+}  // namespace
+}  // namespace sgs::loops
