@@ -54,7 +54,9 @@ std::vector<std::size_t> Relocaliser::most_alike(const RgbdFrame& frame) const {
 }
 
 std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame) {
-  features::OrbExtractor extractor(config_.orb);
+  features::OrbConfig orb = config_.orb;
+  orb.features = std::min(orb.features, config_.memory.features);
+  features::OrbExtractor extractor(orb);
   const CompactView view(frame, kept_level(frame.camera));
   const features::OrbFrame current = extractor.extract(view.frame());
   if (static_cast<int>(current.keypoints.size()) < config_.pose.min_matches) return std::nullopt;
