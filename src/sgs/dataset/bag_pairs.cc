@@ -139,6 +139,8 @@ BagPairs::Event BagPairs::next() {
     Waiting color = take(color_), depth = take(depth_);
     event.kind = Event::Kind::kPair;
     event.time_ns = color.time_ns;
+    // Times of recording tell when messages arrived, not when they were measured.
+    if (clock_ == BagClock::kStamp) event.depth_delay_ns = depth.time_ns - color.time_ns;
     event.color = std::move(color.message);
     event.depth = std::move(depth.message);
     return event;

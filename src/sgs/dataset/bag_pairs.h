@@ -36,7 +36,8 @@ class BagPairs {
       kBad,  ///< a damaged stretch, or a colour image whose time runs backwards; `error` says it
       kEnd,
     } kind = Kind::kEnd;
-    std::int64_t time_ns = 0;  ///< of colour
+    std::int64_t time_ns = 0;         ///< of colour
+    std::int64_t depth_delay_ns = 0;  ///< by how much later depth was stamped; 0 where none was
     bag::Message color, depth;
     Error error;
   };

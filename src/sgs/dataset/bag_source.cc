@@ -119,6 +119,7 @@ class BagSource : public FrameSource {
       frame = RgbdFrame{};
       frame.index = position_++ - plan_.first;
       frame.timestamp_s = seconds_of(event.time_ns);
+      frame.depth_delay_s = seconds_of(event.depth_delay_ns);
       frame.camera = camera();
       frame.truth_T_world_camera = truth_.at(frame.timestamp_s, kMaxBagTruthGap_s);
       Status status;

@@ -20,7 +20,7 @@ class CalibratedSource final : public FrameSource {
     const FrameRead status = source_->next(frame, error);
     if (status != FrameRead::kOk) return status;
     frame.depth = calibration_.apply(frame.depth);
-    frame.depth_delay_s = calibration_.delay_s;
+    frame.depth_delay_s += calibration_.delay_s;  // beside what its stamp says
     return status;
   }
   bool live() const override { return source_->live(); }

@@ -119,6 +119,7 @@ FrameRead FileSequence::next(RgbdFrame& frame, Error& error) {
   frame = RgbdFrame{};
   frame.index = static_cast<std::int64_t>(position_++);
   frame.timestamp_s = entry.timestamp_s;
+  frame.depth_delay_s = entry.depth_delay_s;
   frame.camera = fit_.camera();
   frame.truth_T_world_camera = truth_.at(entry.timestamp_s, kMaxTruthGap_s);
   if (auto status = read(entry, frame); !status) {

@@ -39,6 +39,11 @@ Status FrameFit::fit(ColorImage color, DepthImage depth, const StoredCameras& st
   if (stored.color != camera_) color = resample_color(color, stored.color, camera_);
   if (stored.depth != camera_) depth = resample_depth(depth, stored.depth, camera_);
   frame.camera = camera_;
+  frame.seen = seen_by(stored.color, camera_);
+  if (undistorter_) {
+    frame.seen = frame.seen ? std::make_shared<PixelMask>(undistorter_->mask(*frame.seen))
+                            : undistorter_->seen();
+  }
   frame.color = undistorter_ ? undistorter_->color(color) : std::move(color);
   frame.depth = undistorter_ ? undistorter_->depth(depth) : std::move(depth);
   return {};

@@ -23,6 +23,7 @@ struct FrameEntry {
   std::string color_origin, depth_origin;
   std::optional<PinholeCamera> camera = {};  ///< of this colour image, where they differ
   std::filesystem::path confidence = {};     ///< 8-bit image beside the depth; may be empty
+  double depth_delay_s = 0;  ///< by how much later than colour its stamp says depth was taken
 };
 
 /// What the values of a depth image mean.

@@ -190,6 +190,9 @@ SequenceInfo describe(const FrameList& list, const FoundCalibration& found) {
   info.last_time_s = list.frames.back().timestamp_s;
   info.calibration_source = found.source;
   info.truth_rows = list.truth.size();
+  std::vector<double> delays_s;
+  for (const FrameEntry& frame : list.frames) delays_s.push_back(frame.depth_delay_s);
+  info.depth_delays = summarize_delays(std::move(delays_s));
   info.color_without_depth = list.color_without_depth;
   info.depth_without_color = list.depth_without_color;
   info.missing_images = count_missing(list.frames);

@@ -14,6 +14,7 @@
 
 #include "sgs/camera/pinhole.h"
 #include "sgs/core/error.h"
+#include "sgs/dataset/depth_stamps.h"
 #include "sgs/dataset/frame_source.h"
 #include "sgs/dataset/given_poses.h"
 #include "sgs/io/calibration_io.h"
@@ -55,9 +56,10 @@ struct SequenceInfo {
   std::string calibration_source;  ///< "sgs.toml", "--camera", "known sequence freiburg1", ...
   PinholeCamera delivered;         ///< of the frames as delivered
   bool sparse = false;             ///< single views, too far apart to be tracked
-  std::string color_topic, depth_topic;  ///< of a bag
-  std::size_t truth_rows = 0;            ///< usable ground-truth poses
-  std::size_t color_without_depth = 0;   ///< colour images without a depth image near in time
+  std::string color_topic, depth_topic;     ///< of a bag
+  std::optional<DepthDelays> depth_delays;  ///< empty: depth has no stamps of its own, or a bag
+  std::size_t truth_rows = 0;               ///< usable ground-truth poses
+  std::size_t color_without_depth = 0;      ///< colour images without a depth image near in time
   std::size_t depth_without_color = 0;
   std::size_t missing_images = 0;     ///< frames that name a file that is not there
   std::vector<std::string> warnings;  ///< everything that had to be put right; also in the log

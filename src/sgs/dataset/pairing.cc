@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "sgs/dataset/association.h"
+#include "sgs/dataset/depth_stamps.h"
 
 namespace sgs::dataset {
 namespace fs = std::filesystem;
@@ -67,11 +68,27 @@ void pair_by_number(const std::map<long, fs::path>& color, const std::map<long, 
 void pair_by_time(const TimedFiles& color, const TimedFiles& depth, double max_difference_s,
                   FrameList& out) {
   for (const auto& [i, j] : associate(color.times_s, depth.times_s, max_difference_s)) {
-    out.frames.push_back({color.times_s[i], color.files[i], depth.files[j], out.folder.string(),
-                          out.folder.string()});
+    FrameEntry& frame =
+        out.frames.emplace_back(FrameEntry{color.times_s[i], color.files[i], depth.files[j],
+                                           out.folder.string(), out.folder.string()});
+    frame.depth_delay_s = depth.times_s[j] - color.times_s[i];
   }
+  drop_implausible_delays(out);
   out.color_without_depth = color.files.size() - out.frames.size();
   out.depth_without_color = depth.files.size() - out.frames.size();
+}
+
+void drop_implausible_delays(FrameList& list) {
+  if (list.frames.empty()) return;
+  std::vector<double> delays_s, stamps_s;
+  for (const FrameEntry& frame : list.frames) {
+    delays_s.push_back(frame.depth_delay_s);
+    stamps_s.push_back(frame.timestamp_s + frame.depth_delay_s);
+  }
+  if (auto why = implausible_delays(delays_s, stamps_s)) {
+    list.warnings.push_back(fmt::format("{}: {}", list.folder.string(), *why));
+    for (FrameEntry& frame : list.frames) frame.depth_delay_s = 0;
+  }
 }
 
 Status require_frames(const FrameList& list, const char* needed) {

@@ -40,6 +40,11 @@ void pair_by_number(const std::map<long, std::filesystem::path>& color,
 void pair_by_time(const TimedFiles& color, const TimedFiles& depth, double max_difference_s,
                   FrameList& out);
 
+/// Takes all depth as of its colour's time, with a warning, where its stamps cannot be of the same
+/// clock: more than 50 ms off in the median, which no camera that pairs images is, or the same for
+/// all frames.
+void drop_implausible_delays(FrameList& list);
+
 /// An error that names the folder and what is needed where a list has no frames.
 Status require_frames(const FrameList& list, const char* needed);
 

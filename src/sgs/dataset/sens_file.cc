@@ -150,9 +150,8 @@ void SensFile::index_frames() {
   while (frames_.size() < announced_ && size_ - at >= kFrameHeader_bytes) {
     Frame frame;
     Floats pose{};
-    std::uint64_t depth_time_us = 0;
     file_.seekg(static_cast<std::streamoff>(at));
-    if (!read(pose) || !read(frame.color_time_us) || !read(depth_time_us) ||
+    if (!read(pose) || !read(frame.color_time_us) || !read(frame.depth_time_us) ||
         !read(frame.color_bytes) || !read(frame.depth_bytes)) {
       return;
     }

@@ -25,7 +25,7 @@ class SensFile {
  public:
   struct Frame {
     std::optional<SE3> T_world_camera;  ///< empty where the recording knows none
-    std::uint64_t color_time_us = 0;
+    std::uint64_t color_time_us = 0, depth_time_us = 0;
     std::uint64_t color_at = 0;  ///< of the colour image in the file; depth follows it
     std::uint64_t color_bytes = 0, depth_bytes = 0;
   };

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "sgs/camera/resample.h"
+#include "sgs/dataset/depth_stamps.h"
 #include "sgs/dataset/frame_fit.h"
 #include "sgs/dataset/sens_file.h"
 #include "sgs/dataset/sparse_capture.h"
@@ -22,22 +23,26 @@ struct SensCalibration {
   std::string source;
 };
 
+/// When the images of each frame were taken.
+struct SensTimes {
+  std::vector<double> color_s, depth_delay_s;
+};
+
 class SensSource final : public FrameSource {
  public:
   SensSource(std::string name, SensFile file, SensCalibration calibration,
-             const PinholeCamera& delivered, std::vector<double> times_s, std::int64_t first,
-             std::int64_t last)
+             const PinholeCamera& delivered, SensTimes times, std::int64_t first, std::int64_t last)
       : name_(std::move(name)),
         file_(std::move(file)),
         calibration_(std::move(calibration)),
         fit_(delivered, calibration_.color.distortion),
-        times_s_(std::move(times_s)),
+        times_(std::move(times)),
         first_(first),
         last_(last),
         position_(first) {
-    for (std::size_t i = 0; i < times_s_.size(); ++i) {
+    for (std::size_t i = 0; i < times_.color_s.size(); ++i) {
       if (const auto& pose = file_.frames()[i].T_world_camera)
-        truth_.push_back({times_s_[i], *pose});
+        truth_.push_back({times_.color_s[i], *pose});
     }
   }
 
@@ -51,7 +56,8 @@ class SensSource final : public FrameSource {
     const auto i = static_cast<std::size_t>(position_);
     frame = RgbdFrame{};
     frame.index = position_++ - first_;
-    frame.timestamp_s = times_s_[i];
+    frame.timestamp_s = times_.color_s[i];
+    frame.depth_delay_s = times_.depth_delay_s[i];
     frame.camera = fit_.camera();
     frame.truth_T_world_camera = file_.frames()[i].T_world_camera;
     if (auto status = read(i, frame); !status) {
@@ -74,14 +80,14 @@ class SensSource final : public FrameSource {
   SensFile file_;
   SensCalibration calibration_;
   FrameFit fit_;
-  std::vector<double> times_s_;
+  SensTimes times_;
   std::int64_t first_, last_, position_;
   Trajectory truth_;
 };
 
-/// Times of the colour images; by number where they do not rise from frame to frame.
-std::vector<double> frame_times(const SensFile& file, std::vector<std::string>& warnings,
-                                const fs::path& path) {
+/// Times of the images; by number where those of colour do not rise from frame to frame.
+SensTimes frame_times(const SensFile& file, std::vector<std::string>& warnings,
+                      const fs::path& path) {
   constexpr double kMicrosecond_s = 1e-6;
   const auto& frames = file.frames();
   const auto fall = std::adjacent_find(
@@ -94,12 +100,20 @@ std::vector<double> frame_times(const SensFile& file, std::vector<std::string>& 
                     "second",
                     path.string(), kSensFps));
   }
-  std::vector<double> times_s;
+  SensTimes out;
+  std::vector<double> depth_s;
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    times_s.push_back(rising ? static_cast<double>(frames[i].color_time_us) * kMicrosecond_s
-                             : static_cast<double>(i) / kSensFps);
+    const SensFile::Frame& frame = frames[i];
+    const double color_s = static_cast<double>(frame.color_time_us) * kMicrosecond_s;
+    out.color_s.push_back(rising ? color_s : static_cast<double>(i) / kSensFps);
+    depth_s.push_back(static_cast<double>(frame.depth_time_us) * kMicrosecond_s);
+    out.depth_delay_s.push_back(rising && frame.depth_time_us > 0 ? depth_s.back() - color_s : 0);
   }
-  return times_s;
+  if (const auto why = implausible_delays(out.depth_delay_s, depth_s)) {
+    warnings.push_back(fmt::format("{}: {}", path.string(), *why));
+    out.depth_delay_s.assign(frames.size(), 0);
+  }
+  return out;
 }
 
 Result<SensCalibration> calibrate(const SensFile& file, const fs::path& path,
@@ -162,7 +176,9 @@ Result<Sequence> open_sens(const fs::path& path, const OpenOptions& options) {
   SGS_ASSIGN_OR_RETURN(const auto range, frame_range(options, path, count));
   Sequence sequence;
   SequenceInfo& info = sequence.info;
-  auto times_s = frame_times(file, info.warnings, path);
+  auto times = frame_times(file, info.warnings, path);
+  const std::vector<double> times_s = times.color_s;
+  info.depth_delays = summarize_delays(times.depth_delay_s);
   info.layout = "scannet .sens";
   info.name = path.stem().string();
   info.folder = path.parent_path();
@@ -174,8 +190,9 @@ Result<Sequence> open_sens(const fs::path& path, const OpenOptions& options) {
   info.calibration_source = calibration.source;
   info.delivered = delivered_camera(calibration.cameras, options.max_width);
   add_sens_warnings(file, path, info);
-  auto source = std::make_unique<SensSource>(info.name, std::move(file), calibration,
-                                             info.delivered, times_s, range.first, range.second);
+  auto source =
+      std::make_unique<SensSource>(info.name, std::move(file), calibration, info.delivered,
+                                   std::move(times), range.first, range.second);
   info.truth_rows = source->ground_truth().size();
   info.sparse = is_sparse(times_s, source->ground_truth());
   // The names that ScanNet's own exporter gives the pictures.

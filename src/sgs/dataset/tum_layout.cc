@@ -5,6 +5,7 @@
 
 #include "sgs/dataset/association.h"
 #include "sgs/dataset/frame_list.h"
+#include "sgs/dataset/pairing.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/text.h"
 #include "sgs/io/trajectory_io.h"
@@ -88,8 +89,9 @@ Status pair_lists(const fs::path& folder, double max_difference_s, FrameList& ou
         "rgb.txt and depth.txt must use the same clock");
   }
   for (const auto& [i, j] : pairs) {
-    out.frames.push_back(
-        {color[i].timestamp_s, color[i].path, depth[j].path, color[i].origin, depth[j].origin});
+    FrameEntry& frame = out.frames.emplace_back(FrameEntry{
+        color[i].timestamp_s, color[i].path, depth[j].path, color[i].origin, depth[j].origin});
+    frame.depth_delay_s = depth[j].timestamp_s - color[i].timestamp_s;
   }
   out.color_without_depth = color.size() - pairs.size();
   out.depth_without_color = depth.size() - pairs.size();
@@ -129,8 +131,10 @@ Status read_associations(const fs::path& list, FrameList& out) {
     }
     const bool swapped = f[1].starts_with("depth") && !f[3].starts_with("depth");
     const std::string origin = fmt::format("{}:{}", list.string(), line.number);
-    out.frames.push_back({swapped ? *second : *first, list.parent_path() / f[swapped ? 3 : 1],
-                          list.parent_path() / f[swapped ? 1 : 3], origin, origin});
+    FrameEntry& frame = out.frames.emplace_back(
+        FrameEntry{swapped ? *second : *first, list.parent_path() / f[swapped ? 3 : 1],
+                   list.parent_path() / f[swapped ? 1 : 3], origin, origin});
+    frame.depth_delay_s = swapped ? *first - *second : *second - *first;
   }
   if (out.frames.empty()) {
     return fail(ErrorCode::kInvalidFormat, fmt::format("{}: lists no images", list.string()));
@@ -166,6 +170,7 @@ Result<FrameList> list_tum(const fs::path& folder, double max_time_difference_s)
   const bool lists = fs::exists(folder / "rgb.txt") && fs::exists(folder / "depth.txt");
   SGS_RETURN_IF_ERROR(lists ? pair_lists(folder, max_time_difference_s, out)
                             : read_associations(folder / "associations.txt", out));
+  drop_implausible_delays(out);
   SGS_ASSIGN_OR_RETURN(out.calibration, eth3d_calibration(folder / "calibration.txt"));
   if (fs::exists(folder / "groundtruth.txt")) {
     SGS_ASSIGN_OR_RETURN(auto truth, io::load_trajectory(folder / "groundtruth.txt"));

@@ -98,8 +98,9 @@ FrameDecoder::FrameDecoder(const Hello& hello)
 Status FrameDecoder::decode(Packet packet, RgbdFrame& frame) {
   frame.timestamp_s = packet.timestamp_s;
   frame.camera = camera();
+  frame.depth_delay_s = packet.depth_delay_s;
   frame.given_T_world_camera = packet.given_T_world_camera;
-  if (!std::isfinite(packet.timestamp_s)) {
+  if (!std::isfinite(packet.timestamp_s) || !std::isfinite(packet.depth_delay_s)) {
     return fail(ErrorCode::kInvalidFormat, "its time is not a number");
   }
   SGS_ASSIGN_OR_RETURN(auto color, color_of(packet, hello_));
@@ -111,6 +112,7 @@ Status FrameDecoder::decode(Packet packet, RgbdFrame& frame) {
 Result<Packet> encode_frame(const RgbdFrame& frame, const Hello& hello) {
   Packet packet;
   packet.timestamp_s = frame.timestamp_s;
+  packet.depth_delay_s = frame.depth_delay_s;
   packet.given_T_world_camera = frame.given_T_world_camera;
   if (hello.color == ColorCoding::kJpeg) {
     SGS_ASSIGN_OR_RETURN(packet.color, io::encode_jpeg(frame.color, kSentJpegQuality));

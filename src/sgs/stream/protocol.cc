@@ -149,6 +149,7 @@ Result<std::string> encode_packet(const Packet& packet) {
   Json json = {{"t", packet.timestamp_s},
                {"color_bytes", packet.color.size()},
                {"depth_bytes", packet.depth.size()}};
+  if (packet.depth_delay_s != 0) json["depth_t"] = packet.timestamp_s + packet.depth_delay_s;
   if (packet.given_T_world_camera) json["pose"] = pose_json(*packet.given_T_world_camera);
   const std::string text = json.dump();
   return kFrameMark + length_bytes(text.size()) + text + packet.color + packet.depth;
@@ -165,6 +166,7 @@ Status StreamParser::read_header(std::string_view text) {
   return dataset::read_json("a frame's header", "t, color_bytes, depth_bytes", [&]() -> Status {
     packet_ = {};
     packet_.timestamp_s = json.at("t").get<double>();
+    packet_.depth_delay_s = json.value("depth_t", packet_.timestamp_s) - packet_.timestamp_s;
     SGS_ASSIGN_OR_RETURN(color_bytes_, count_of(json, "color_bytes", kLargestImages_bytes));
     SGS_ASSIGN_OR_RETURN(depth_bytes_, count_of(json, "depth_bytes", kLargestImages_bytes));
     if (color_bytes_ + depth_bytes_ > kLargestImages_bytes) {

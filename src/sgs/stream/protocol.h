@@ -59,6 +59,7 @@ struct Hello {
 /// One frame as it was sent.
 struct Packet {
   double timestamp_s = 0;
+  double depth_delay_s = 0;                 ///< by how much later than colour depth was taken
   std::optional<SE3> given_T_world_camera;  ///< a pose that the sender knows
   std::string color, depth;
 };

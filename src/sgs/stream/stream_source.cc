@@ -118,7 +118,21 @@ class Receiver final : public StreamSource {
       return dataset::FrameRead::kBadFrame;
     }
     last_time_s_ = time_s;
+    drop_implausible_delay(frame);
     return dataset::FrameRead::kOk;
+  }
+
+  /// Depth that is stamped by another clock is taken as of its colour's time.
+  void drop_implausible_delay(RgbdFrame& frame) {
+    constexpr double kMost_s = 0.1;  // no camera pairs images that are farther apart
+    if (std::abs(frame.depth_delay_s) <= kMost_s) return;
+    if (!std::exchange(told_of_delay_, true)) {
+      say(
+          fmt::format("depth is stamped {:.3f} s after its colour: not the same clock, so such "
+                      "stamps are not used; send `depth_t` by the clock of `t`, or leave it out",
+                      frame.depth_delay_s));
+    }
+    frame.depth_delay_s = 0;
   }
 
   /// Makes the most of what has come, and notices what has not.
@@ -286,6 +300,7 @@ class Receiver final : public StreamSource {
   bool delivered_ = true;  // the last call of next() gave a frame
   std::int64_t index_ = 0;
   std::optional<double> last_time_s_;
+  bool told_of_delay_ = false;
   Clock::time_point asked_, last_frame_, gone_;
 };
 
