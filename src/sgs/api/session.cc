@@ -111,6 +111,7 @@ std::shared_ptr<const RgbdFrame> Session::Impl::copied(const ColorView& color,
   check_unit(frame->depth, depth.scale);
   if (undistorter) {
     frame->color = undistorter->color(frame->color);
+    frame->seen = undistorter->seen();
     frame->depth = undistorter->depth(frame->depth);
   }
   return frame;

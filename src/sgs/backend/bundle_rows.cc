@@ -78,6 +78,7 @@ std::optional<HostPoint> BundleRows::point(int host, std::size_t pixel, int leve
   HostPoint p;
   p.host = host;
   p.grey = double{look_up(image, at).intensity};
+  if (std::isnan(p.grey)) return {};  // not seen
   p.row_offset = row_offset(full.y(), camera);
   const Eigen::Vector3d X_row = camera.back_project(full.x(), full.y(), 1 / inverse_depth);
   const Vector6d moved = p.row_offset * readout(host);
@@ -100,6 +101,7 @@ bool BundleRows::grey(const HostPoint& p, int target, int level, BundleRow& row)
   const Eigen::Vector2d at = image.camera.project(X_row);
   if (!inside(at, image.camera)) return false;
   const GraySample s = look_up(image, at);
+  if (std::isnan(s.intensity + s.gx + s.gy)) return false;  // not seen
   const Exposure &a = state_.exposures[i], &b = state_.exposures[j];
   const double gain = std::exp(b.log_gain - a.log_gain);
   const double expected = gain * (p.grey - a.offset);
@@ -126,7 +128,8 @@ bool BundleRows::depth(const HostPoint& p, int target, BundleRow& row) const {
   if (X.z() < kNearest_m) return false;
   const Eigen::Vector3d swept = sweep(keyframe.velocity, X);
   const double o = row_offset(camera.project(X).y(), camera);
-  const Eigen::Vector3d X_d = X - state_.delay_s * swept - o * sweep(readout(target), X);
+  const Eigen::Vector3d X_d =
+      X - (keyframe.depth_delay_s + state_.delay_s) * swept - o * sweep(readout(target), X);
   if (X_d.z() < kNearest_m) return false;
   const Eigen::Vector2d at = camera.project(X_d) - state_.shift_px;
   const auto plane = keyframe.inverse_depth.at(at.x(), at.y());

@@ -25,6 +25,7 @@ struct Keyframe {
   double timestamp_s = 0;
   SE3 T_world_camera;                    ///< of the middle row
   Vector6d velocity = Vector6d::Zero();  ///< camera twist per second, rotation first
+  double depth_delay_s = 0;              ///< of its depth after its colour, as stamped
   double mean_depth_m = 0;
   GrayPyramid gray;
   registration::InverseDepthField inverse_depth;

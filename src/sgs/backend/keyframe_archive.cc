@@ -35,9 +35,10 @@ Keyframe make_keyframe(const RgbdFrame& frame, const SE3& T_world_camera, const 
   k.timestamp_s = frame.timestamp_s;
   k.T_world_camera = T_world_camera;
   k.velocity = velocity;
+  k.depth_delay_s = frame.depth_delay_s;
   k.mean_depth_m = registration::mean_depth(frame.depth, kFarthest_m);
   if (k.mean_depth_m <= 0) return k;
-  k.gray.build(frame.color, frame.camera, kLevels);
+  k.gray.build(frame.color, frame.camera, kLevels, frame.seen.get());
   k.inverse_depth = registration::InverseDepthField(frame.depth, frame.camera);
   k.pixels = choose_pixels(k, frame.depth, config);
   return k;

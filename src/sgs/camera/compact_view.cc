@@ -17,17 +17,21 @@ constexpr float kUnitsPerMetre = 5000;
 
 CompactView::CompactView(const RgbdFrame& frame, int level)
     : level_(level),
+      all_seen_(frame.seen == nullptr),
       camera_(frame.camera.halved(level)),
       index_(frame.index),
       timestamp_s_(frame.timestamp_s),
       gray_(camera_.width, camera_.height),
       depth_(camera_.width, camera_.height) {
   GrayPyramid pyramid;
-  pyramid.build(frame.color, frame.camera, level + 1);
+  pyramid.build(frame.color, frame.camera, level + 1, frame.seen.get());
   SGS_CHECK(pyramid.levels() == level + 1, "the image cannot be halved so often");
   const Image<float>& gray = pyramid.level(level).gray;
   for (std::size_t i = 0; i < gray_.size(); ++i) {
-    gray_.data()[i] = static_cast<std::uint8_t>(std::lround(gray.data()[i]));
+    const float value = gray.data()[i];
+    if (std::isnan(value)) continue;
+    gray_.data()[i] =
+        static_cast<std::uint8_t>(std::lround(all_seen_ ? value : std::max(1.0f, value)));
   }
   DepthImage depth(camera_.width, camera_.height);
   for (int v = 0; v < depth.height(); ++v) {
@@ -67,6 +71,11 @@ RgbdFrame CompactView::frame() const {
     const std::uint8_t g = gray_.data()[i];
     out.color.data()[i] = {g, g, g};
   }
+  if (all_seen_) return out;
+  auto seen = std::make_shared<PixelMask>(gray_.width(), gray_.height());
+  std::transform(gray_.data(), gray_.data() + gray_.size(), seen->data(),
+                 [](std::uint8_t g) { return std::uint8_t{g > 0}; });
+  out.seen = std::move(seen);
   return out;
 }
 

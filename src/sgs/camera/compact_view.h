@@ -31,6 +31,7 @@ class CompactView {
   DepthImage depth() const;
 
   int level_ = 0;
+  bool all_seen_ = true;  // else a grey value of 0 stands for what was not seen
   PinholeCamera camera_;
   std::int64_t index_ = 0;
   double timestamp_s_ = 0;

@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
+
 #include "sgs/camera/pinhole.h"
+#include "sgs/camera/rgbd_frame.h"
 #include "sgs/geometry/se3.h"
 
 namespace sgs {
@@ -19,5 +22,16 @@ inline float depth_lag_per_m(const PinholeCamera& camera, const Eigen::Vector3f&
                               static_cast<float>(camera.fy) * (moved.y() - ray.y() * moved.z()));
   return -slope.dot(aside) - q * moved.z();
 }
+
+/// The depth that the camera would have measured when it saw the colour, of a depth image that was
+/// measured after it had moved by the twist `lag` (rotation first, first order): each pixel takes
+/// the measurement whose surface point lies on its ray then, nothing is mixed. 0 where there is
+/// none.
+DepthImage depth_with_colour(const DepthImage& depth, const PinholeCamera& camera,
+                             const Vector6d& lag);
+
+/// The frame with its depth as of its colour's time; the frame itself where `lag` is zero.
+std::shared_ptr<const RgbdFrame> frame_of_one_time(const std::shared_ptr<const RgbdFrame>& frame,
+                                                   const Vector6d& lag);
 
 }  // namespace sgs

@@ -3,6 +3,7 @@
 #include "sgs/camera/distortion.h"
 
 #include <Eigen/LU>
+#include <limits>
 
 namespace sgs {
 namespace {
@@ -35,6 +36,20 @@ std::optional<Distortion> Distortion::from_coefficients(std::span<const double> 
 std::vector<double> Distortion::written() const {
   const auto all = coefficients();
   return {all.begin(), is_rational() ? all.end() : all.begin() + 5};
+}
+
+double Distortion::fold_radius() const {
+  constexpr double kFarthest = 5.67;  // tan of 80 degrees
+  constexpr double kStep = 1e-3;
+  double before = 0;
+  for (double r = kStep; r <= kFarthest; r += kStep) {
+    const double r2 = r * r;
+    const double below = 1 + r2 * (k4 + r2 * (k5 + r2 * k6));
+    const double pictured = r * (1 + r2 * (k1 + r2 * (k2 + r2 * k3))) / below;
+    if (!(below > 0 && pictured > before)) return r - kStep;
+    before = pictured;
+  }
+  return std::numeric_limits<double>::infinity();
 }
 
 std::optional<Eigen::Vector2d> Distortion::invert(const Eigen::Vector2d& distorted) const {

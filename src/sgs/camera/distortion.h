@@ -34,6 +34,10 @@ struct Distortion {
     return {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
             y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
   }
+  /// Distance from the axis, undistorted and normalised, up to which what is farther out is also
+  /// pictured farther out; infinite where that is so as far as any pinhole camera sees (80 degrees
+  /// off its axis).
+  double fold_radius() const;
   /// Undistorted normalised image coordinates of distorted ones (Newton's method on apply()). Empty
   /// where the model cannot be turned round: beyond the radius at which it folds back.
   std::optional<Eigen::Vector2d> invert(const Eigen::Vector2d& distorted) const;

@@ -11,6 +11,7 @@ void PairRectifier::rectify(ColorImage color, DepthImage depth, RgbdFrame& frame
     if (!color_.distortion.is_zero()) undistorter_.emplace(color_.camera, color_.distortion);
     if (depth_) registration_.emplace(*depth_, LensCamera{color_.camera, {}}, T_color_depth_);
   }
+  frame.seen = undistorter_ ? undistorter_->seen() : nullptr;
   frame.color = undistorter_ ? undistorter_->color(color) : std::move(color);
   if (registration_) {
     frame.depth = (*registration_)(depth);

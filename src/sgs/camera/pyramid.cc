@@ -3,6 +3,8 @@
 #include "sgs/camera/pyramid.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "sgs/camera/luma_row.h"
 
@@ -10,10 +12,28 @@ namespace sgs {
 namespace {
 
 constexpr int kMinSide = 8;
+constexpr float kUnseen = std::numeric_limits<float>::quiet_NaN();
 
 void halve_row(const float* upper, const float* lower, float* out, int width) {
   for (int x = 0; x < width; ++x) {
     out[x] = 0.25f * ((upper[2 * x] + upper[2 * x + 1]) + (lower[2 * x] + lower[2 * x + 1]));
+  }
+}
+
+// The same where some pixels are NaN.
+void halve_seen_row(const float* upper, const float* lower, float* out, int width) {
+  constexpr int kLeast = 2;
+  for (int x = 0; x < width; ++x) {
+    float sum = 0;
+    int seen = 0;
+    for (const float* p : {upper + 2 * x, lower + 2 * x}) {
+      for (int i = 0; i < 2; ++i) {
+        if (std::isnan(p[i])) continue;
+        sum += p[i];
+        ++seen;
+      }
+    }
+    out[x] = seen >= kLeast ? sum / static_cast<float>(seen) : kUnseen;
   }
 }
 
@@ -38,17 +58,19 @@ void GrayPyramid::prepare(const PinholeCamera& camera, int levels) {
   }
 }
 
-void GrayPyramid::build_coarse_levels() {
+void GrayPyramid::build_coarse_levels(bool all_seen) {
+  const auto halve = all_seen ? halve_row : halve_seen_row;
   for (std::size_t k = 1; k < levels_.size(); ++k) {
     const Image<float>& fine = levels_[k - 1].gray;
     Level& level = levels_[k];
     for (int y = 0; y < level.gray.height(); ++y) {
-      halve_row(fine.row(2 * y), fine.row(2 * y + 1), level.gray.row(y), level.gray.width());
+      halve(fine.row(2 * y), fine.row(2 * y + 1), level.gray.row(y), level.gray.width());
     }
   }
 }
 
-void GrayPyramid::build(const ColorImage& color, const PinholeCamera& camera, int levels) {
+void GrayPyramid::build(const ColorImage& color, const PinholeCamera& camera, int levels,
+                        const PixelMask* seen) {
   SGS_CHECK(color.width() == camera.width && color.height() == camera.height,
             "image and camera differ in size");
   SGS_CHECK(color.width() >= 3 && color.height() >= 3, "image too small for gradients");
@@ -57,7 +79,10 @@ void GrayPyramid::build(const ColorImage& color, const PinholeCamera& camera, in
   for (int y = 0; y < color.height(); ++y) {
     luma_row(color.row(y), top.gray.row(y), static_cast<std::size_t>(color.width()));
   }
-  build_coarse_levels();
+  for (std::size_t i = 0; seen && i < seen->size(); ++i) {
+    if (seen->data()[i] == 0) top.gray.data()[i] = kUnseen;
+  }
+  build_coarse_levels(seen == nullptr);
 }
 
 void GrayPyramid::build(const Image<float>& gray, const PinholeCamera& camera, int levels) {
@@ -69,7 +94,7 @@ void GrayPyramid::build(const Image<float>& gray, const PinholeCamera& camera, i
   for (int y = 0; y < gray.height(); ++y) {
     std::copy_n(gray.row(y), gray.width(), top.gray.row(y));
   }
-  build_coarse_levels();
+  build_coarse_levels(true);
 }
 
 }  // namespace sgs

@@ -19,6 +19,8 @@ struct GraySample {
 /// Grey image at decreasing resolution, each level the 2x2 means of the one above (odd edges
 /// dropped, as PinholeCamera::halved). Gradients are not kept: a lookup reads at most twelve grey
 /// values, and images that stay in the cache are worth more than the arithmetic saved.
+/// Pixels that the camera did not see are NaN, and so is each lookup that touches one; a coarser
+/// pixel is the mean of those of its four that were seen, NaN where fewer than two were.
 /// Buffers are reused by build(): keep one object per stream. Reading is thread-safe.
 class GrayPyramid {
  public:
@@ -32,7 +34,9 @@ class GrayPyramid {
 
   /// Rebuilds all levels from the luma of `color`, whose size must be the camera's. Levels that
   /// would be smaller than 8 pixels on a side are left out.
-  void build(const ColorImage& color, const PinholeCamera& camera, int levels);
+  /// `seen`: as RgbdFrame::seen, null for all.
+  void build(const ColorImage& color, const PinholeCamera& camera, int levels,
+             const PixelMask* seen = nullptr);
   /// The same from grey values, 0..255.
   void build(const Image<float>& gray, const PinholeCamera& camera, int levels);
 
@@ -42,7 +46,7 @@ class GrayPyramid {
 
  private:
   void prepare(const PinholeCamera& camera, int levels);
-  void build_coarse_levels();
+  void build_coarse_levels(bool all_seen);
   std::vector<Level> levels_;
 };
 

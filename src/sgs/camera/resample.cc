@@ -103,6 +103,24 @@ ColorImage resample_color(const ColorImage& image, const PinholeCamera& from,
   return out;
 }
 
+std::shared_ptr<const PixelMask> seen_by(const PinholeCamera& from, const PinholeCamera& to) {
+  constexpr double kBorder_px = 0.51;  // half a pixel, and what does not show
+  const AxisMap x = map_x(from, to), y = map_y(from, to);
+  const auto sees = [](const AxisMap& map, int target, int size) {
+    return map(target) >= -kBorder_px && map(target) <= size - 1 + kBorder_px;
+  };
+  if (sees(x, 0, from.width) && sees(x, to.width - 1, from.width) && sees(y, 0, from.height) &&
+      sees(y, to.height - 1, from.height)) {
+    return nullptr;
+  }
+  auto seen = std::make_shared<PixelMask>(to.width, to.height, std::uint8_t{0});
+  for (int v = 0; v < to.height; ++v) {
+    if (!sees(y, v, from.height)) continue;
+    for (int u = 0; u < to.width; ++u) (*seen)(u, v) = sees(x, u, from.width);
+  }
+  return seen;
+}
+
 DepthImage resample_depth(const DepthImage& image, const PinholeCamera& from,
                           const PinholeCamera& to) {
   SGS_CHECK(image.width() == from.width && image.height() == from.height,

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
+
 #include "sgs/camera/pinhole.h"
 #include "sgs/core/image.h"
 
@@ -20,6 +22,9 @@ PinholeCamera limited_to_width(const PinholeCamera& camera, int max_width);
 /// border. Equal cameras give the picture itself.
 ColorImage resample_color(const ColorImage& image, const PinholeCamera& from,
                           const PinholeCamera& to);
+
+/// Which pixels of `to` `from` saw; null where that is all of them.
+std::shared_ptr<const PixelMask> seen_by(const PinholeCamera& from, const PinholeCamera& to);
 
 /// The same for depth: each pixel takes the nearest measurement, nothing is mixed, so that edges
 /// stay edges; 0 where `from` saw nothing.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "sgs/camera/pinhole.h"
@@ -12,16 +13,23 @@
 namespace sgs {
 
 /// One undistorted, registered RGB-D frame. Colour and depth have the camera's size.
+///
+/// Undistortion and resampling leave pixels that no part of the sensor saw. Their colour is black
+/// or repeated and means nothing: they are not tracked, not learned from and not scored.
 struct RgbdFrame {
   std::int64_t index = 0;  ///< position in the sequence, bad frames counted
   double timestamp_s = 0;
   PinholeCamera camera;
   ColorImage color;
-  DepthImage depth;                         ///< metres, 0 = no measurement
+  DepthImage depth;  ///< metres, 0 = no measurement
+  /// Which pixels the camera saw; null: all of them. Shared by the frames of a lens.
+  std::shared_ptr<const PixelMask> seen = {};
   double depth_delay_s = 0;                 ///< by how much later than its colour it was measured
   std::optional<SE3> truth_T_world_camera;  ///< ground truth where known; never read by SLAM
   /// Where somebody else says that the camera was; only a tracker of given poses reads it.
   std::optional<SE3> given_T_world_camera = {};
+
+  bool sees(int u, int v) const { return !seen || (*seen)(u, v) != 0; }
 };
 
 }  // namespace sgs

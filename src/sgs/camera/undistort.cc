@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/camera/undistort.h"
 
+#include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -13,6 +14,31 @@ struct Undistorter::Maps {
   cv::Mat nearest_xy;                     // CV_32FC2 for depth
 };
 
+namespace {
+
+/// Which pixels of `camera` have a source, as `xy` says, in a picture of the same size.
+std::shared_ptr<const PixelMask> pixels_with_source(const PinholeCamera& camera,
+                                                    const Distortion& distortion,
+                                                    const cv::Mat& xy) {
+  const double fold = distortion.fold_radius();
+  auto seen = std::make_shared<PixelMask>(camera.width, camera.height, std::uint8_t{0});
+  bool all = true;
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const auto& from = xy.at<cv::Vec2f>(v, u);
+      const double radius = std::hypot((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy);
+      const bool inside = from[0] >= 0 && from[1] >= 0 &&
+                          from[0] <= static_cast<float>(camera.width - 1) &&
+                          from[1] <= static_cast<float>(camera.height - 1) && radius < fold;
+      (*seen)(u, v) = inside;
+      all = all && inside;
+    }
+  }
+  return all ? nullptr : seen;
+}
+
+}  // namespace
+
 Undistorter::Undistorter(const PinholeCamera& camera, const Distortion& d) {
   auto maps = std::make_unique<Maps>();
   maps->size = {camera.width, camera.height};
@@ -23,6 +49,7 @@ Undistorter::Undistorter(const PinholeCamera& camera, const Distortion& d) {
                               map_x);
   cv::convertMaps(maps->nearest_xy, cv::noArray(), maps->bilinear_xy, maps->bilinear_weights,
                   CV_16SC2);
+  seen_ = pixels_with_source(camera, d, maps->nearest_xy);
   maps_ = std::move(maps);
 }
 
@@ -39,6 +66,17 @@ ColorImage Undistorter::color(const ColorImage& distorted) const {
   cv::Mat result(maps_->size, CV_8UC3, out.data());
   cv::remap(in, result, maps_->bilinear_xy, maps_->bilinear_weights, cv::INTER_LINEAR,
             cv::BORDER_CONSTANT);
+  return out;
+}
+
+PixelMask Undistorter::mask(const PixelMask& distorted) const {
+  SGS_CHECK(distorted.width() == maps_->size.width && distorted.height() == maps_->size.height,
+            "mask size differs from the calibration");
+  PixelMask out(distorted.width(), distorted.height());
+  const cv::Mat in(maps_->size, CV_8U, const_cast<std::uint8_t*>(distorted.data()));
+  cv::Mat result(maps_->size, CV_8U, out.data());
+  cv::remap(in, result, maps_->nearest_xy, cv::noArray(), cv::INTER_NEAREST, cv::BORDER_CONSTANT);
+  for (std::size_t i = 0; seen_ && i < out.size(); ++i) out.data()[i] &= seen_->data()[i];
   return out;
 }
 

@@ -21,10 +21,16 @@ class Undistorter {
 
   ColorImage color(const ColorImage& distorted) const;
   DepthImage depth(const DepthImage& distorted) const;
+  /// The same for a mask of pixels that mean something; outside the picture nothing does.
+  PixelMask mask(const PixelMask& distorted) const;
+  /// Which pixels of the output the lens shows: those with a source inside the picture, nearer than
+  /// where the model folds back. Null where that is all of them.
+  const std::shared_ptr<const PixelMask>& seen() const { return seen_; }
 
  private:
   struct Maps;
   std::unique_ptr<const Maps> maps_;
+  std::shared_ptr<const PixelMask> seen_;
 };
 
 }  // namespace sgs

@@ -55,6 +55,8 @@ using ColorImage = Image<Rgb8>;
 /// Depth along the optical axis in metres; 0 = no measurement. Never NaN or negative.
 using DepthImage = Image<float>;
 using GrayImage = Image<std::uint8_t>;
+/// 1 where something holds, else 0.
+using PixelMask = Image<std::uint8_t>;
 
 /// A colour or an opacity in 0..1 as a byte; what lies outside is clamped, NaN is 0.
 inline std::uint8_t to_byte(float value) {

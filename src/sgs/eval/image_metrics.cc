@@ -59,6 +59,28 @@ double channel_ssim(SsimMemory& memory, int width, int height) {
          (static_cast<double>(width - 2 * kSsimRadius) * (height - 2 * kSsimRadius));
 }
 
+/// Windows in which nothing was seen.
+double blank_windows(const PixelMask& seen) {
+  const int width = seen.width(), height = seen.height();
+  std::vector<int> in_column(static_cast<std::size_t>(width), 0);  // seen pixels of 11 rows
+  double blank = 0;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      int& sum = in_column[static_cast<std::size_t>(x)];
+      sum += seen(x, y);
+      if (y >= kSsimWindow) sum -= seen(x, y - kSsimWindow);
+    }
+    if (y < kSsimWindow - 1) continue;
+    int in_window = 0;
+    for (int x = 0; x < width; ++x) {
+      in_window += in_column[static_cast<std::size_t>(x)];
+      if (x >= kSsimWindow) in_window -= in_column[static_cast<std::size_t>(x - kSsimWindow)];
+      if (x >= kSsimWindow - 1 && in_window == 0) ++blank;
+    }
+  }
+  return blank;
+}
+
 }  // namespace
 
 ColorFloatImage to_float(const ColorImage& image) {
@@ -101,23 +123,45 @@ ColorFloatImage zero_without_depth(const ColorFloatImage& image, const DepthImag
   return result;
 }
 
-double psnr_db(const ColorFloatImage& truth, const ColorFloatImage& image) {
+double psnr_db(const ColorFloatImage& truth, const ColorFloatImage& image, const PixelMask* seen) {
   check_same_size(truth, image);
   SGS_CHECK(!truth.empty(), "PSNR of empty pictures");
   double sum = 0;
+  std::size_t count = 0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
+    if (seen != nullptr && seen->data()[i] == 0) continue;
+    ++count;
     for (const auto channel : kChannels) {
       const double d = static_cast<double>(truth.data()[i].*channel) - image.data()[i].*channel;
       sum += d * d;
     }
   }
-  const double mse = sum / (3.0 * static_cast<double>(truth.size()));
+  if (count == 0) return 0;
+  const double mse = sum / (3.0 * static_cast<double>(count));
   return mse > 0 ? std::min(kMaxPsnr_db, -10 * std::log10(mse)) : kMaxPsnr_db;
 }
 
-std::optional<double> ssim(const ColorFloatImage& truth, const ColorFloatImage& image) {
+ColorFloatImage zero_unseen(const ColorFloatImage& image, const PixelMask* seen) {
+  ColorFloatImage result = image;
+  for (std::size_t i = 0; seen != nullptr && i < image.size(); ++i) {
+    if (seen->data()[i] == 0) result.data()[i] = Rgbf{};
+  }
+  return result;
+}
+
+std::optional<double> ssim(const ColorFloatImage& truth, const ColorFloatImage& image,
+                           const PixelMask* seen) {
   check_same_size(truth, image);
   if (truth.width() < kSsimWindow || truth.height() < kSsimWindow) return std::nullopt;
+  if (seen != nullptr) {
+    const double all =
+        static_cast<double>(truth.width() - 2 * kSsimRadius) * (truth.height() - 2 * kSsimRadius);
+    const double blank = blank_windows(*seen);
+    if (blank == all) return std::nullopt;
+    // Two black windows are alike: SSIM 1.
+    const auto mean = ssim(zero_unseen(truth, seen), zero_unseen(image, seen));
+    return (*mean * all - blank) / (all - blank);
+  }
   SsimMemory memory(truth.size(), static_cast<std::size_t>(truth.width()));
   double sum = 0;
   for (const auto channel : kChannels) {

@@ -24,15 +24,21 @@ ColorFloatImage zero_without_depth(const ColorFloatImage& image, const DepthImag
 
 /// Upper end of psnr_db(); identical images give this instead of infinity.
 inline constexpr double kMaxPsnr_db = 100;
-/// Peak signal-to-noise ratio in dB, peak 1, mean squared error over all pixels and channels.
-double psnr_db(const ColorFloatImage& truth, const ColorFloatImage& image);
+/// Peak signal-to-noise ratio in dB, peak 1, mean squared error over all channels and all pixels
+/// that are `seen` (null: all; 0 dB where none is).
+double psnr_db(const ColorFloatImage& truth, const ColorFloatImage& image,
+               const PixelMask* seen = nullptr);
+/// The image with black where the camera saw nothing (null: it saw all).
+ColorFloatImage zero_unseen(const ColorFloatImage& image, const PixelMask* seen);
 
 /// Structural similarity (Wang et al., TIP 2004): 11x11 Gaussian window of sigma 1.5, K1 = 0.01,
 /// K2 = 0.03, range 1, per channel, mean over channels. As scikit-image's structural_similarity
 /// with gaussian_weights=True, sigma=1.5, use_sample_covariance=False, data_range=1: the mean is
 /// over the interior, where the window lies wholly inside the image (5 pixels off each border), so
-/// no border rule plays a part. Empty for images smaller than 11x11.
-std::optional<double> ssim(const ColorFloatImage& truth, const ColorFloatImage& image);
+/// no border rule plays a part. Pixels that are not `seen` (null: all are) are black in both, and
+/// windows that hold nothing else do not count. Empty for images smaller than 11x11.
+std::optional<double> ssim(const ColorFloatImage& truth, const ColorFloatImage& image,
+                           const PixelMask* seen = nullptr);
 
 /// Mean |D / A - z| over pixels with measured depth z > 0 and A >= `min_alpha`.
 struct DepthError {

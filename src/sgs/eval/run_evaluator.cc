@@ -6,6 +6,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "sgs/camera/seen_area.h"
 #include "sgs/eval/image_metrics.h"
 #include "sgs/render/view_color.h"
 
@@ -91,15 +92,19 @@ JobResult compare(const Job& job, const Lpips* lpips, const RunEvaluatorConfig& 
   result.scores.index = job.frame.index;
   const ColorFloatImage truth = to_float(job.frame.color);
   const ColorFloatImage image = clamped(job.rendering.color);
-  result.scores.psnr_full_db = psnr_db(truth, image);
-  result.scores.ssim_full = ssim(truth, image);
+  const PixelMask* seen = job.frame.seen.get();
+  result.scores.psnr_full_db = psnr_db(truth, image, seen);
+  result.scores.ssim_full = ssim(truth, image, seen);
   if (job.heldout && job.gain) {
-    result.psnr_exposed_db = psnr_db(truth, clamped(brightened(job.rendering.color, *job.gain)));
+    result.psnr_exposed_db =
+        psnr_db(truth, clamped(brightened(job.rendering.color, *job.gain)), seen);
   }
   result.depth =
       depth_error(job.frame.depth, job.rendering, static_cast<float>(config.depth_min_alpha));
   if (result.depth) result.scores.depth_l1_m = result.depth->l1_m;
-  if (lpips != nullptr && job.with_lpips) result.lpips_full = lpips->distance(truth, image);
+  if (lpips != nullptr && job.with_lpips) {
+    result.lpips_full = lpips->distance(zero_unseen(truth, seen), zero_unseen(image, seen));
+  }
   if (job.regular) {
     const ColorFloatImage masked_truth = zero_without_depth(truth, job.frame.depth);
     const ColorFloatImage masked_image = zero_without_depth(image, job.frame.depth);
@@ -110,13 +115,16 @@ JobResult compare(const Job& job, const Lpips* lpips, const RunEvaluatorConfig& 
     }
   }
   if (job.with_picture) {
-    const int width = config.picture_width_px;
+    const auto shown = [&](const ColorImage& picture) {
+      return resized(seen != nullptr ? cropped(picture, largest_seen_area(*seen)) : picture,
+                     config.picture_width_px);
+    };
     result.pictures = FramePictures{job.frame.index,
                                     job.heldout,
                                     *result.scores.psnr_full_db,
-                                    resized(job.frame.color, width),
-                                    resized(to_8bit(image), width),
-                                    resized(error_map(truth, image), width),
+                                    shown(job.frame.color),
+                                    shown(to_8bit(image)),
+                                    shown(error_map(truth, image)),
                                     {}};
   }
   return result;

@@ -56,8 +56,8 @@ struct FramePictures {
 struct RunEvaluation {
   /// `gsicp`: every frame; pixels without measured depth are zeroed in both pictures and counted.
   RuleScores gsicp;
-  RuleScores full;                        ///< every frame, all pixels
-  RuleScores train;                       ///< all pixels of the other frames
+  RuleScores full;                        ///< every frame, all pixels that the camera saw
+  RuleScores train;                       ///< the same of the frames that were not held out
   RuleScores heldout;                     ///< all pixels of the frames that the mapper never saw
   std::optional<double> psnr_exposed_db;  ///< of `heldout`, with the gains of RunInput::gain_of
   std::optional<double> depth_l1_m;       ///< mean over frames of DepthError::l1_m

@@ -26,21 +26,27 @@ CoarseView reduce(const RgbdFrame& frame) {
       const int x0 = column * w / kColumns, x1 = std::max(x0 + 1, (column + 1) * w / kColumns);
       const int y0 = row * h / kRows, y1 = std::max(y0 + 1, (row + 1) * h / kRows);
       float sum = 0, red = 0, depth = 0;
-      int measured = 0;
+      int measured = 0, seen = 0;
       for (int y = y0; y < std::min(y1, h); ++y) {
         for (int x = x0; x < std::min(x1, w); ++x) {
-          const Rgb8& c = frame.color(x, y);
-          sum += static_cast<float>(c.r + c.g + c.b);
-          red += static_cast<float>(c.r);
+          if (frame.sees(x, y)) {
+            const Rgb8& c = frame.color(x, y);
+            sum += static_cast<float>(c.r + c.g + c.b);
+            red += static_cast<float>(c.r);
+            ++seen;
+          }
           const float z = frame.depth(x, y);
           depth += z;
           measured += z > 0 ? 1 : 0;
         }
       }
       const auto cell = static_cast<std::size_t>(row * kColumns + column);
-      out.gray[cell] = sum;
-      out.redness[cell] = red / std::max(sum, 1.0f);
       const int pixels = (x1 - x0) * (y1 - y0);
+      // As if all of the cell was as bright as what was seen of it.
+      out.gray[cell] =
+          seen < pixels ? sum * static_cast<float>(pixels) / static_cast<float>(std::max(seen, 1))
+                        : sum;
+      out.redness[cell] = red / std::max(sum, 1.0f);
       out.depth[cell] = 2 * measured >= pixels ? depth / static_cast<float>(measured) : 0.0f;
     }
   }

@@ -10,6 +10,25 @@
 
 namespace sgs::features {
 
+namespace {
+
+constexpr int kPatch_px = 31;
+
+/// Pixels around which the camera saw all that describes a feature; empty: all pixels. A corner
+/// that the border of the picture makes is none.
+cv::Mat patches_seen(const RgbdFrame& frame) {
+  if (!frame.seen) return {};
+  // cv::Mat has no const view; the source is only read.
+  const cv::Mat seen(frame.seen->height(), frame.seen->width(), CV_8U,
+                     const_cast<std::uint8_t*>(frame.seen->data()));
+  cv::Mat out;
+  cv::erode(seen, out, cv::Mat::ones(kPatch_px, kPatch_px, CV_8U), {-1, -1}, 1, cv::BORDER_CONSTANT,
+            cv::Scalar(1));
+  return 255 * out;
+}
+
+}  // namespace
+
 OrbExtractor::OrbExtractor(const OrbConfig& config)
     : config_(config), last_count_(config.clahe_below) {
   cv::setNumThreads(1);
@@ -29,10 +48,11 @@ OrbFrame OrbExtractor::extract(const RgbdFrame& frame) {
     cv::createCLAHE(config_.clahe_clip, {config_.clahe_tiles, config_.clahe_tiles})
         ->apply(gray, gray);
   }
-  const auto orb = cv::ORB::create(config_.features, 1.2f, 8, 31, 0, 2, cv::ORB::HARRIS_SCORE, 31,
-                                   config_.fast_threshold);
+  const auto orb = cv::ORB::create(config_.features, 1.2f, 8, kPatch_px, 0, 2,
+                                   cv::ORB::HARRIS_SCORE, kPatch_px, config_.fast_threshold);
   std::vector<cv::KeyPoint> keypoints;
-  orb->detectAndCompute(gray, cv::noArray(), keypoints, out.descriptors);
+  const cv::Mat whole = patches_seen(frame);
+  orb->detectAndCompute(gray, whole, keypoints, out.descriptors);
   out.keypoints.reserve(keypoints.size());
   for (const auto& k : keypoints) {
     const int u = std::clamp(static_cast<int>(k.pt.x + 0.5f), 0, frame.depth.width() - 1);

@@ -59,6 +59,11 @@ FilledDepth fill_depth(const MapKeyframe& keyframe, bool fill) {
   std::vector<float> scratch(static_cast<std::size_t>(width));
   for (int y = 0; y < height; ++y) fill_row(filled.depth.row(y), width, scratch);
   fill_empty_rows(filled.depth);
+  for (int y = 0; pictures->seen && y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      if (!pictures->sees(x, y)) filled.depth(x, y) = 0;
+    }
+  }
   return filled;
 }
 

@@ -71,6 +71,7 @@ void MapKeyframe::take_pictures(const RgbdFrame& frame, double max_depth_m) {
   depth_unit_m_ = static_cast<float>(max_depth_m / 65535);
   const auto pictures = std::make_shared<KeyframePictures>();
   pictures->color = frame.color;
+  pictures->seen = seen_ = frame.seen;
   pictures->depth = Image<std::uint16_t>(frame.depth.width(), frame.depth.height());
   pictures->depth_unit_m = depth_unit_m_;
   for (std::size_t i = 0; i < frame.depth.size(); ++i) {
@@ -95,6 +96,7 @@ void MapKeyframe::read_parked(KeyframePictures& pictures) const {
     pictures.depth = Image<std::uint16_t>(camera_.width, camera_.height);
   }
   pictures.depth_unit_m = depth_unit_m_;
+  pictures.seen = seen_;
   const std::size_t color_bytes = pictures.color.size() * sizeof(Rgb8);
   file_->read(color_at_, pictures.color.data(), color_bytes);
   file_->read(depth_at_, pictures.depth.data(), pictures.depth.size() * sizeof(std::uint16_t));
@@ -119,7 +121,8 @@ void MapKeyframe::change_pictures(const std::shared_ptr<const DepthChange>& chan
 
 Status MapKeyframe::park(SpillFile& file) {
   if (!pictures_) return {};
-  const auto& [color, depth, unit] = *pictures_;
+  const auto& color = pictures_->color;
+  const auto& depth = pictures_->depth;
   const std::size_t color_bytes = color.size() * sizeof(Rgb8);
   SGS_ASSIGN_OR_RETURN(color_at_, file.append(color.data(), color_bytes));
   const auto depth_at = file.append(depth.data(), depth.size() * sizeof(std::uint16_t));
@@ -186,7 +189,8 @@ void MapKeyframe::write_training_image(int level, render::TrainingImage& image,
       const std::uint16_t* z = from.depth.row(y);
       for (int x = 0; x < width; ++x) {
         color[x] = to_float(c[x]);
-        depth[x] = from.depth_unit_m * static_cast<float>(z[x]);
+        depth[x] = from.sees(x, y) ? from.depth_unit_m * static_cast<float>(z[x])
+                                   : render::TrainingImage::kUnseen;
       }
       continue;
     }
@@ -195,6 +199,11 @@ void MapKeyframe::write_training_image(int level, render::TrainingImage& image,
     for (int x = 0; x < width; ++x) {
       const int u = 2 * x;
       color[x] = mean_color(upper[u], upper[u + 1], lower[u], lower[u + 1]);
+      if (!from.sees(u, v) || !from.sees(u + 1, v) || !from.sees(u, v + 1) ||
+          !from.sees(u + 1, v + 1)) {
+        depth[x] = render::TrainingImage::kUnseen;
+        continue;
+      }
       depth[x] = merged_depth({from.depth_m(u, v), from.depth_m(u + 1, v), from.depth_m(u, v + 1),
                                from.depth_m(u + 1, v + 1)});
     }

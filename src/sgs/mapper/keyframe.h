@@ -21,7 +21,9 @@ struct KeyframePictures {
   ColorImage color;
   Image<std::uint16_t> depth;  ///< in units of `depth_unit_m`, 0 = none
   float depth_unit_m = 0;
+  std::shared_ptr<const PixelMask> seen = {};  ///< as RgbdFrame::seen
 
+  bool sees(int x, int y) const { return !seen || (*seen)(x, y) != 0; }
   float depth_m(int x, int y) const { return depth_unit_m * static_cast<float>(depth(x, y)); }
 };
 
@@ -90,6 +92,7 @@ class MapKeyframe {
   float depth_unit_m_ = 0;
   double mean_depth_m_ = 1;
   bool culled_ = false;
+  std::shared_ptr<const PixelMask> seen_;       // of the pictures
   std::shared_ptr<KeyframePictures> pictures_;  // null where they are parked:
   const SpillFile* file_ = nullptr;
   std::int64_t color_at_ = 0, depth_at_ = 0;

@@ -104,8 +104,9 @@ class QuadtreeInsertion {
         max_growth_(max_growth),
         store_(store),
         camera_(keyframe.camera()),
+        pictures_(keyframe.pictures()),
         depth_(fill_depth(keyframe, config.fill_missing_depth)),
-        sums_(keyframe.pictures()->color, smallest_cell(config)) {}
+        sums_(pictures_->color, smallest_cell(config)) {}
 
   void run() {
     for (int y = 0; y < camera_.height; y += config_.leaf_max_px) {
@@ -145,13 +146,20 @@ class QuadtreeInsertion {
   void add_leaf(int x, int y, int size) {
     const int u = x + size / 2, v = y + size / 2;
     float z = depth_.depth(u, v);
-    if (z <= 0) return;
+    if (z <= 0 || !is_seen(x, y, size)) return;
     const bool borrowed = depth_.borrowed(u, v) != 0;
     if (rendering_ && !is_unexplained(x, y, size, z, borrowed)) return;
     const Eigen::Vector3f p = back_project(u, v, z);
     const Eigen::Vector3f n =
         borrowed ? Eigen::Vector3f(-p.normalized()) : normal_at(u, v, std::max(4, size / 2), p);
     add_gaussian(p, n, size, sums_.mean_color(x, y, size));
+  }
+
+  /// A leaf that reaches over the border of what the camera saw has no colour of its own.
+  bool is_seen(int x, int y, int size) const {
+    const int far = size - 1;
+    return pictures_->sees(x, y) && pictures_->sees(x + far, y) && pictures_->sees(x, y + far) &&
+           pictures_->sees(x + far, y + far);
   }
 
   /// Whether the map leaves this leaf open. A borrowed depth is replaced by the rendered one where
@@ -249,6 +257,7 @@ class QuadtreeInsertion {
   double max_growth_;
   map::GaussianStore& store_;
   PinholeCamera camera_;
+  std::shared_ptr<const KeyframePictures> pictures_;
   FilledDepth depth_;
   CellSums sums_;
 };

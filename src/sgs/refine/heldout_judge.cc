@@ -45,10 +45,12 @@ HeldoutScores HeldoutJudge::scores(std::span<const map::Gaussian> gaussians,
       const auto i = static_cast<std::size_t>(chunk);
       const auto pictures = frames_[first + i].keyframe.pictures();
       const auto truth = eval::to_float(pictures->color);
+      const PixelMask* seen = pictures->seen.get();
       const auto& drawn = renderings[i].color;
       const auto gain = exposures.at(frames_[first + i].timestamp_s);
-      scores[first + i] = {eval::psnr_db(truth, eval::clamped(drawn)),
-                           eval::psnr_db(truth, eval::clamped(eval::brightened(drawn, gain)))};
+      scores[first + i] = {
+          eval::psnr_db(truth, eval::clamped(drawn), seen),
+          eval::psnr_db(truth, eval::clamped(eval::brightened(drawn, gain)), seen)};
     };
     if (pool_ != nullptr) {
       pool_->run(static_cast<int>(count), compare);

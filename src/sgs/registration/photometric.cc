@@ -110,7 +110,7 @@ PhotometricLinearization linearize(const PhotometricReference& reference, int le
                                    const GrayPyramid& current, const DepthImage& current_depth,
                                    const SE3& T_world_camera, const AffineBrightness& brightness,
                                    const PhotometricConfig& config, const ReadoutMotion& readout,
-                                   bool readout_is_free) {
+                                   bool readout_is_free, double noise) {
   SGS_CHECK(level >= 0 && level < reference.levels() && level < current.levels(),
             "no such pyramid level");
   const SE3 T = T_world_camera.inverse() * reference.T_world_keyframe();
@@ -127,13 +127,15 @@ PhotometricLinearization linearize(const PhotometricReference& reference, int le
   view.depth_gate_m = f(config.depth_gate_m);
   view.depth_gate_ratio = f(config.depth_gate_ratio);
   view.t_dof = f(config.t_dof);
-  view.inverse_variance = f(1 / (config.sigma_at(level) * config.sigma_at(level)));
+  const double sigma = noise * config.sigma_at(level);
+  view.inverse_variance = f(1 / (sigma * sigma));
   view.with_readout = readout_is_free;
   const PhotometricSums sums = sum_photometric(view, reference.points(level));
 
   PhotometricLinearization out;
   out.used = sums.used;
   out.visible = sums.visible;
+  out.square_sum = sums.square_sum;
   out.cost = 0.5 * (config.t_dof + 1) * sums.log_sum;
   eliminate_brightness(sums, brightness, config, out);
   return out;

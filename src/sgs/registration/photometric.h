@@ -24,6 +24,7 @@ struct PhotometricConfig {
   double gradient_level_factor = 0.5;
   double sigma = 8;
   double sigma_level_factor = 0.6;
+  bool estimate_noise = true;
   double t_dof = 5;
   double max_depth_m = 5;
   double depth_gate_m = 0.05;
@@ -43,6 +44,9 @@ struct PhotometricConfig {
     p.add("sigma", sigma, "Noise of the grey difference at level 0.", "grey", {0.01, 255});
     p.add("sigma_level_factor", sigma_level_factor, "Factor on the noise per level.", "",
           {0.01, 2});
+    p.add("estimate_noise", estimate_noise,
+          "Learn from the recording how wide grey differences are at each level; off: as sigma "
+          "says.");
     p.add("t_dof", t_dof, "Degrees of freedom of the t distribution of grey differences.", "",
           {1, 1000});
     p.add("max_depth_m", max_depth_m, "Largest depth of a selected pixel.", "m", {0.1, 100});
@@ -115,6 +119,9 @@ struct PhotometricLinearization {
   Eigen::Matrix3d H_readout = Eigen::Matrix3d::Zero();
   Eigen::Vector3d b_readout = Eigen::Vector3d::Zero();
   double cost = 0;  ///< sum (nu+1)/2 ln(1 + r^2/(nu sigma^2)) + the brightness prior
+  /// Sum of w r^2: the noise is sqrt(square_sum / used) times as wide as it was taken to be, to the
+  /// first step of its iteration (Kerl, Sturm, Cremers 2013, eq. 14).
+  double square_sum = 0;
   int used = 0;     ///< pixels in the sums: inside the image and not hidden
   int visible = 0;  ///< pixels inside the image, hidden ones counted
 
@@ -136,11 +143,13 @@ struct PhotometricLinearization {
 /// (`readout`) turns X by o times its rotation, so its derivative is o (g x X)^T.
 /// A pixel is hidden where `current_depth` (full size; 0 = unknown passes) differs from its depth
 /// by more than the gate. `readout_is_free` off leaves the derivatives by the readout out, which
-/// are then zero. Deterministic for a given instruction set, allocation-free, thread-safe.
+/// are then zero. `noise`: by how much wider than config.sigma_at() residuals are. Deterministic
+/// for a given instruction set, allocation-free, thread-safe.
 PhotometricLinearization linearize(const PhotometricReference& reference, int level,
                                    const GrayPyramid& current, const DepthImage& current_depth,
                                    const SE3& T_world_camera, const AffineBrightness& brightness,
                                    const PhotometricConfig& config,
-                                   const ReadoutMotion& readout = {}, bool readout_is_free = true);
+                                   const ReadoutMotion& readout = {}, bool readout_is_free = true,
+                                   double noise = 1);
 
 }  // namespace sgs::registration

@@ -130,6 +130,7 @@ HWY_NOINLINE int LookUp(const PhotometricView& view, std::size_t count, Block& b
       continue;
     }
     const GraySample s = view.image->interpolate(u, v);
+    if (std::isnan(s.intensity + s.gx + s.gy)) continue;  // the camera did not see it
     block.x.values[used] = block.x.values[i];
     block.y.values[used] = block.y.values[i];
     block.z.values[used] = z;
@@ -150,15 +151,15 @@ HWY_NOINLINE int LookUp(const PhotometricView& view, std::size_t count, Block& b
   return visible;
 }
 
-// Pass 3: residuals, weights and Jacobian. Returns the sum of ln(1 + e^2 / nu).
-HWY_NOINLINE double Differentiate(const PhotometricView& view, Block& block) {
+// Pass 3: residuals, weights and Jacobian. Adds up ln(1 + e^2 / nu) and weighted squares.
+HWY_NOINLINE void Differentiate(const PhotometricView& view, Block& block, PhotometricSums& sums) {
   const PinholeCamera& camera = view.image->camera;
   const V fx = constant(static_cast<float>(camera.fx)),
           fy = constant(static_cast<float>(camera.fy));
   const V gain = constant(view.gain), offset = constant(view.offset);
   const V information = constant(view.inverse_variance), nu = constant(view.t_dof);
   const V inverse_nu = constant(1 / view.t_dof), top = constant(view.t_dof + 1);
-  V log_sum = hn::Zero(kTag);
+  V log_sum = hn::Zero(kTag), square_sum = hn::Zero(kTag);
   for (std::size_t i = 0; i < block.used; i += kLanes) {
     const auto counts = hn::FirstN(kTag, std::min(kLanes, block.used - i));
     const V x = load(block.x, i), y = load(block.y, i), z = load(block.z, i);
@@ -167,7 +168,9 @@ HWY_NOINLINE double Differentiate(const PhotometricView& view, Block& block) {
     const V e2 = hn::Mul(hn::Mul(residual, residual), information);
     log_sum =
         hn::Add(log_sum, hn::IfThenElseZero(counts, hn::Log1p(kTag, hn::Mul(e2, inverse_nu))));
-    const V weight = hn::Mul(hn::Div(top, hn::Add(nu, e2)), information);
+    const V robust = hn::Div(top, hn::Add(nu, e2));
+    square_sum = hn::Add(square_sum, hn::IfThenElseZero(counts, hn::Mul(robust, e2)));
+    const V weight = hn::Mul(robust, information);
     const V inverse_z = hn::Div(constant(1.0f), z);
     const V gX = hn::Mul(hn::Mul(load(block.gx, i), fx), inverse_z);
     const V gY = hn::Mul(hn::Mul(load(block.gy, i), fy), inverse_z);
@@ -189,7 +192,8 @@ HWY_NOINLINE double Differentiate(const PhotometricView& view, Block& block) {
     store(constant(-1.0f), block.J[10], i);
     store(residual, block.J[11], i);
   }
-  return static_cast<double>(hn::GetLane(hn::SumOfLanes(kTag, log_sum)));
+  sums.log_sum += static_cast<double>(hn::GetLane(hn::SumOfLanes(kTag, log_sum)));
+  sums.square_sum += static_cast<double>(hn::GetLane(hn::SumOfLanes(kTag, square_sum)));
 }
 
 // Pass 4: weighted products of a column with up to four others, added to `out`.
@@ -246,7 +250,7 @@ PhotometricSums SumPhotometric(const PhotometricView& view,
     ProjectPoints(view, points.data() + begin, count, block);
     sums.visible += LookUp(view, count, block);
     sums.used += static_cast<int>(block.used);
-    sums.log_sum += Differentiate(view, block);
+    Differentiate(view, block, sums);
     AddProducts(view, block, sums);
   }
   sums.H.triangularView<Eigen::StrictlyLower>() = sums.H.transpose();

@@ -32,7 +32,8 @@ struct PhotometricSums {
       Eigen::Matrix<double, kPhotometricUnknowns, kPhotometricUnknowns>::Zero();
   Eigen::Matrix<double, kPhotometricUnknowns, 1> b =
       Eigen::Matrix<double, kPhotometricUnknowns, 1>::Zero();
-  double log_sum = 0;  ///< sum of ln(1 + r^2 / (nu sigma^2))
+  double log_sum = 0;     ///< sum of ln(1 + r^2 / (nu sigma^2))
+  double square_sum = 0;  ///< sum of w r^2, w the weights: one a pixel where sigma is right
   int used = 0, visible = 0;
 };
 

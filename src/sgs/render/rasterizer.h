@@ -38,7 +38,9 @@ struct Rendering {
 struct TrainingImage {
   PinholeCamera camera;  ///< its size is the images' size
   Image<Rgbf> color;     ///< measured colour, 0..1
-  DepthImage depth;      ///< measured depth, 0 = none
+  DepthImage depth;      ///< measured depth, 0 = none; kUnseen: nor was the colour, nothing counts
+
+  static constexpr float kUnseen = -1;  ///< any negative depth
 };
 
 /// A training image in a rasterizer's own layout together with everything about it that stays the

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "sgs/camera/depth_lag.h"
 #include "sgs/camera/fingerprint.h"
 #include "sgs/core/log.h"
 #include "sgs/core/stopwatch.h"
@@ -110,6 +111,7 @@ Result<Material> read_material(const Run& run, const RefineOptions& options,
                                   budget / 4 * 3);
   refine::FrameSelection heldout(run.camera, 1, budget);
   const double readout_s = options.config.rolling_shutter ? learned_readout_s(run) : 0;
+  const double learned_delay = learned_depth_delay_s(run);
   const Trajectory views = view_poses(run);
   auto record = run.frames.begin();
   std::int64_t read = 0, heldout_seen = 0;
@@ -131,6 +133,9 @@ Result<Material> read_material(const Run& run, const RefineOptions& options,
     if (lost || !pose || !pose->all_finite()) continue;
     // Only now: the fingerprint is that of the recording.
     if (calibration != nullptr) frame.depth = calibration->apply(frame.depth);
+    const double delay_s = frame.depth_delay_s + learned_delay;
+    frame.depth = depth_with_colour(frame.depth, frame.camera,
+                                    refine::twist_at(views, frame.timestamp_s, delay_s));
     const Vector6d readout = refine::twist_at(views, frame.timestamp_s, readout_s);
     if (!record->heldout) {
       training.offer(frame, *pose, readout);

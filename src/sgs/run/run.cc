@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "sgs/core/log.h"
@@ -240,6 +241,14 @@ Result<Trajectory> load_run_trajectory(const fs::path& folder) {
   return with_folder_of_map(folder, state, [&](const fs::path& map_folder) {
     return load_trajectory_of(folder / files::kTrajectory, map_folder);
   });
+}
+
+double learned_depth_delay_s(const Run& run) {
+  for (auto record = run.frames.rbegin(); record != run.frames.rend(); ++record) {
+    const double delay_s = record->diagnostics.depth_delay_s;
+    if (!record->bad && std::isfinite(delay_s)) return delay_s;
+  }
+  return 0;
 }
 
 Trajectory view_poses(const Run& run) { return corrected(run.trajectory, run.keyframes); }

@@ -66,6 +66,9 @@ Result<Trajectory> load_run_trajectory(const std::filesystem::path& folder);
 /// Poses from which the map looks like the frames: the trajectory carried into the refined map, by
 /// the keyframes before and after (their poses absorb what the pictures and the poses disagree on).
 Trajectory view_poses(const Run& run);
+/// By how much later than its stamps say depth was measured, as the run held it to be in the end,
+/// calibration included; 0 where it never did.
+double learned_depth_delay_s(const Run& run);
 /// The map of a run folder; that of an unfinished run is its last checkpoint.
 Result<map::SplatMap> load_run_map(const std::filesystem::path& folder);
 

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sgs/camera/depth_lag.h"
 #include "sgs/core/stopwatch.h"
+#include "sgs/refine/shutter.h"
 #include "sgs/run/novel_views.h"
 
 namespace sgs::run {
@@ -79,6 +81,7 @@ Result<eval::RunEvaluation> score_rendering(const Run& run, const ScoreOptions& 
   config.heldout_interval = run.config.heldout_interval;
 
   const Trajectory views = view_poses(run);
+  const double learned_delay = learned_depth_delay_s(run);
   eval::RunInput evaluation;
   // A run that was stopped needs no frame after its last one.
   const std::int64_t last = run.frames.empty() ? -1 : run.frames.back().index;
@@ -89,7 +92,12 @@ Result<eval::RunEvaluation> score_rendering(const Run& run, const ScoreOptions& 
       const auto status = input.source->next(frame, error);
       if (status == dataset::FrameRead::kEnd) return false;
       read = frame.index;
-      if (status == dataset::FrameRead::kOk) return read <= last;
+      if (status != dataset::FrameRead::kOk) continue;
+      // The map shows surfaces as they were when their colour was seen.
+      const Vector6d lag =
+          refine::twist_at(views, frame.timestamp_s, frame.depth_delay_s + learned_delay);
+      frame.depth = depth_with_colour(frame.depth, frame.camera, lag);
+      return read <= last;
     }
     return false;
   };

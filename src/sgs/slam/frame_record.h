@@ -133,6 +133,9 @@ void visit_columns(Record& r, Visitor&& visit) {
         r.gain[0]);
   visit(C{"gain_green", "", "The same, green."}, r.gain[1]);
   visit(C{"gain_blue", "", "The same, blue."}, r.gain[2]);
+  visit(C{"depth_delay_s", "s",
+          "By how much later than its stamp says depth is measured, as learned so far."},
+        d.depth_delay_s);
 }
 
 /// The first line of frames.csv, with its line feed.

@@ -8,27 +8,27 @@
 #include "sgs/core/log.h"
 #include "sgs/geometry/archive_se3.h"
 
-namespace sgs::tracker {
-
-template <class Archive>
-void archive_fields(Archive& a, Diagnostics& d) {
-  a(d.eigenvalues, d.snr, d.weights, d.axes, d.degenerate_mask, d.condition_number, d.planarity,
-    d.prior_source, d.prior_active, d.targets, d.source_points, d.inliers, d.visual_inliers,
-    d.overlap, d.cost, d.visual_cost, d.readout_s, d.iterations, d.ms_points, d.ms_index,
-    d.ms_geometry, d.ms_visual, d.ms_update);
-}
-
-}  // namespace sgs::tracker
-
 namespace sgs::slam {
 namespace {
 
-/// Everything but what the brief has.
 template <class Archive>
-void archive_rest(Archive& a, FrameRecord& r) {
-  a(r.bad_reason, r.T_online_camera, r.status, r.lost_reason, r.tracking_keyframe,
-    r.mapping_keyframe, r.heldout, r.diagnostics, r.track_ms, r.gaussians, r.iterations, r.loops,
-    r.calibrations, r.correction_m, r.fingerprint, r.gain);
+struct ArchiveColumn {
+  Archive& archive;
+
+  template <class T>
+  void operator()(const FrameColumn&, T& field) const {
+    archive(field);
+  }
+  void operator()(const FrameColumn&, StatusCell<FrameRecord> cell) const {
+    archive(cell.record.status, cell.record.bad);
+  }
+};
+
+/// All columns, and what is none. Poses as corrected since are those of the brief.
+template <class Archive>
+void archive_record(Archive& a, FrameRecord& r) {
+  visit_columns(r, ArchiveColumn<Archive>{a});
+  a(r.bad_reason, r.T_online_camera, r.T_odom_camera);
 }
 
 FrameBrief brief_of(const FrameRecord& r) {
@@ -56,7 +56,7 @@ std::vector<FrameRecord> RecordLog::all() const {
       file_->read(block.at, read.data(), block.size);
     }
     ArchiveReader archive(block.bytes.empty() ? read : block.bytes);
-    for (std::size_t i = 0; i < kBlock; ++i) archive_rest(archive, records.emplace_back());
+    for (std::size_t i = 0; i < kBlock; ++i) archive_record(archive, records.emplace_back());
     SGS_CHECK(archive.complete(), "records came back otherwise than they were put away");
   }
   records.insert(records.end(), newest_.begin(), newest_.end());
@@ -80,7 +80,7 @@ void RecordLog::correct(const PastCorrection& correction) {
 
 void RecordLog::put_away() {
   ArchiveWriter archive;
-  for (FrameRecord& record : newest_) archive_rest(archive, record);
+  for (FrameRecord& record : newest_) archive_record(archive, record);
   Block block;
   block.bytes = archive.take();
   block.size = block.bytes.size();

@@ -34,6 +34,46 @@ FrameRecord record_of(int k) {
 
 std::string text_of(const std::vector<FrameRecord>& records) { return frames_csv(records); }
 
+/// Puts another value into every column.
+struct FillColumn {
+  int& count;
+
+  template <class T>
+  void operator()(const FrameColumn& column, T& field) const {
+    const double value = ++count;
+    if constexpr (std::is_enum_v<T>) {
+      field = enum_names(T{}).back().value;
+    } else if constexpr (std::is_same_v<T, bool>) {
+      field = true;
+    } else if constexpr (std::is_arithmetic_v<T>) {
+      field = static_cast<T>(value);
+    } else if constexpr (std::is_same_v<T, std::optional<Matrix6d>>) {
+      field = Matrix6d::Constant(value);
+    } else {
+      static_assert(std::is_same_v<T, std::array<double, 6>>, "a column of a new kind");
+      field.fill(value);
+    }
+    EXPECT_FALSE(column.key.empty());
+  }
+  void operator()(const FrameColumn&, StatusCell<FrameRecord> cell) const {
+    cell.record.status = tracker::TrackingStatus::kDegenerate;
+  }
+};
+
+TEST(RecordLog, EveryColumnComesBackFromTheDisk) {
+  int count = 0;
+  RecordLog log(testing::TempDir());
+  std::vector<FrameRecord> expected;
+  for (std::size_t i = 0; i <= RecordLog::kBlock; ++i) {  // the last one pushes the others out
+    FrameRecord r;
+    visit_columns(r, FillColumn{count});
+    r.index = static_cast<std::int64_t>(i);
+    expected.push_back(r);
+    log.add(r);
+  }
+  EXPECT_EQ(frames_csv(log.all()), frames_csv(expected));
+}
+
 /// Everything that was added, through a log in that folder.
 void expect_all(const std::filesystem::path& folder) {
   RecordLog log(folder);

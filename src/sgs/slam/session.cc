@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <exception>
 
+#include "sgs/camera/depth_lag.h"
 #include "sgs/camera/fingerprint.h"
 #include "sgs/core/log.h"
 #include "sgs/slam/calibration_estimator.h"
@@ -97,15 +98,20 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& raw) {
                 raw->depth.width() == camera_.width && raw->depth.height() == camera_.height,
             "frame size differs from the session's camera");
   correct_past();
-  const auto frame = calibrated(raw);
+  auto frame = calibrated(raw);
+  if (!tracker_->knows_depth_lag())
+    frame = frame_of_one_time(frame, frame->depth_delay_s * last_velocity());
   const MapView view = wait_for_map();
   double cpu_ms = 0;
   const tracker::TrackResult result = track(*frame, view.snapshot, cpu_ms);
   FrameRecord record = make_record(*frame, view, result);
   record.track_ms = cpu_ms;
+  if (tracker_->knows_depth_lag() && result.status != tracker::TrackingStatus::kLost) {
+    record.diagnostics.depth_delay_s = result.motion.depth_delay_s - raw->depth_delay_s;
+  }
   record.fingerprint = fingerprint(*raw);  // as the recording has it
   estimate_past(raw, frame, result, record);
-  if (comes_as_before(record, depth_fingerprint(*raw))) hand_to_mapper(frame, record);
+  if (comes_as_before(record, depth_fingerprint(*raw))) hand_to_mapper(frame, result, record);
   report_loss(record);
   const FrameRecord& added = records_.add(std::move(record));
   if (on_frame_) on_frame_(added);
@@ -135,8 +141,19 @@ std::shared_ptr<const RgbdFrame> Session::calibrated(
   if (!calibration_) return raw;
   auto frame = std::make_shared<RgbdFrame>(*raw);
   frame->depth = calibration_->apply(raw->depth);
-  frame->depth_delay_s = calibration_->delay_s;
+  frame->depth_delay_s += calibration_->delay_s;  // beside what its stamp says
   return frame;
+}
+
+// Of the camera from the last tracked frame but one to the last, twist per second.
+Vector6d Session::last_velocity() const {
+  constexpr double kLongest_s = 0.25;
+  const auto& past = records_.briefs();
+  if (past.size() < 2) return Vector6d::Zero();
+  const FrameBrief &last = past.back(), &before = past[past.size() - 2];
+  const double dt = last.timestamp_s - before.timestamp_s;
+  if (!last.tracked || !before.tracked || !(dt > 0) || dt > kLongest_s) return Vector6d::Zero();
+  return (before.T_odom_camera.inverse() * last.T_odom_camera).log() / dt;
 }
 
 void Session::estimate_past(const std::shared_ptr<const RgbdFrame>& raw,
@@ -218,7 +235,8 @@ bool Session::wants_mapping_keyframe(const FrameRecord& record) const {
          video_time_ - last_mapping_keyframe_ >= config_.keyframe_interval;
 }
 
-void Session::hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame, FrameRecord& record) {
+void Session::hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame,
+                             const tracker::TrackResult& result, FrameRecord& record) {
   keyframe_pending_ = keyframe_pending_ || record.tracking_keyframe;
   MapJob job;
   job.frames = video_frames(record);
@@ -229,7 +247,7 @@ void Session::hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame, Fram
     last_mapping_keyframe_ = video_time_;
     ++mapping_keyframes_;
     keyframe_pending_ = false;
-    job.keyframe = frame;
+    job.keyframe = frame_of_one_time(frame, result.motion.lag());
     job.T_odom_camera = record.T_odom_camera;
   }
   job.corrections = corrections_;

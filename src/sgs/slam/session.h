@@ -121,6 +121,7 @@ class Session {
   void apply_last(const std::shared_ptr<const PastCorrection>& correction, PastCorrections& last);
   void move_past(const PastCorrection& correction);
   std::shared_ptr<const RgbdFrame> calibrated(const std::shared_ptr<const RgbdFrame>& raw) const;
+  Vector6d last_velocity() const;
   void estimate_past(const std::shared_ptr<const RgbdFrame>& raw,
                      const std::shared_ptr<const RgbdFrame>& frame,
                      const tracker::TrackResult& result, FrameRecord& record);
@@ -132,7 +133,8 @@ class Session {
                           const tracker::TrackResult& result) const;
   double video_frames(const FrameRecord& record) const;
   bool wants_mapping_keyframe(const FrameRecord& record) const;
-  void hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame, FrameRecord& record);
+  void hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame,
+                      const tracker::TrackResult& result, FrameRecord& record);
   void report_loss(const FrameRecord& record);
   bool comes_as_before(const FrameRecord& record, std::int64_t depth_print);
 

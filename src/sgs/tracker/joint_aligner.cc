@@ -166,7 +166,9 @@ Alignment::Geometry JointAligner::geometry_at(const SE3& T) {
 Alignment::Picture JointAligner::picture_at(const SE3& T, VisualTerm::Fit& fit) {
   const CpuTimer timer(times_.visual);
   Alignment::Picture p;
-  p.H = fit.linearize(0, T).H;
+  const auto equations = fit.linearize(0, T);
+  p.H = equations.H;
+  p.b = equations.b;
   p.pixels = fit.used();
   p.mean_cost = fit.mean_cost();
   p.holds =

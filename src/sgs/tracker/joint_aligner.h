@@ -31,6 +31,7 @@ struct Alignment {
     double mean_cost = 0;
     bool holds = false;             ///< enough pixels fit well enough
     Matrix6d H = Matrix6d::Zero();  ///< normal equations
+    Vector6d b = Vector6d::Zero();
   };
 
   SE3 T_local_camera;
@@ -87,6 +88,9 @@ class JointAligner {
   /// keyframe and as targets, each where it is wanted. `readout`: camera twist over the readout of
   /// its picture.
   Extension extend(const Alignment& alignment, const Vector6d& readout);
+
+  /// Learns how wide residuals of an accepted alignment's picture are.
+  void learn_noise(const Alignment& a) { vision_.learn_noise(a.fit); }
 
   /// Moves keyframes and targets (in local coordinates).
   void correct(const PastCorrection& correction);

@@ -6,6 +6,7 @@
 
 namespace sgs::tracker {
 namespace {
+constexpr double kRateShare = 0.5;       // of the last interval in the steady rate
 constexpr double kMaxIntervalRatio = 3;  // dropped frames; beyond, the velocity says little
 }  // namespace
 
@@ -33,9 +34,14 @@ LostReason MotionModel::judge(const SE3& T) const {
 }
 
 void MotionModel::accept(const SE3& T, double timestamp_s) {
+  const Vector6d rate = rate_to(T, timestamp_s);
   const bool consecutive = has_pose_ && frames_held_ == 0 && timestamp_s > timestamp_s_;
   velocity_ = consecutive ? (T_.inverse() * T).log() : Vector6d::Zero();
   interval_s_ = consecutive ? timestamp_s - timestamp_s_ : 0;
+  const bool goes_on = consecutive && !steady_rate_.isZero(0) && !rate.isZero(0);
+  steady_rate_ = goes_on       ? Vector6d(steady_rate_ + kRateShare * (rate - steady_rate_))
+                 : consecutive ? rate
+                               : Vector6d(Vector6d::Zero());
   T_ = T;
   timestamp_s_ = timestamp_s;
   has_pose_ = true;
@@ -45,12 +51,14 @@ void MotionModel::accept(const SE3& T, double timestamp_s) {
 void MotionModel::hold() {
   ++frames_held_;
   velocity_.setZero();
+  steady_rate_.setZero();
   interval_s_ = 0;
 }
 
 void MotionModel::jump_to(const SE3& T) {
   T_ = T;
   velocity_.setZero();
+  steady_rate_.setZero();
   interval_s_ = 0;
   has_pose_ = false;
 }

@@ -20,6 +20,9 @@ class MotionModel {
   /// Mean camera twist per second from the last trusted pose to `T` at `timestamp_s`; zero where
   /// that is unknown or long ago.
   Vector6d rate_to(const SE3& T, double timestamp_s) const;
+  /// Camera twist per second as it was over the last few trusted frames, smoothed; zero where that
+  /// is unknown or long ago. What is corrected by it does not depend on the pose that is sought.
+  const Vector6d& steady_rate() const { return steady_rate_; }
   /// Whether going from the last trusted pose to `T` is possible: kNone, kNotFinite or
   /// kImplausibleMotion. After lost frames the limits grow with their number, up to max_growth
   /// times.
@@ -46,7 +49,8 @@ class MotionModel {
   MotionConfig config_;
   SE3 T_;
   Vector6d velocity_ = Vector6d::Zero();  // of the last frame interval
-  double interval_s_ = 0;                 // that it took; 0 = unknown
+  Vector6d steady_rate_ = Vector6d::Zero();
+  double interval_s_ = 0;  // that it took; 0 = unknown
   double timestamp_s_ = 0;
   bool has_pose_ = false;
   int frames_held_ = 0;

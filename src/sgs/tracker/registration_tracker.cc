@@ -28,6 +28,9 @@ TrackResult RegistrationTracker::track(const RgbdFrame& frame, const map::Snapsh
   std::optional<Registration> r;
   result.lost_reason =
       check_points(static_cast<int>(geometry_.source().points.size()), config_.loss);
+  // The points as the camera saw them when it saw the colour, if it goes on as it did.
+  result.motion = {Vector6d::Zero(), motion_.steady_rate(), frame.depth_delay_s};
+  geometry_.set_motion(result.motion);
   if (!first && result.lost_reason == LostReason::kNone) {
     r = register_frame(frame.timestamp_s);
     result.lost_reason = judge(*r);
@@ -43,7 +46,7 @@ TrackResult RegistrationTracker::track(const RgbdFrame& frame, const map::Snapsh
   }
   if (result.keyframe) {
     const CpuTimer timer(times_.update);
-    geometry_.insert_keyframe(T);
+    geometry_.insert_keyframe(T, result.motion);
   }
   result.T_world_camera = (T_world_local_ * motion_.pose()).normalized();
   result.diagnostics = describe(r ? &*r : nullptr);

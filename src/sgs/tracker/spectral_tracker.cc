@@ -8,7 +8,14 @@
 
 namespace sgs::tracker {
 namespace {
-constexpr int kDoubtFrames = 30;  // for so long a picture that does not fit is held against a pose
+
+LossPolicy::Limits loss_limits(const AlignmentConfig& config) {
+  LossPolicy::Limits limits;
+  limits.min_pixels = config.min_pixels;
+  limits.search_interval = config.relocalise_interval;
+  return limits;
+}
+
 }  // namespace
 
 SpectralTracker::SpectralTracker(const SpectralConfig& config, const PinholeCamera& camera,
@@ -17,22 +24,25 @@ SpectralTracker::SpectralTracker(const SpectralConfig& config, const PinholeCame
       T_world_local_(T_world_first),
       aligner_(config, camera, T_world_first.inverse()),
       relocaliser_(config.relocaliser),
+      policy_(loss_limits(config.alignment)),
       motion_(config.motion, SE3{}),
-      readout_(config.readout) {}
+      readout_(config.readout),
+      delay_(config.delay) {}
 
 TrackResult SpectralTracker::track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) {
   const double t = frame.timestamp_s;
-  depth_delay_s_ = frame.depth_delay_s;
+  depth_delay_s_ = frame.depth_delay_s + delay_.delay_s();
   aligner_.look_at(frame, snapshot);
   const Alignment alignment = !aligner_.has_map()         ? start_map()
                               : motion_.frames_held() > 0 ? find_camera(frame)
                                                           : follow_unless_elsewhere(frame);
   if (!alignment.trusted()) return lost(alignment, t);
-  if (motion_.frames_held() == 0 && !in_doubt()) learn_from(alignment, t);
+  const Vector6d rate = motion_.rate_to(alignment.T_local_camera, t);
+  if (motion_.frames_held() == 0 && !policy_.in_doubt()) learn_from(alignment, rate);
   motion_.accept(alignment.T_local_camera, t);
   const Vector6d readout = frame_readout(alignment.fit.readout());
   // What geometry alone says just after the picture stopped fitting is not built upon.
-  const bool keyframe = !in_doubt() && extend_map(frame, alignment, readout);
+  const bool keyframe = !policy_.in_doubt() && extend_map(frame, alignment, readout, rate);
   TrackResult result = tracked(alignment);
   result.keyframe = keyframe;
   result.motion = alignment.points_motion;
@@ -62,74 +72,53 @@ Alignment SpectralTracker::follow_camera(double timestamp_s) {
   return align(predicted.T_local_camera, timestamp_s, motion_);
 }
 
-// A camera that was carried off between two frames may find surfaces that fit where it is not. Its
-// picture does not: where pictures did fit until now, the frame is looked for among the keyframes.
-// Surfaces that have drifted may also pull a pose away from what the picture says: then the picture
+// A camera that was carried off between two frames may find surfaces that fit where it is not, and
+// surfaces that have drifted may pull a pose away from what the picture says: then the picture
 // alone still fits there.
 Alignment SpectralTracker::follow_unless_elsewhere(const RgbdFrame& frame) {
   Alignment followed = follow_camera(frame.timestamp_s);
-  poor_frames_ = is_doubtful(followed) ? poor_frames_ + 1 : 0;
-  if (!in_doubt()) return followed;
-  const bool seen = followed.trusted() && sees_enough(followed);
-  if (seen && picture_of_this_place(followed, frame.timestamp_s)) return followed;
-  // A frame that shows enough is lost otherwise; a dark one may go on by its surfaces for a while.
-  if (seen || (poor_frames_ - 1) % config_.alignment.relocalise_interval == 0) {
+  const Evidence evidence = evidence_of(followed);
+  if (policy_.follow(evidence) == LossPolicy::State::kTracking) return followed;
+  if (policy_.can_be_confirmed(evidence) && picture_of_this_place(followed, frame.timestamp_s)) {
+    return followed;
+  }
+  if (policy_.searches(evidence)) {
     if (const auto elsewhere = relocalised(frame)) return *elsewhere;
   }
-  if (followed.trusted() && (seen || !is_explained(followed))) {
-    followed.lost_reason = LostReason::kPoorPictureFit;
-  }
+  if (policy_.loses(evidence)) followed.lost_reason = LostReason::kPoorPictureFit;
   return followed;
 }
 
 // The frames after a loss: from the pose carried on, and now and then from where the camera is
-// found among the keyframes. A camera that has just come back is rather held to be lost than put in
-// a wrong place: surfaces are not believed against the picture, but for a place that has become
-// dark.
+// found among the keyframes.
 Alignment SpectralTracker::find_camera(const RgbdFrame& frame) {
-  constexpr int kPatience = 60;  // frames in a row
   Alignment carried_on = align(T_bridge_, frame.timestamp_s, motion_);
-  const bool contradicted =
-      carried_on.trusted() && sees_enough(carried_on) && !is_confirmed(carried_on);
-  poor_frames_ = contradicted ? poor_frames_ + 1 : 0;
-  if (is_confirmed(carried_on)) return carried_on;
-  if (carried_on.trusted()) {
-    if (contradicted && poor_frames_ <= kPatience) {
-      if (auto seen = picture_of_this_place(carried_on, frame.timestamp_s)) return *seen;
-    } else if (is_explained(carried_on)) {
+  switch (policy_.find(evidence_of(carried_on))) {
+    case LossPolicy::Finding::kAccept:
       return carried_on;
-    }
-    carried_on.lost_reason = LostReason::kPoorPictureFit;
+    case LossPolicy::Finding::kAskPicture:
+      if (auto seen = picture_of_this_place(carried_on, frame.timestamp_s)) return *seen;
+      break;
+    case LossPolicy::Finding::kLost:
+      break;
   }
-  if (motion_.frames_held() % config_.alignment.relocalise_interval != 0) return carried_on;
+  if (carried_on.trusted()) carried_on.lost_reason = LostReason::kPoorPictureFit;
+  if (!policy_.searches_lost(motion_.frames_held())) return carried_on;
   return relocalised(frame).value_or(carried_on);
 }
 
-// Its picture does not fit as pictures lately did, so that surfaces may deceive.
-bool SpectralTracker::is_doubtful(const Alignment& a) const {
-  constexpr double kDeceived = 2.5;  // times the usual cost; what noise alone explains is none
-  if (usual_visual_cost_ <= 0) return false;
-  return !a.picture_holds() || a.picture->mean_cost > std::max(1.0, kDeceived * usual_visual_cost_);
-}
-
-// For so long a picture that has stopped fitting is held against the pose; then it has become dark.
-bool SpectralTracker::in_doubt() const { return poor_frames_ > 0 && poor_frames_ <= kDoubtFrames; }
-
-// A picture that says something. A few pixels of what is usual fit anywhere.
-bool SpectralTracker::sees_enough(const Alignment& a) const {
-  constexpr double kShare = 0.2;
-  return a.picture && a.picture->pixels >= config_.alignment.min_pixels &&
-         a.picture->pixels >= kShare * usual_pixels_;
-}
-
-bool SpectralTracker::is_confirmed(const Alignment& a) const {
-  return a.trusted() && a.picture_holds() && sees_enough(a) && !is_doubtful(a);
-}
-
-// Surfaces cannot agree so far by chance.
-bool SpectralTracker::is_explained(const Alignment& a) const {
-  constexpr double kMost = 0.6;
-  return a.geometry && a.geometry->holds && a.geometry->overlap >= kMost;
+Evidence SpectralTracker::evidence_of(const Alignment& a) const {
+  constexpr double kExplained = 0.6;  // surfaces cannot agree so far by chance
+  Evidence e;
+  e.trusted = a.trusted();
+  e.explained_by_surfaces = a.geometry && a.geometry->holds && a.geometry->overlap >= kExplained;
+  e.surfaces_see_all_axes = aligner_.observability().mask == 0;
+  e.picture_holds = a.picture_holds();
+  if (a.picture) {
+    e.pixels = a.picture->pixels;
+    e.cost = a.picture->mean_cost;
+  }
+  return e;
 }
 
 // Where the picture alone fits, as pictures usually do, near a pose that surfaces have agreed to.
@@ -138,14 +127,14 @@ std::optional<Alignment> SpectralTracker::picture_of_this_place(const Alignment&
   constexpr double kNear_m = 0.1, kNear_rad = 0.1;
   Alignment picture = align_picture(a.T_local_camera, timestamp_s);
   const SE3 T = a.T_local_camera.inverse() * picture.T_local_camera;
-  if (!is_confirmed(picture) || T.t.norm() > kNear_m || T.angle() > kNear_rad) return std::nullopt;
+  if (!policy_.is_confirmed(evidence_of(picture)) || T.t.norm() > kNear_m || T.angle() > kNear_rad)
+    return std::nullopt;
   return picture;
 }
 
 // From where the keyframes say that the camera is; empty where they do not know, or where neither
 // its picture nor features and surfaces together say the same.
 std::optional<Alignment> SpectralTracker::relocalised(const RgbdFrame& frame) {
-  constexpr double kNotStrange = 1.5;  // cost per pixel
   std::optional<SE3> found;
   {
     const CpuTimer timer(aligner_.times().visual);
@@ -158,21 +147,19 @@ std::optional<Alignment> SpectralTracker::relocalised(const RgbdFrame& frame) {
   const std::size_t last = aligner_.vision().newest_keyframe();
   aligner_.carry_to(aligner_.vision().nearest_keyframe(*found));
   Alignment a = align(*found, frame.timestamp_s, motion);
-  const bool agreed = a.trusted() && is_explained(a) && a.picture_holds() && sees_enough(a) &&
-                      a.picture->mean_cost <= kNotStrange;
-  if (!is_confirmed(a) && !agreed) {
+  if (!policy_.is_found(evidence_of(a))) {
     aligner_.carry_to(last);
     return std::nullopt;
   }
   motion_ = motion;
-  poor_frames_ = 0;
+  policy_.found();
   return a;
 }
 
 // The picture fits much worse than pictures lately did: perhaps not where the camera is.
 bool SpectralTracker::fits_badly(const Alignment& a) const {
-  return usual_visual_cost_ > 0 && a.picture &&
-         a.picture->mean_cost > config_.alignment.suspicious_cost * usual_visual_cost_;
+  return policy_.usual_cost() > 0 && a.picture &&
+         a.picture->mean_cost > config_.alignment.suspicious_cost * policy_.usual_cost();
 }
 
 // Aligns from one start pose; `motion` tells which poses are possible.
@@ -190,13 +177,16 @@ Alignment SpectralTracker::align_picture(const SE3& T_start, double timestamp_s)
 }
 
 ReadoutModel SpectralTracker::readout_model(double timestamp_s, const MotionModel& motion) const {
-  return {[this, timestamp_s, &motion](const SE3& T_local_camera) {
-            return readout_.predict(motion.rate_to(T_local_camera, timestamp_s),
-                                    aligner_.vision().newest_keyframe());
-          },
-          [this, timestamp_s, &motion](const Vector6d& seen, const SE3& T_local_camera) {
-            return frame_motion(seen, motion.rate_to(T_local_camera, timestamp_s));
-          }};
+  return {
+      [this, timestamp_s, &motion](const SE3& T_local_camera) {
+        return readout_.predict(motion.rate_to(T_local_camera, timestamp_s),
+                                aligner_.vision().newest_keyframe());
+      },
+      // Not the rate to the pose that is looked for: points that follow a pose's own velocity
+      // make it swing to and fro.
+      [this, &motion](const Vector6d& seen, const SE3&) {
+        return registration::FrameMotion{frame_readout(seen), motion.steady_rate(), depth_delay_s_};
+      }};
 }
 
 // Camera twist over the readout of the frame: what is seen, without the keyframe's share.
@@ -206,35 +196,28 @@ Vector6d SpectralTracker::frame_readout(const Vector6d& seen) const {
   return readout;
 }
 
-registration::FrameMotion SpectralTracker::frame_motion(const Vector6d& seen,
-                                                        const Vector6d& velocity) const {
-  return {frame_readout(seen), velocity, depth_delay_s_};
-}
-
-// What this frame's picture tells about the sensor's readout time, and about how well pictures fit.
-void SpectralTracker::learn_from(const Alignment& a, double timestamp_s) {
+// What this frame tells about the sensor: its readout time, its clocks, its noise, and how well
+// pictures fit. `rate`: camera twist per second.
+void SpectralTracker::learn_from(const Alignment& a, const Vector6d& rate) {
   if (!a.picture_holds()) return;
-  const Eigen::Vector3d rate = motion_.rate_to(a.T_local_camera, timestamp_s).head<3>();
   const auto seen = a.fit.measured_readout(a.geometry ? a.geometry->H : Matrix6d(Matrix6d::Zero()));
-  readout_.update(rate, seen.rotation, seen.information, aligner_.vision().newest_keyframe());
-  constexpr double kForget = 0.1;
-  const bool first = usual_visual_cost_ <= 0;
-  const auto learn = [&](double& usual, double now) {
-    usual = first ? now : usual + kForget * (now - usual);
-  };
-  learn(usual_visual_cost_, a.picture->mean_cost);
-  learn(usual_pixels_, a.picture->pixels);
+  readout_.update(rate.head<3>(), seen.rotation, seen.information,
+                  aligner_.vision().newest_keyframe());
+  if (a.geometry && a.geometry->holds) {
+    delay_.update(a.geometry->H, a.picture->H, a.picture->b, rate);
+  }
+  aligner_.learn_noise(a);
+  policy_.learn(evidence_of(a));
 }
 
 // Targets and visual keyframes grow independently; true when the targets did.
 bool SpectralTracker::extend_map(const RgbdFrame& frame, const Alignment& a,
-                                 const Vector6d& readout) {
+                                 const Vector6d& readout, const Vector6d& rate) {
   const CpuTimer timer(aligner_.times().update);
   const auto extended = aligner_.extend(a, readout);
   if (extended.keyframe) {
     relocaliser_.add_keyframe(frame, a.T_local_camera);
-    readout_.add_keyframe(aligner_.vision().newest_keyframe(), a.points_motion.velocity.head<3>(),
-                          readout.head<3>());
+    readout_.add_keyframe(aligner_.vision().newest_keyframe(), rate.head<3>(), readout.head<3>());
   }
   return extended.targets;
 }
@@ -242,6 +225,7 @@ bool SpectralTracker::extend_map(const RgbdFrame& frame, const Alignment& a,
 void SpectralTracker::correct(const PastCorrection& correction) {
   const PastCorrection local = correction.in_frame(T_world_local_.inverse());
   aligner_.correct(local);
+  if (correction.depth) delay_.shift(correction.depth->delay_s());
   relocaliser_.correct(local);
   motion_.correct(local.corrected(motion_.pose(), motion_.timestamp_s()));
   T_bridge_ = local.corrected(T_bridge_, motion_.timestamp_s());
@@ -264,13 +248,15 @@ TrackResult SpectralTracker::lost(const Alignment& alignment, double timestamp_s
     T_bridge_ = motion_.pose();
   }
   motion_.miss();
+  policy_.lost();
   const SE3 T_carried_on = motion_.predict(timestamp_s);
   if (T_carried_on.all_finite() &&
       (timestamp_s - lost_since_s_ <= config_.alignment.bridge_s || motion_.frames_held() == 1)) {
     T_bridge_ = T_carried_on;
   }
   // Surfaces that were not believed are still the best guess of how the camera went on.
-  if (alignment.lost_reason == LostReason::kPoorPictureFit && is_explained(alignment) &&
+  if (alignment.lost_reason == LostReason::kPoorPictureFit &&
+      evidence_of(alignment).explained_by_surfaces &&
       motion_.judge(alignment.T_local_camera) == LostReason::kNone) {
     T_bridge_ = alignment.T_local_camera;
   }

@@ -4,7 +4,9 @@
 
 #include <optional>
 
+#include "sgs/tracker/delay_estimator.h"
 #include "sgs/tracker/joint_aligner.h"
+#include "sgs/tracker/loss_policy.h"
 #include "sgs/tracker/motion_model.h"
 #include "sgs/tracker/readout_estimator.h"
 #include "sgs/tracker/relocaliser.h"
@@ -23,6 +25,7 @@ class SpectralTracker : public Tracker {
 
   TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) override;
   bool follows_map() const override { return aligner_.geometry().targets().follows_map(); }
+  bool knows_depth_lag() const override { return true; }
   void correct(const PastCorrection& correction) override;
 
  private:
@@ -32,8 +35,9 @@ class SpectralTracker : public Tracker {
   Alignment follow_unless_elsewhere(const RgbdFrame& frame);
   Alignment find_camera(const RgbdFrame& frame);
   std::optional<Alignment> relocalised(const RgbdFrame& frame);
-  void learn_from(const Alignment& alignment, double timestamp_s);
-  bool extend_map(const RgbdFrame& frame, const Alignment& alignment, const Vector6d& readout);
+  void learn_from(const Alignment& alignment, const Vector6d& rate);
+  bool extend_map(const RgbdFrame& frame, const Alignment& alignment, const Vector6d& readout,
+                  const Vector6d& rate);
   TrackResult tracked(const Alignment& alignment) const;
   TrackResult lost(const Alignment& alignment, double timestamp_s);
 
@@ -42,24 +46,18 @@ class SpectralTracker : public Tracker {
   std::optional<Alignment> picture_of_this_place(const Alignment& a, double timestamp_s);
   ReadoutModel readout_model(double timestamp_s, const MotionModel& motion) const;
   bool fits_badly(const Alignment& a) const;
-  bool is_doubtful(const Alignment& a) const;
-  bool in_doubt() const;
-  bool sees_enough(const Alignment& a) const;
-  bool is_confirmed(const Alignment& a) const;
-  bool is_explained(const Alignment& a) const;
+  Evidence evidence_of(const Alignment& a) const;
   Vector6d frame_readout(const Vector6d& readout) const;
-  registration::FrameMotion frame_motion(const Vector6d& readout, const Vector6d& velocity) const;
 
   SpectralConfig config_;
   SE3 T_world_local_;
   JointAligner aligner_;
   Relocaliser relocaliser_;
+  LossPolicy policy_;
   MotionModel motion_;  // camera to local
   ReadoutEstimator readout_;
-  double depth_delay_s_ = 0;      // of the frame that is tracked
-  double usual_visual_cost_ = 0;  // mean cost per pixel of the last frames; 0: no picture did fit
-  double usual_pixels_ = 0;       // that they were fitted by
-  int poor_frames_ = 0;           // in a row whose picture did not fit, where pictures used to
+  DelayEstimator delay_;
+  double depth_delay_s_ = 0;  // of the frame that is tracked, with what was learned of it
   double lost_since_s_ = 0;
   SE3 T_bridge_;  // camera to local while lost
 };

@@ -67,8 +67,9 @@ struct Diagnostics {
   double overlap = kNone;      ///< share of source points explained by the map
   double cost = kNone;         ///< joint cost at the final pose
   double visual_cost = kNone;  ///< mean photometric cost per pixel (1 = as its noise model expects)
-  double readout_s = kNone;    ///< readout time of the rolling shutter, as learned so far
-  int iterations = 0;          ///< Gauss-Newton steps over all levels of the alignment that counts
+  double depth_delay_s = kNone;  ///< of depth after its stamp, as learned so far
+  double readout_s = kNone;      ///< readout time of the rolling shutter, as learned so far
+  int iterations = 0;  ///< Gauss-Newton steps over all levels of the alignment that counts
   /// CPU time per step, of everything that was tried.
   double ms_points = 0, ms_index = 0, ms_geometry = 0, ms_visual = 0, ms_update = 0;
 };

@@ -31,6 +31,9 @@ class Tracker {
   /// Whether poses rest on the frame before, so that views must follow each other as in a video.
   /// Where they do not, frames may be far apart, and there is no drift that loops could take back.
   virtual bool needs_video() const { return true; }
+  /// Whether depth may lag behind colour (RgbdFrame::depth_delay_s): else track() is given frames
+  /// of one time.
+  virtual bool knows_depth_lag() const { return false; }
   /// Moves everything that is remembered of the past as `correction` (of poses that track() has
   /// returned) tells, and goes on from there. Only those are corrected whose results carry
   /// TrackResult::information.

@@ -27,6 +27,7 @@ void TrackerConfig::declare(ParameterList& p) {
   p.add_group("spectral", visual_keyframes);
   p.add_group("spectral", relocalisation);
   p.add_group("readout", readout);
+  p.add_group("delay", delay);
   p.add_group("orb", orb);
   p.add_group("visual_pose", visual_pose);
   p.add_group("prior", prior);
@@ -86,6 +87,7 @@ SpectralConfig::SpectralConfig(const TrackerConfig& all)
       geometry(all),
       vision(all),
       readout(all.readout),
+      delay(all.delay),
       relocaliser(all) {}
 
 GicpConfig::GicpConfig(const TrackerConfig& all)

@@ -221,6 +221,26 @@ struct ReadoutConfig {
   }
 };
 
+/// By how much later depth is measured than its stamp says.
+struct DelayConfig {
+  bool estimate = true;
+  double prior_sigma_s = 0.01;
+  double information_scale = 0.02;
+  double forget = 0.003;
+  double most_s = 0.03;
+
+  void declare(ParameterList& p) {
+    p.add("estimate", estimate, "Learn by how much later depth is measured than its stamp says.");
+    p.add("prior_sigma_s", prior_sigma_s, "Uncertainty of a delay of 0 at the start.", "s",
+          {1e-6, 0.1});
+    p.add("information_scale", information_scale,
+          "Share of an alignment's pixels and points that count as independent of each other.", "",
+          {1e-6, 1});
+    p.add("forget", forget, "Share of what is known that a frame makes forget.", "", {0, 1});
+    p.add("most_s", most_s, "The delay stays within this.", "s", {0, 0.1});
+  }
+};
+
 /// The paper's visual prior (docs/method.md, sections 4 to 6); its ablations are here, in
 /// `degeneracy.soft_gate` and in `degeneracy.condition_threshold`.
 struct PriorConfig {
@@ -349,6 +369,7 @@ struct TrackerConfig {
   VisualKeyframeConfig visual_keyframes;
   RelocalisationConfig relocalisation;
   ReadoutConfig readout;
+  DelayConfig delay;
   features::OrbConfig orb;
   features::VisualPoseConfig visual_pose;
   PriorConfig prior;
@@ -401,6 +422,7 @@ struct SpectralConfig {
   GeometryConfig geometry;
   VisionConfig vision;
   ReadoutConfig readout;
+  DelayConfig delay;
   RelocaliserConfig relocaliser;
 
   explicit SpectralConfig(const TrackerConfig& all);

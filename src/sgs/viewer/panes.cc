@@ -51,13 +51,29 @@ ColorImage shrink(const ColorImage& image, int stride) {
   return out;
 }
 
-DepthImage shrink(const DepthImage& image, int stride) {
+namespace {
+
+template <class T>
+Image<T> thinned(const Image<T>& image, int stride) {
   SGS_CHECK(stride >= 1, "stride must be positive");
-  DepthImage out(image.width() / stride, image.height() / stride);
+  Image<T> out(image.width() / stride, image.height() / stride);
   for (int y = 0; y < out.height(); ++y) {
     for (int x = 0; x < out.width(); ++x) out(x, y) = image(x * stride, y * stride);
   }
   return out;
+}
+
+}  // namespace
+
+DepthImage shrink(const DepthImage& image, int stride) { return thinned(image, stride); }
+
+PixelMask shrink(const PixelMask& mask, int stride) { return thinned(mask, stride); }
+
+void veil(ColorImage& image, const PixelMask& seen) {
+  constexpr Rgb8 kVeil = {40, 40, 40};
+  for (std::size_t i = 0; i < seen.size() && i < image.size(); ++i) {
+    if (seen.data()[i] == 0) image.data()[i] = kVeil;
+  }
 }
 
 ColorImage depth_picture(const DepthImage& depth) {

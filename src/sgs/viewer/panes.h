@@ -11,6 +11,10 @@ namespace sgs::viewer {
 
 /// Every `stride`-th pixel in both directions (means of the stride x stride blocks).
 ColorImage shrink(const ColorImage& image, int stride);
+/// Every `stride`-th pixel.
+PixelMask shrink(const PixelMask& mask, int stride);
+/// Paints what the camera did not see as the page's own grey; an empty mask: it saw all.
+void veil(ColorImage& image, const PixelMask& seen);
 /// Every `stride`-th pixel; depths are not averaged across edges.
 DepthImage shrink(const DepthImage& image, int stride);
 

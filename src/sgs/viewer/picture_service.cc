@@ -67,15 +67,19 @@ struct PictureService::Worker {
     };
     const int stride = std::max(1, (camera.width + kPaneWidth_px - 1) / kPaneWidth_px);
     ColorImage color;
+    PixelMask seen;  // empty: all
     if (const RgbdFrame* frame = update.frame.get()) {
       color = shrink(frame->color, stride);
+      if (frame->seen) seen = shrink(*frame->seen, stride);
+      veil(color, seen);
       show(Pane::kColor, color);
       if ((panes & bit(Pane::kDepth)) != 0) {
         show(Pane::kDepth, depth_picture(shrink(frame->depth, stride)));
       }
     }
     if ((panes & kRendered) == 0 || !update.map) return;
-    const ColorImage rendered = render(*update.map, shrunk(camera, stride), update.T_world_camera);
+    ColorImage rendered = render(*update.map, shrunk(camera, stride), update.T_world_camera);
+    veil(rendered, seen);
     show(Pane::kRender, rendered);
     if (!color.empty()) show(Pane::kError, error_picture(color, rendered));
   }

@@ -189,6 +189,9 @@ double CpuRasterizer::add_dssim(const CpuTrainingView& training, const LossConfi
         const float* from = image_.data() + index + channel;
         float* to = plane_.row(y) + x;
         for (int i = 0; i < n; ++i) to[i] = gain * from[i];
+        for (int i = 0; !training.all_seen() && i < n; ++i) {
+          if (!training.seen(x + i, y)) to[i] = 0;
+        }
       });
     });
     sum += dssim_.evaluate(plane_, training.moments()[c], plane_gradient_, *pool_);

@@ -40,8 +40,9 @@ HWY_INLINE void loss_part(const TileLoss& loss, const BlockState& state, const f
   const F z = load(training + 3 * kBlockPixels + at);
   const F depth = load(state.d + at), alpha = load(state.a + at);
   const Mask measured = hn::And(inside, z > zero);
+  const Mask seen = hn::And(inside, z >= zero);
   const F color_weight =
-      zero_unless(loss.color_only_where_depth ? measured : inside, F(loss.color_weight));
+      zero_unless(loss.color_only_where_depth ? measured : seen, F(loss.color_weight));
   const Mask explained = hn::And(measured, alpha > F(0.9f));
   const float* const rendered[3] = {state.r, state.g, state.b};
   float* const gradient[3] = {out.r, out.g, out.b};
@@ -53,7 +54,7 @@ HWY_INLINE void loss_part(const TileLoss& loss, const BlockState& state, const f
     F g = color_weight * gain * color_loss.slope(e);
     sums.loss = mul_add(color_weight, color_loss.value(e), sums.loss);
     if (color_gradient != nullptr) {
-      g = g + zero_unless(inside, load(color_gradient + c * kBlockPixels + at));
+      g = g + zero_unless(seen, load(color_gradient + c * kBlockPixels + at));
     }
     store(g, gradient[c] + at);
     behind = mul_add(g, x, behind);

@@ -18,6 +18,12 @@ CpuTrainingView::CpuTrainingView(const TrainingImage& image)
       const Rgbf* c = image.color.row(y) + x;
       const float* z = image.depth.row(y) + x;
       for (int i = 0; i < n; ++i) {
+        if (z[i] < 0) {  // as the space around the image
+          all_seen_ = false;
+          p[i] = p[kBlockPixels + i] = p[2 * kBlockPixels + i] = 0;
+          p[3 * kBlockPixels + i] = z[i];
+          continue;
+        }
         p[i] = c[i].r;
         p[kBlockPixels + i] = c[i].g;
         p[2 * kBlockPixels + i] = c[i].b;

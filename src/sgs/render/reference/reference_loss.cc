@@ -99,13 +99,15 @@ double image_loss(const PixelImage& image, const TrainingImage& training, const 
     const Rgbf& c = training.color.data()[i];
     const std::array<double, 3> measured = {c.r, c.g, c.b};
     const double z = training.depth.data()[i];
-    const double w = loss.color_only_where_depth && !(z > 0) ? 0.0 : double{loss.color_weight} / 3;
+    const bool counts = loss.color_only_where_depth ? z > 0 : z >= 0;
+    const double w = counts ? double{loss.color_weight} / 3 : 0.0;
+    const bool seen = z >= 0;  // what was not is as the space around the image is
     for (std::size_t k = 0; k < 3; ++k) {
       const double gain = loss.gain[k], e = gain * p[k] - measured[k];
       value += w * rounded_abs(e, loss.color_knee);
       g[k] = w * gain * slope(e, loss.color_knee);
-      x[k].push_back(gain * p[k]);
-      y[k].push_back(measured[k]);
+      x[k].push_back(seen ? gain * p[k] : 0);
+      y[k].push_back(seen ? measured[k] : 0);
     }
     if (!(z > 0)) continue;
     const bool relative = loss.depth_form == DepthForm::kAlphaRelative;
@@ -120,7 +122,9 @@ double image_loss(const PixelImage& image, const TrainingImage& training, const 
   std::vector<double> d;
   for (std::size_t k = 0; k < 3; ++k) {
     value += w * dssim(x[k], y[k], training.camera.width, training.camera.height, d);
-    for (std::size_t i = 0; i < n; ++i) gradient[i][k] += w * double{loss.gain[k]} * d[i];
+    for (std::size_t i = 0; i < n; ++i) {
+      if (training.depth.data()[i] >= 0) gradient[i][k] += w * double{loss.gain[k]} * d[i];
+    }
   }
   return value;
 }

@@ -20,12 +20,15 @@ constexpr double kFarWorse = 2.5;
 constexpr int kContradictions = 5;
 // Coarser levels have too few pixels for three more unknowns: the readout is as believed there.
 constexpr int kCoarsestReadoutLevel = 1;
+// Of fewer pixels no width of a distribution is known.
+constexpr int kEnoughPixels = 100;
 
 }  // namespace
 
 void VisualTerm::set_frame(const RgbdFrame& frame) {
-  pyramid_.build(frame.color, frame.camera, config_.photometric.levels);
+  pyramid_.build(frame.color, frame.camera, config_.photometric.levels, frame.seen.get());
   levels_ = pyramid_.levels();
+  noise_.resize(static_cast<std::size_t>(levels_), 1.0);
   frame_ = &frame;
 }
 
@@ -86,6 +89,16 @@ void VisualTerm::compare_references(const Fit& fit) {
   }
 }
 
+void VisualTerm::learn_noise(const Fit& fit) {
+  if (!config_.photometric.estimate_noise) return;
+  constexpr double kForget = 0.1, kLeast = 0.125, kMost = 8;
+  for (std::size_t l = 0; l < fit.squares_.size(); ++l) {
+    if (!(fit.squares_[l] > 0)) continue;
+    const double variance = noise_[l] * noise_[l] * (1 + kForget * (fit.squares_[l] - 1));
+    noise_[l] = std::clamp(std::sqrt(variance), kLeast, kMost);
+  }
+}
+
 void VisualTerm::Fit::set_readout(const ReadoutEstimator::Belief& belief) {
   belief_ = belief;
   readout_ = belief.mean;
@@ -96,24 +109,28 @@ degeneracy::NormalEquations VisualTerm::Fit::linearize(int level, const SE3& T_l
   sum_ = {};
   const registration::ReadoutMotion readout(readout_);
   readout_free_ = level <= kCoarsestReadoutLevel;
+  const auto at = static_cast<std::size_t>(level);
   for (Reference& r : references_) {
     const auto& reference = term_->keyframes_[r.keyframe].reference;
     if (level >= reference.levels()) continue;
     r.last = registration::linearize(reference, level, term_->pyramid_, term_->frame_->depth,
                                      T_local_camera, r.brightness, term_->config_.photometric,
-                                     readout, readout_free_);
+                                     readout, readout_free_, term_->noise_[at]);
     sum_.H += r.last.H;
     sum_.b += r.last.b;
     sum_.H_pose_readout += r.last.H_pose_readout;
     sum_.H_readout += r.last.H_readout;
     sum_.b_readout += r.last.b_readout;
     sum_.cost += r.last.cost;
+    sum_.square_sum += r.last.square_sum;
     sum_.used += r.last.used;
     if (r.keyframe == term_->newest_) {
       newest_share_ = static_cast<double>(r.last.used) /
                       static_cast<double>(std::max<std::size_t>(1, reference.points(level).size()));
     }
   }
+  squares_.resize(std::max(squares_.size(), at + 1), 0);
+  squares_[at] = sum_.used >= kEnoughPixels ? sum_.square_sum / sum_.used : 0;
   if (!readout_free_) return {sum_.H, sum_.b, sum_.cost};
   const Eigen::Vector3d off = (readout_ - belief_.mean).head<3>();
   const Eigen::Vector3d b_readout = sum_.b_readout + belief_.information * off;

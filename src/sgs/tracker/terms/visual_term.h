@@ -36,6 +36,8 @@ class VisualTerm {
   /// frames fitted far worse lies elsewhere, since the camera has drifted on its way back to it.
   /// It is left out until the past is corrected.
   void compare_references(const Fit& fit);
+  /// Learns from an accepted fit how wide residuals are at each level.
+  void learn_noise(const Fit& fit);
   /// Whether the frame, fitted at `T_local_camera`, is far enough from the newest keyframe to
   /// become one.
   bool wants_keyframe(const SE3& T_local_camera, const Fit& fit) const;
@@ -71,6 +73,7 @@ class VisualTerm {
   bool is_near(const Keyframe& keyframe, const SE3& T_local_camera, double share) const;
 
   VisionConfig config_;
+  std::vector<double> noise_;  // of each level, in units of config_.photometric.sigma_at()
   GrayPyramid pyramid_;
   const RgbdFrame* frame_ = nullptr;
   int levels_ = 0;
@@ -128,6 +131,7 @@ class VisualTerm::Fit {
   ReadoutEstimator::Belief belief_;
   Vector6d readout_ = Vector6d::Zero();
   bool readout_free_ = false;                   // at the level of the last linearize()
+  std::vector<double> squares_;                 // of each level's last linearize(), per pixel
   registration::PhotometricLinearization sum_;  // over references; the readout not eliminated
   double newest_share_ = 0;                     // of the newest keyframe's pixels that were used
 };

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/tracker/delay_estimator.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace sgs::tracker {
+
+void DelayEstimator::update(const Matrix6d& H_geometry, const Matrix6d& H_vision,
+                            const Vector6d& b_vision, const Vector6d& velocity) {
+  if (!config_.estimate || velocity.isZero(0)) return;
+  const Matrix6d L = H_geometry * (H_geometry + H_vision).ldlt().solve(H_vision);
+  const double information = config_.information_scale * velocity.dot(L * velocity);
+  // At the balance of both, b_geometry = -b_vision.
+  const double pull = config_.information_scale * velocity.dot(b_vision);
+  if (!std::isfinite(information) || !std::isfinite(pull) || !(information > 0)) return;
+  information_ = (1 - config_.forget) * information_ + information;
+  weighted_ = (1 - config_.forget) * weighted_ + information * delay_s_ + pull;
+  solve();
+}
+
+void DelayEstimator::shift(double delay_s) {
+  weighted_ -= information_ * delay_s;
+  solve();
+}
+
+void DelayEstimator::solve() {
+  const double prior = 1 / (config_.prior_sigma_s * config_.prior_sigma_s);
+  delay_s_ = std::clamp(weighted_ / (information_ + prior), -config_.most_s, config_.most_s);
+}
+
+}  // namespace sgs::tracker
