@@ -40,7 +40,7 @@ Result<TumSequenceWriter> TumSequenceWriter::create(const fs::path& folder,
   }
   SGS_RETURN_IF_ERROR(io::make_folder(folder / "rgb"));
   SGS_RETURN_IF_ERROR(io::make_folder(folder / "depth"));
-  const Calibration calibration{camera, {}, options.depth_scale};
+  const Calibration calibration{camera, options.distortion, options.depth_scale};
   SGS_RETURN_IF_ERROR(io::save_camera_txt(folder / "camera.txt", calibration));
   io::SequenceToml toml;
   toml.calibration = calibration;
@@ -76,8 +76,10 @@ Status TumSequenceWriter::add(const RgbdFrame& frame) {
     SGS_RETURN_IF_ERROR(io::append_file(folder_ / "groundtruth.txt", io::trajectory_text(row)));
   }
   const std::string time = exact_time(frame.timestamp_s);
+  const std::string depth_time = exact_time(frame.timestamp_s + frame.depth_delay_s);
   // The lists come last: what they name is there.
-  SGS_RETURN_IF_ERROR(io::append_file(folder_ / "depth.txt", fmt::format("{} {}\n", time, depth)));
+  SGS_RETURN_IF_ERROR(
+      io::append_file(folder_ / "depth.txt", fmt::format("{} {}\n", depth_time, depth)));
   SGS_RETURN_IF_ERROR(io::append_file(folder_ / "rgb.txt", fmt::format("{} {}\n", time, color)));
   ++frames_;
   last_time_s_ = frame.timestamp_s;
