@@ -6,6 +6,9 @@
 #include <cmath>
 
 #include "sgs/camera/undistort.h"
+#include "sgs/dataset/open.h"
+#include "sgs/dataset/tum_writer.h"
+#include "sgs/io/temporary_folder.h"
 #include "sgs/synthetic/sensor_model.h"
 #include "sgs/synthetic/source.h"
 
@@ -83,6 +86,27 @@ TEST(RealLevel, FramesAreThoseRecordedWithoutTheLens) {
       const double raw = std::round(double{recorded[i].depth.data()[k]} * 5000);
       ASSERT_EQ(recorded[i].depth.data()[k], static_cast<float>(raw / 5000));
     }
+  }
+}
+
+TEST(RealLevel, WrittenAndReadBackTheyAreTheSame) {
+  const io::TemporaryFolder temporary;
+  SynthOptions options = small_camera(4);
+  const auto frames = frames_of(options);
+  options.as_recorded = true;
+  dataset::TumSequenceWriter::Options stored;
+  stored.distortion = synth_lens(options);
+  auto writer = dataset::TumSequenceWriter::create(temporary / "sequence", options.camera, stored);
+  ASSERT_TRUE(writer) << writer.error().text();
+  for (const RgbdFrame& frame : frames_of(options)) ASSERT_TRUE(writer->add(frame));
+  const auto sequence = dataset::open_sequence(temporary / "sequence", {});
+  ASSERT_TRUE(sequence) << sequence.error().text();
+  RgbdFrame read;
+  Error error;
+  for (const RgbdFrame& frame : frames) {
+    ASSERT_EQ(sequence->frames->next(read, error), dataset::FrameRead::kOk) << error.text();
+    EXPECT_TRUE(equal_pixels(read, frame));
+    EXPECT_EQ(read.timestamp_s, frame.timestamp_s);
   }
 }
 

@@ -80,7 +80,7 @@ ResponseModel draw_response(Draw& draw) {
   r.camera = true;
   r.blur_px = draw.between_f(0.25, 0.45);
   r.vignetting = draw.between_f(0.1, 0.3);
-  r.full_well = draw.between_f(60000, 120000);
+  r.full_well = draw.between_f(20000, 40000);
   r.read_noise = draw.between_f(0.0006, 0.0012);
   r.gamma = draw.between_f(0.85, 1.05);
   r.contrast = draw.between_f(1.1, 1.7);
@@ -94,12 +94,12 @@ ResponseModel draw_response(Draw& draw) {
 InfraredModel draw_infrared(Draw& draw) {
   InfraredModel i;
   i.camera = true;
-  i.focal_ratio = draw.between(1.07, 1.11);
+  i.focal_ratio = draw.between(1.09, 1.13);
   i.offset_x_px = draw.between(-5, 5);
   i.offset_y_px = draw.between(-20, -8);
   i.baseline_m = draw.between(0.0235, 0.0255);
   i.readout_s = draw.between(0.012, 0.03);
-  i.dimmest = draw.between_f(0.005, 0.01);
+  i.dimmest = draw.between_f(0.006, 0.012);
   i.patchiness = draw.between_f(0.4, 0.8);
   i.dark_objects = draw.between_f(0.15, 0.35);
   i.shiny_objects = draw.between_f(0.1, 0.25);
