@@ -8,11 +8,13 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "sgs/camera/opencv_threads.h"
+
 namespace sgs::features {
 
 OrbExtractor::OrbExtractor(const OrbConfig& config)
     : config_(config), last_count_(config.clahe_below) {
-  cv::setNumThreads(1);
+  keep_opencv_to_one_thread();
 }
 
 OrbFrame OrbExtractor::extract(const RgbdFrame& frame) {
