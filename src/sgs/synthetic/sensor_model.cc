@@ -25,8 +25,8 @@ class Draw {
   std::uint64_t seed_, count_ = 0;
 };
 
-void draw_systematic_errors(Draw& draw, SensorModel& m) {
-  m.misregistration_px = draw.between(0.5, 2);
+void draw_systematic_errors(Draw& draw, double least_px, double most_px, SensorModel& m) {
+  m.misregistration_px = draw.between(least_px, most_px);
   m.pattern = draw.between_f(0.001, 0.0025);
   m.factor = static_cast<float>(draw.of_either_sign(0.003, 0.01));
   m.growth_per_m2 = static_cast<float>(draw.of_either_sign(0.0003, 0.001));
@@ -110,7 +110,7 @@ InfraredModel draw_infrared(Draw& draw) {
 }
 
 SensorModel draw_real(Draw& draw, SensorModel m) {
-  draw_systematic_errors(draw, m);
+  draw_systematic_errors(draw, 0.8, 3.3, m);
   m.rolling_shutter_s = draw.between(0.015, 0.028);
   m.lost_frames = 0;
   m.exposure_drift = 0;
@@ -152,7 +152,7 @@ SensorModel SensorModel::of_level(const std::string& level, std::uint64_t seed) 
   if (level == "real") return draw_real(draw, m);
   m.rolling_shutter_s = draw.between(0.008, 0.024);
   m.depth_delay_s = draw.between(-0.002, 0.008);
-  draw_systematic_errors(draw, m);
+  draw_systematic_errors(draw, 0.5, 2, m);
   return m;
 }
 
