@@ -203,7 +203,7 @@ void add_suite_options(CLI::App& sub, SuiteCommand& command) {
   sub.add_option("--cache", options.cache,
                  "Folder that keeps the rendered sequences: each is rendered once for all runs");
   sub.add_option("--filter", options.filter, "Only runs SEQUENCE-LEVEL-VARIANT-SEED that match");
-  sub.add_option("--levels", options.levels, "clean, kinect, hard, varied")
+  sub.add_option("--levels", options.levels, "clean, kinect, hard, varied, real")
       ->delimiter(',')
       ->check([](const std::string& level) {
         const auto known = synthetic::check_level(level);

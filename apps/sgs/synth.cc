@@ -8,6 +8,7 @@
 #include "interrupt.h"
 #include "progress.h"
 #include "sgs/core/print.h"
+#include "sgs/dataset/prefetch.h"
 #include "sgs/dataset/tum_writer.h"
 #include "sgs/run/input.h"
 #include "sgs/synthetic/source.h"
@@ -34,19 +35,24 @@ int run_synth(const SynthCommand& command) {
     spec.input += ":clean";
   }
   if (command.frames > 0) spec.frames = fmt::format("0:{}", command.frames);
-  auto input = run::open_input(spec, command.threads);
-  if (!input) return report(input.error());
+  auto scene = run::synth_options(spec, command.threads);
+  if (!scene) return report(scene.error());
+  scene->as_recorded = true;
+  auto made = synthetic::make_synthetic_source(*scene);
+  if (!made) return report(made.error());
+  constexpr std::size_t kFramesAhead = 4;
+  dataset::PrefetchingSource source(std::move(*made), kFramesAhead);
   dataset::TumSequenceWriter::Options options;
-  options.name = input->info.name;
+  options.name = source.name();
   options.jpeg_color = command.jpeg;
-  auto writer =
-      dataset::TumSequenceWriter::create(command.folder, input->source->camera(), options);
+  options.distortion = synthetic::synth_lens(*scene);
+  auto writer = dataset::TumSequenceWriter::create(command.folder, source.camera(), options);
   if (!writer) return report(writer.error());
-  Progress progress("frames", input->source->size(), command.quiet);
+  Progress progress("frames", source.size(), command.quiet);
   RgbdFrame frame;
   Error error;
   while (!interrupted()) {
-    const auto status = input->source->next(frame, error);
+    const auto status = source.next(frame, error);
     if (status == dataset::FrameRead::kEnd) break;
     if (status != dataset::FrameRead::kOk) continue;
     if (const auto written = writer->add(frame); !written) return report(written.error());

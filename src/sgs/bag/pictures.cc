@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "sgs/bag/bytes.h"
+#include "sgs/camera/opencv_threads.h"
 #include "sgs/io/image_io.h"
 
 namespace sgs::bag {
@@ -129,6 +130,7 @@ Result<ColorImage> decode_color(const ImageMessage& image) {
   if (known->conversion < 0) {
     in.copyTo(rgb);
   } else {
+    keep_opencv_to_one_thread();
     cv::cvtColor(in, rgb, known->conversion);
   }
   return out;

@@ -6,6 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "sgs/camera/opencv_threads.h"
+
 namespace sgs {
 namespace {
 
@@ -82,6 +84,7 @@ ColorImage resample_color(const ColorImage& image, const PinholeCamera& from,
   SGS_CHECK(image.width() == from.width && image.height() == from.height,
             "image size differs from the camera's");
   if (from == to) return image;
+  keep_opencv_to_one_thread();
   // cv::Mat has no const view; the source is only read.
   cv::Mat source(image.height(), image.width(), CV_8UC3, const_cast<Rgb8*>(image.data()));
   const cv::Size reduced(reduced_size(from.width, from.fx / to.fx),

@@ -6,6 +6,8 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "sgs/camera/opencv_threads.h"
+
 namespace sgs {
 
 struct Undistorter::Maps {
@@ -40,6 +42,7 @@ std::shared_ptr<const PixelMask> pixels_with_source(const PinholeCamera& camera,
 }  // namespace
 
 Undistorter::Undistorter(const PinholeCamera& camera, const Distortion& d) {
+  keep_opencv_to_one_thread();
   auto maps = std::make_unique<Maps>();
   maps->size = {camera.width, camera.height};
   const cv::Matx33d K(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);

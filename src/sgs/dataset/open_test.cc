@@ -220,6 +220,22 @@ TEST_F(TumFolder, TruncatedAndEmptyImagesAreBadFrames) {
   EXPECT_THAT(errors, HasSubstr("0 bytes"));
 }
 
+TEST_F(TumFolder, WriterKeepsTheLensAndTheStampsOfDepth) {
+  const Distortion lens{0.1, -0.02, 0.001, 0, 0};
+  TumSequenceWriter::Options options;
+  options.distortion = lens;
+  auto writer = TumSequenceWriter::create(folder(), kFolderCamera, options);
+  ASSERT_TRUE(writer);
+  RgbdFrame frame = make_frame(0);
+  frame.depth_delay_s = 0.007;
+  ASSERT_TRUE(writer->add(frame));
+  EXPECT_THAT(get("rgb.txt"), HasSubstr("\n100.000000 rgb/"));
+  EXPECT_THAT(get("depth.txt"), HasSubstr("\n100.007000 depth/"));
+  const auto sequence = open_sequence(folder());
+  ASSERT_TRUE(sequence) << sequence.error().text();
+  EXPECT_EQ(sequence->info.calibration.distortion, lens);
+}
+
 TEST_F(TumFolder, TruncatedJpegIsABadFrame) {
   auto writer = TumSequenceWriter::create(folder(), kFolderCamera, {"", 5000, true, 90});
   ASSERT_TRUE(writer);

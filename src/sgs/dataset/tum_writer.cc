@@ -40,7 +40,7 @@ Result<TumSequenceWriter> TumSequenceWriter::create(const fs::path& folder,
   }
   SGS_RETURN_IF_ERROR(io::make_folder(folder / "rgb"));
   SGS_RETURN_IF_ERROR(io::make_folder(folder / "depth"));
-  const Calibration calibration{camera, {}, options.depth_scale};
+  const Calibration calibration{camera, options.distortion, options.depth_scale};
   SGS_RETURN_IF_ERROR(io::save_camera_txt(folder / "camera.txt", calibration));
   io::SequenceToml toml;
   toml.calibration = calibration;

@@ -13,7 +13,8 @@
 namespace sgs::dataset {
 
 /// Writes a sequence in TUM layout, frame by frame: rgb/ depth/ rgb.txt depth.txt groundtruth.txt
-/// camera.txt sgs.toml. Times are exact: they read back as the same numbers. After each add() the
+/// camera.txt sgs.toml. Times are exact: they read back as the same numbers. Depth has a stamp of
+/// its own, later than colour's by the frame's delay. After each add() the
 /// folder is a complete sequence of the frames so far, so an interrupted recording stays readable.
 /// Not thread-safe.
 class TumSequenceWriter {
@@ -23,6 +24,7 @@ class TumSequenceWriter {
     double depth_scale = 5000;  ///< raw units per metre
     bool jpeg_color = false;    ///< false: PNG, lossless
     int jpeg_quality = 95;
+    Distortion distortion = {};  ///< that the frames still have: removed when they are read
   };
 
   /// Creates the folder, which must not exist or be empty, and writes the calibration.

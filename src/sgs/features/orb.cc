@@ -8,6 +8,8 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "sgs/camera/opencv_threads.h"
+
 namespace sgs::features {
 
 namespace {
@@ -31,7 +33,7 @@ cv::Mat patches_seen(const RgbdFrame& frame) {
 
 OrbExtractor::OrbExtractor(const OrbConfig& config)
     : config_(config), last_count_(config.clahe_below) {
-  cv::setNumThreads(1);
+  keep_opencv_to_one_thread();
 }
 
 OrbFrame OrbExtractor::extract(const RgbdFrame& frame) {

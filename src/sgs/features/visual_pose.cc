@@ -7,6 +7,8 @@
 #include <numbers>
 #include <opencv2/calib3d.hpp>
 
+#include "sgs/camera/opencv_threads.h"
+
 namespace sgs::features {
 namespace {
 
@@ -84,7 +86,7 @@ PnpResult pnp_ransac(const std::vector<Observation>& observations, const Pinhole
                      const VisualPoseConfig& config) {
   PnpResult out;
   if (observations.size() < 6) return out;
-  cv::setNumThreads(1);
+  keep_opencv_to_one_thread();
   // Far from the origin OpenCV's float arithmetic would lose digits: centre the points.
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (const auto& o : observations) centre += o.p_world;

@@ -16,10 +16,40 @@ constexpr int kTile = 16;
 constexpr std::uint16_t kNothing = 0xffff;
 constexpr float kFar = 1e9f, kNear = 0.01f;
 
-// Rays of one image row: origin o, direction base + x * step, of unit length along the optical
-// axis, so that the ray parameter is the depth.
-struct RowRays {
+// Rays of one row of a tile: origin o, directions of unit length along the optical axis, so that
+// the ray parameter is the depth. Their dot products with a vector are asked for as a function of
+// the pixel in the tile.
+
+// Those of a pinhole: base + x * step.
+struct StraightRays {
   Eigen::Vector3f o, base, step;
+  int x0;
+
+  struct Dot {
+    float base, step;
+    int x0;
+    float operator()(int i) const { return base + static_cast<float>(x0 + i) * step; }
+  };
+  Dot dot(const Eigen::Vector3f& v) const { return {v.dot(base), v.dot(step), x0}; }
+  Eigen::Vector3f direction(int i) const { return base + static_cast<float>(x0 + i) * step; }
+};
+
+// Those behind a lens: from a table.
+struct BentRays {
+  Eigen::Vector3f o;
+  Eigen::Matrix3f R;
+  const float *x, *y;  // of the tile's first pixel
+
+  struct Dot {
+    float a, b, c;
+    const float *x, *y;
+    float operator()(int i) const { return a * x[i] + b * y[i] + c; }
+  };
+  Dot dot(const Eigen::Vector3f& v) const {
+    const Eigen::Vector3f w = R.transpose() * v;
+    return {w.x(), w.y(), w.z(), x, y};
+  }
+  Eigen::Vector3f direction(int i) const { return R * Eigen::Vector3f(x[i], y[i], 1); }
 };
 
 struct TileHits {
@@ -27,25 +57,29 @@ struct TileHits {
   alignas(64) std::array<std::int32_t, kTile> id;
 };
 
-RowRays rays_of_row(const PinholeCamera& camera, const SE3& pose, const Eigen::Vector2d& shift,
-                    int y) {
+StraightRays straight_rays(const RayRequest& request, const SE3& pose, int x0, int y) {
+  const PinholeCamera& camera = request.camera;
+  const Eigen::Vector2d& shift = request.shift_px;
   const Eigen::Vector3d base((shift.x() - camera.cx) / camera.fx,
                              (y + shift.y() - camera.cy) / camera.fy, 1);
   return {pose.t.cast<float>(), (pose.R * base).cast<float>(),
-          (pose.R.col(0) / camera.fx).cast<float>()};
+          (pose.R.col(0) / camera.fx).cast<float>(), x0};
 }
 
-void hit_quad(const Primitive& p, int id, const RowRays& r, int x0, int count, TileHits& hits) {
+BentRays bent_rays(const LensRays& lens, const SE3& pose, int x0, int y) {
+  return {pose.t.cast<float>(), pose.R.cast<float>(), lens.x(y) + x0, lens.y(y) + x0};
+}
+
+template <class Rays>
+void hit_quad(const Primitive& p, int id, const Rays& r, int count, TileHits& hits) {
   const Eigen::Vector3f c = p.centre - r.o;
   const float k = p.n.dot(c);
   if (!p.two_sided && k >= 0) return;
-  const float nb = p.n.dot(r.base), ns = p.n.dot(r.step);
-  const float ub = p.u.dot(r.base), us = p.u.dot(r.step), uc = p.u.dot(c);
-  const float vb = p.v.dot(r.base), vs = p.v.dot(r.step), vc = p.v.dot(c);
+  const auto n = r.dot(p.n), u = r.dot(p.u), v = r.dot(p.v);
+  const float uc = p.u.dot(c), vc = p.v.dot(c);
   for (int i = 0; i < count; ++i) {
-    const float x = static_cast<float>(x0 + i);
-    const float t = k / (nb + x * ns);
-    const float a = std::abs(t * (ub + x * us) - uc), b = std::abs(t * (vb + x * vs) - vc);
+    const float t = k / n(i);
+    const float a = std::abs(t * u(i) - uc), b = std::abs(t * v(i) - vc);
     const std::size_t j = static_cast<std::size_t>(i);
     const bool better = (t > kNear) & (t < hits.t[j]) & (a <= p.half_u) & (b <= p.half_v);
     hits.t[j] = better ? t : hits.t[j];
@@ -71,44 +105,91 @@ float hit_curved(const Primitive& p, const Eigen::Vector3f& o, const Eigen::Vect
   return t;
 }
 
-void hit_row(const Scene& scene, const std::vector<int>& list, const RowRays& r, int x0, int count,
+template <class Rays>
+void hit_row(const Scene& scene, const std::vector<int>& list, const Rays& r, int count,
              TileHits& hits) {
   hits.t.fill(kFar);
   hits.id.fill(-1);
   for (int id : list) {
     const Primitive& p = scene.primitives[static_cast<std::size_t>(id)];
     if (p.kind == Primitive::Kind::kQuad) {
-      hit_quad(p, id, r, x0, count, hits);
+      hit_quad(p, id, r, count, hits);
       continue;
     }
     for (int i = 0; i < count; ++i) {
       const std::size_t j = static_cast<std::size_t>(i);
-      const float t = hit_curved(p, r.o, r.base + static_cast<float>(x0 + i) * r.step);
+      const float t = hit_curved(p, r.o, r.direction(i));
       if (t < hits.t[j]) hits.t[j] = t, hits.id[j] = id;
     }
   }
 }
 
+// What a part of the image sees: limits of x / z or y / z, in pixels from the principal point.
+struct Field {
+  float least, most;
+};
+
+// Rows [from, to) or columns, six more on either side: two pixels hold what the shutter rolls by
+// within a strip, four the shift.
+Field straight_field(int from, int to, double centre) {
+  return {float(from - 6 - centre), float(to + 6 - centre)};
+}
+
+Field bent_field(const std::vector<const float*>& rows, int from, int to, double focal) {
+  Field field{1e9f, -1e9f};
+  for (const float* row : rows)
+    for (int x = from; x < to; ++x) {
+      if (std::isnan(row[x])) continue;
+      field.least = std::min(field.least, row[x] * float(focal) - 6);
+      field.most = std::max(field.most, row[x] * float(focal) + 6);
+    }
+  return field;
+}
+
+// The fields of a strip and of its tiles.
+class StripFields {
+ public:
+  StripFields(const RayRequest& request, int y0, int y1) : request_(request), y0_(y0), y1_(y1) {
+    if (request.lens == nullptr) return;
+    for (int y = y0; y < y1; ++y) {
+      x_.push_back(request.lens->x(y));
+      y_.push_back(request.lens->y(y));
+    }
+  }
+  Field rows() const {
+    const PinholeCamera& c = request_.camera;
+    return request_.lens == nullptr ? straight_field(y0_, y1_, c.cy)
+                                    : bent_field(y_, 0, c.width, c.fy);
+  }
+  Field columns(int from, int to) const {
+    const PinholeCamera& c = request_.camera;
+    return request_.lens == nullptr ? straight_field(from, to, c.cx)
+                                    : bent_field(x_, from, to, c.fx);
+  }
+
+ private:
+  const RayRequest& request_;
+  int y0_, y1_;
+  std::vector<const float*> x_, y_;
+};
+
 // The hull of every primitive in the camera frame of a strip of rows, for culling tiles.
 class StripCuller {
  public:
-  StripCuller(const Scene& scene, const PinholeCamera& camera, const SE3& pose, double y0,
-              double y1)
+  StripCuller(const Scene& scene, const PinholeCamera& camera, const SE3& pose, const Field& rows)
       : camera_(camera) {
     const Eigen::Matrix3f R = pose.R.transpose().cast<float>();
     const Eigen::Vector3f t = pose.t.cast<float>();
     for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
       Entry entry{static_cast<int>(i), scene.primitives[i].hull()};
       for (Eigen::Vector3f& p : entry.hull) p = R * (p - t);
-      if (!outside(entry, 1, float(y0 - camera.cy), float(y1 - camera.cy), float(camera.fy)))
-        entries_.push_back(std::move(entry));
+      if (!outside(entry, 1, rows, float(camera.fy))) entries_.push_back(std::move(entry));
     }
   }
-  void tile(double x0, double x1, std::vector<int>& list) const {
+  void tile(const Field& columns, std::vector<int>& list) const {
     list.clear();
     for (const Entry& e : entries_)
-      if (!outside(e, 0, float(x0 - camera_.cx), float(x1 - camera_.cx), float(camera_.fx)))
-        list.push_back(e.id);
+      if (!outside(e, 0, columns, float(camera_.fx))) list.push_back(e.id);
   }
 
  private:
@@ -116,11 +197,11 @@ class StripCuller {
     int id;
     std::vector<Eigen::Vector3f> hull;
   };
-  static bool outside(const Entry& e, int axis, float lo, float hi, float f) {
+  static bool outside(const Entry& e, int axis, const Field& field, float f) {
     bool all_low = true, all_high = true, all_behind = true;
     for (const Eigen::Vector3f& p : e.hull) {
-      all_low &= f * p[axis] < lo * p.z();
-      all_high &= f * p[axis] > hi * p.z();
+      all_low &= f * p[axis] < field.least * p.z();
+      all_high &= f * p[axis] > field.most * p.z();
       all_behind &= p.z() < kNear;
     }
     return all_low || all_high || all_behind;
@@ -142,51 +223,83 @@ Eigen::Array4f shade(const Scene& scene, const Primitive& p, const Eigen::Vector
 
 }  // namespace
 
-RayImage cast_rays(const Scene& scene, const PinholeCamera& camera,
-                   const std::vector<SE3>& row_poses, const Eigen::Vector2d& shift_px,
-                   bool with_color, ThreadPool& pool) {
-  const int w = camera.width, h = camera.height;
+namespace {
+
+// Light that the paint throws back, as the infrared camera's windows of some pixels average it.
+float paint_luma(const Primitive& p, const Eigen::Vector3f& point, float pixel_m) {
+  constexpr float kWindow_px = 7;
+  Rgb color = p.tint;
+  if (p.texture) {
+    const Eigen::Vector2f uv = p.surface_uv(point);
+    color *= p.texture->sample(uv.x(), uv.y(), kWindow_px * pixel_m);
+  }
+  return 0.299f * color[0] + 0.587f * color[1] + 0.114f * color[2];
+}
+
+template <class Rays>
+void fill_pixel(const Scene& scene, const RayRequest& request, const Rays& rays, int i,
+                const TileHits& hits, std::size_t pixel, RayImage& out) {
+  const std::size_t j = static_cast<std::size_t>(i);
+  const Primitive& p = scene.primitives[static_cast<std::size_t>(hits.id[j])];
+  const Eigen::Vector3f d = rays.direction(i);
+  const Eigen::Vector3f point = rays.o + hits.t[j] * d;
+  Eigen::Vector3f normal = p.normal(point);
+  float cosine = -normal.dot(d) / d.norm();
+  if (cosine < 0) normal = -normal, cosine = -cosine;
+  out.depth[pixel] = hits.t[j];
+  out.cosine[pixel] = cosine;
+  out.surface[pixel] = static_cast<std::uint16_t>(hits.id[j]);
+  const float pixel_m = hits.t[j] / static_cast<float>(request.camera.fx);
+  if (request.with_color) out.color[pixel] = shade(scene, p, point, normal, cosine, pixel_m);
+  if (request.with_paint) out.paint[pixel] = paint_luma(p, point, pixel_m);
+}
+
+template <class Rays>
+void fill_row(const Scene& scene, const RayRequest& request, const std::vector<int>& list,
+              const Rays& rays, int count, std::size_t first, TileHits& hits, RayImage& out) {
+  hit_row(scene, list, rays, count, hits);
+  for (int i = 0; i < count; ++i) {
+    if (hits.id[static_cast<std::size_t>(i)] < 0) continue;
+    fill_pixel(scene, request, rays, i, hits, first + static_cast<std::size_t>(i), out);
+  }
+}
+
+}  // namespace
+
+RayImage cast_rays(const Scene& scene, const RayRequest& request, ThreadPool& pool) {
+  const int w = request.camera.width, h = request.camera.height;
   const std::size_t n = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
   RayImage out{w,
                h,
                std::vector<float>(n, 0.f),
                std::vector<float>(n, 0.f),
                std::vector<std::uint16_t>(n, kNothing),
+               {},
                {}};
-  if (with_color) out.color.assign(n, Eigen::Array4f::Zero());
+  if (request.with_color) out.color.assign(n, Eigen::Array4f::Zero());
+  if (request.with_paint) out.paint.assign(n, 0.f);
   const auto pose_of = [&](int y) -> const SE3& {
-    return row_poses.size() == 1 ? row_poses[0] : row_poses[static_cast<std::size_t>(y)];
+    const auto& poses = request.row_poses;
+    return poses.size() == 1 ? poses[0] : poses[static_cast<std::size_t>(y)];
   };
   pool.run((h + kTile - 1) / kTile, [&](int strip, int) {
     const int y0 = strip * kTile, y1 = std::min(h, y0 + kTile);
-    // Two pixels of margin hold what the shutter rolls by within a strip, four the shift.
-    const StripCuller culler(scene, camera, pose_of((y0 + y1) / 2), y0 - 6, y1 + 6);
+    const StripFields fields(request, y0, y1);
+    const StripCuller culler(scene, request.camera, pose_of((y0 + y1) / 2), fields.rows());
     std::vector<int> list;
     TileHits hits;
     for (int x0 = 0; x0 < w; x0 += kTile) {
       const int count = std::min(kTile, w - x0);
-      culler.tile(x0 - 6, x0 + count + 6, list);
+      culler.tile(fields.columns(x0, x0 + count), list);
       for (int y = y0; y < y1; ++y) {
-        const RowRays rays = rays_of_row(camera, pose_of(y), shift_px, y);
-        hit_row(scene, list, rays, x0, count, hits);
-        for (int i = 0; i < count; ++i) {
-          const std::size_t j = static_cast<std::size_t>(i);
-          if (hits.id[j] < 0) continue;
-          const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(w) +
-                                    static_cast<std::size_t>(x0 + i);
-          const Primitive& p = scene.primitives[static_cast<std::size_t>(hits.id[j])];
-          const Eigen::Vector3f d = rays.base + static_cast<float>(x0 + i) * rays.step;
-          const Eigen::Vector3f point = rays.o + hits.t[j] * d;
-          Eigen::Vector3f normal = p.normal(point);
-          float cosine = -normal.dot(d) / d.norm();
-          if (cosine < 0) normal = -normal, cosine = -cosine;
-          out.depth[pixel] = hits.t[j];
-          out.cosine[pixel] = cosine;
-          out.surface[pixel] = static_cast<std::uint16_t>(hits.id[j]);
-          if (with_color)
-            out.color[pixel] =
-                shade(scene, p, point, normal, cosine, hits.t[j] / static_cast<float>(camera.fx));
-        }
+        const std::size_t first = static_cast<std::size_t>(y) * static_cast<std::size_t>(w) +
+                                  static_cast<std::size_t>(x0);
+        if (request.lens == nullptr)
+          fill_row(scene, request, list, straight_rays(request, pose_of(y), x0, y), count, first,
+                   hits, out);
+        else
+          fill_row(scene, request, list, bent_rays(*request.lens, pose_of(y), x0, y), count, first,
+                   hits, out);
       }
     }
   });
@@ -212,7 +325,9 @@ void smooth_silhouettes(RayImage& image, ThreadPool& pool) {
 
 ExactView render_exact(const Scene& scene, const PinholeCamera& camera, const SE3& T_world_camera,
                        ThreadPool& pool) {
-  const RayImage rays = cast_rays(scene, camera, {T_world_camera}, {0, 0}, true, pool);
+  RayRequest request{camera, {T_world_camera}};
+  request.with_color = true;
+  const RayImage rays = cast_rays(scene, request, pool);
   const int w = camera.width, h = camera.height;
   ExactView view{ColorImage(w, h), DepthImage(w, h),
                  Image<Eigen::Vector3f>(w, h, Eigen::Vector3f::Zero())};

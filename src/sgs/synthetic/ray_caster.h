@@ -10,6 +10,7 @@
 #include "sgs/core/image.h"
 #include "sgs/core/thread_pool.h"
 #include "sgs/geometry/se3.h"
+#include "sgs/synthetic/lens_rays.h"
 #include "sgs/synthetic/scene.h"
 
 namespace sgs::synthetic {
@@ -21,13 +22,20 @@ struct RayImage {
   std::vector<float> cosine;           ///< between ray and surface normal
   std::vector<std::uint16_t> surface;  ///< index of the primitive, 0xffff = nothing
   std::vector<Eigen::Array4f> color;   ///< 0..1 red green blue, sharp; empty unless asked for
+  std::vector<float> paint;  ///< luma of the surface in any light, blurred; empty unless asked for
 };
 
-/// Casts one ray per pixel centre, shifted by `shift_px`. `row_poses` holds T_world_camera of every
-/// image row (rolling shutter) or a single pose.
-RayImage cast_rays(const Scene& scene, const PinholeCamera& camera,
-                   const std::vector<SE3>& row_poses, const Eigen::Vector2d& shift_px,
-                   bool with_color, ThreadPool& pool);
+/// Which rays are cast, one per pixel, and what is wanted of what they hit.
+struct RayRequest {
+  PinholeCamera camera;
+  std::vector<SE3> row_poses;  ///< T_world_camera of every row (rolling shutter), or a single one
+  Eigen::Vector2d shift_px{0, 0};  ///< of the rays from the pixels' centres; not behind a lens
+  const LensRays* lens = nullptr;  ///< the rays of `camera` behind a lens; none = straight ones
+  bool with_color = false;
+  bool with_paint = false;
+};
+
+RayImage cast_rays(const Scene& scene, const RayRequest& request, ThreadPool& pool);
 
 /// Softens the stairs at silhouettes: 3x3 means where the surface changes.
 void smooth_silhouettes(RayImage& image, ThreadPool& pool);

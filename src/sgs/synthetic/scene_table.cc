@@ -67,7 +67,7 @@ Result<SceneInfo> find_scene(const std::string& name) {
 }
 
 Status check_level(const std::string& level) {
-  const std::vector<std::string> known = {"clean", "kinect", "hard", "varied"};
+  const std::vector<std::string> known = {"clean", "kinect", "hard", "varied", "real"};
   if (std::find(known.begin(), known.end(), level) != known.end()) return {};
   return fail(ErrorCode::kInvalidArgument, fmt::format("no sensor level is called '{}'", level),
               "known levels, the nearest first: " + nearest_first(known, level));

@@ -45,55 +45,7 @@ float drift(std::uint64_t key, double t_s, double period_s) {
   return (1 - s) * at(cell) + s * at(cell + 1);
 }
 
-/// Numbers of one sensor: the n-th is drawn between two limits.
-class Draw {
- public:
-  explicit Draw(std::uint64_t seed) : seed_(hash64(seed, hash_name("sensor model"))) {}
-  double between(double least, double most) {
-    return least + (most - least) * double{unit_float(hash64(seed_, ++count_))};
-  }
-  double of_either_sign(double least, double most) {
-    const double size = between(least, most);
-    return between(-1, 1) < 0 ? -size : size;
-  }
-
- private:
-  std::uint64_t seed_, count_ = 0;
-};
-
 }  // namespace
-
-SensorModel SensorModel::of_level(const std::string& level, std::uint64_t seed) {
-  SensorModel m;
-  if (level == "clean") return m;
-  m.noise = true;
-  m.exposure_s = 0.012;
-  m.color_sigma = 2.5f;
-  m.min_depth_m = 0.45f;
-  m.max_depth_m = 5.f;
-  if (level == "kinect") return m;
-  m.hard = true;
-  m.lost_frames = 0.02;
-  m.correlated_noise = 0.7f;
-  m.exposure_drift = 0.2f;
-  if (level == "hard") {
-    m.rolling_shutter_s = 0.016;
-    m.depth_delay_s = 0.004;
-    m.misregistration_px = 1.5;
-    m.pattern = 0.0025f;
-    m.distortion = 0.01f;
-    return m;
-  }
-  Draw draw(seed);
-  m.rolling_shutter_s = draw.between(0.008, 0.024);
-  m.depth_delay_s = draw.between(-0.002, 0.008);
-  m.misregistration_px = draw.between(0.5, 2);
-  m.pattern = static_cast<float>(draw.between(0.001, 0.0025));
-  m.factor = static_cast<float>(draw.of_either_sign(0.003, 0.01));
-  m.growth_per_m2 = static_cast<float>(draw.of_either_sign(0.0003, 0.001));
-  m.disparity_per_m = static_cast<float>(draw.of_either_sign(0.001, 0.004));
-  return m;
-}
 
 Sensor::Sensor(const SensorModel& model, const PinholeCamera& camera, std::uint64_t seed)
     : model_(model), camera_(camera), seed_(hash64(seed, hash_name("sensor"))) {
@@ -200,7 +152,7 @@ void Sensor::depth_row(const RayImage& exact, int y, std::int64_t frame,
     const float cosine = exact.cosine[static_cast<std::size_t>(begin) + i];
     // Certain below 10 degrees from the surface, gone at 20.
     const float grazing = (0.342f - cosine) / (0.342f - 0.174f);
-    if (shaded || (edge && luck < 0.8f) || luck < grazing) continue;
+    if (shaded || (edge && luck < model_.edge_losses) || luck < grazing) continue;
     const float sigma = depth_sigma_m(d);
     float measured = systematic(i, d) + sigma * (gauss(h, 0) + model_.correlated_noise * smooth[i]);
     if (measured <= 0.1f) continue;

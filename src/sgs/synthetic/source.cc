@@ -7,6 +7,11 @@
 #include <limits>
 #include <utility>
 
+#include "sgs/camera/pair_rectifier.h"
+#include "sgs/synthetic/auto_exposure.h"
+#include "sgs/synthetic/clocks.h"
+#include "sgs/synthetic/color_camera.h"
+#include "sgs/synthetic/infrared.h"
 #include "sgs/synthetic/scene_table.h"
 #include "sgs/synthetic/sensor.h"
 
@@ -46,6 +51,41 @@ Result<std::shared_ptr<const Scene>> scene_of(SynthOptions options, ThreadPool& 
                      pool);
 }
 
+// Images of the nominal rate that the motion is long enough for, and when the first one is due.
+struct Span {
+  double start_s, end_s;
+  double whole_end_s;  // of the motion, however few images are asked for
+  int most_images;
+};
+
+Span span_of(const SynthOptions& options, const Trajectory& motion) {
+  const auto& poses = motion.poses();
+  Span span{options.trajectory ? poses.front().timestamp_s + kMargin : 1.0,
+            poses.back().timestamp_s - kMargin, 0, std::numeric_limits<int>::max()};
+  span.whole_end_s = span.end_s;
+  if (options.frames > 0) span.most_images = options.frames;
+  if (!options.trajectory) {
+    const int frames = find_scene(options.scene)->default_frames;
+    span.most_images =
+        std::min(span.most_images, static_cast<int>(std::lround(frames * options.rate_hz / 30)));
+    span.whole_end_s = span.start_s + frames / 30.0;
+  }
+  return span;
+}
+
+// One clock for both images.
+std::vector<FrameTimes> clocked_frames(const Sensor& sensor, const Span& span, double rate_hz) {
+  std::vector<FrameTimes> frames;
+  for (std::int64_t slot = 0; slot < span.most_images; ++slot) {
+    // Microseconds, as a file of time stamps would hold them.
+    const double t = std::round((span.start_s + static_cast<double>(slot) / rate_hz) * 1e6) / 1e6;
+    if (t > span.end_s) break;
+    if (sensor.frame_lost(slot)) continue;
+    frames.push_back({slot, t, t + sensor.model().depth_delay_s, t, 0});
+  }
+  return frames;
+}
+
 class SyntheticSource final : public dataset::FrameSource {
  public:
   SyntheticSource(const SynthOptions& options, std::shared_ptr<const Scene> scene,
@@ -55,74 +95,145 @@ class SyntheticSource final : public dataset::FrameSource {
         motion_(std::move(motion)),
         sensor_(SensorModel::of_level(options.level, options.seed), options.camera, options.seed),
         pool_(std::max(1, options.threads)) {
-    const auto& poses = motion_.poses();
-    start_s_ = options.trajectory ? poses.front().timestamp_s + kMargin : 1.0;
-    const double end_s = poses.back().timestamp_s - kMargin;
-    int limit = options.frames > 0 ? options.frames : std::numeric_limits<int>::max();
-    if (!options.trajectory)
-      limit =
-          std::min(limit, static_cast<int>(std::lround(find_scene(options.scene)->default_frames *
-                                                       options.rate_hz / 30)));
-    std::int64_t slot = 0;
-    for (; slot < limit; ++slot) {
-      // Microseconds, as a file of time stamps would hold them.
-      const double t =
-          std::round((start_s_ + static_cast<double>(slot) / options.rate_hz) * 1e6) / 1e6;
-      if (t > end_s) break;
-      if (sensor_.frame_lost(slot) || !moves_at(t)) continue;
-      slots_.push_back(slot);
-      truth_.push_back({t, *motion_.at(t, kMaxGap)});
+    const Span span = span_of(options, motion_);
+    start_s_ = span.start_s;
+    const SensorModel& model = sensor_.model();
+    if (model.response.camera) real_.emplace(model, *scene_, sensor_.registration_shift(), options);
+    const auto frames = model.clocks.free_running
+                            ? free_running_frames(model.clocks, start_s_, span.whole_end_s,
+                                                  options.rate_hz, options.seed)
+                            : clocked_frames(sensor_, span, options.rate_hz);
+    for (const FrameTimes& frame : frames) {
+      if (frame.slot >= span.most_images) break;
+      if (!moves_during(frame)) continue;
+      frames_.push_back(frame);
+      truth_.push_back({frame.stamp_s, *motion_.at(frame.color_s, kMaxGap)});
     }
   }
 
   std::string name() const override { return "synth:" + options_.scene + ":" + options_.level; }
   PinholeCamera camera() const override { return options_.camera; }
   std::optional<std::int64_t> size() const override {
-    return static_cast<std::int64_t>(slots_.size());
+    return static_cast<std::int64_t>(frames_.size());
   }
   const Trajectory& ground_truth() const override { return truth_; }
 
   dataset::FrameRead next(RgbdFrame& frame, Error&) override {
-    if (next_ >= slots_.size()) return dataset::FrameRead::kEnd;
+    if (next_ >= frames_.size()) return dataset::FrameRead::kEnd;
+    const FrameTimes& times = frames_[next_];
     const StampedPose& truth = truth_.poses()[next_];
-    const double t = truth.timestamp_s;
-    const SensorModel& model = sensor_.model();
-    const std::vector<SE3> rows = row_poses(t);
-    RayImage view = cast_rays(*scene_, options_.camera, rows, {0, 0}, true, pool_);
-    smooth_silhouettes(view, pool_);
     frame.index = static_cast<std::int64_t>(next_);
-    frame.timestamp_s = t;
+    frame.timestamp_s = times.stamp_s;
     frame.camera = options_.camera;
+    frame.depth_delay_s = times.stamped_delay_s;
     frame.truth_T_world_camera = truth.T_world_camera;
-    SE3 half_motion;
-    if (model.exposure_s > 0)
-      half_motion = pose(t + model.exposure_s / 2).inverse() * truth.T_world_camera;
-    const std::int64_t slot = slots_[next_];
-    frame.color = sensor_.color(view, half_motion, sensor_.gain(t - start_s_), slot, pool_);
-    if (model.hard)
-      view = cast_rays(*scene_, options_.camera, row_poses(t + model.depth_delay_s),
-                       sensor_.registration_shift(), false, pool_);
-    frame.depth = sensor_.depth(view, slot, pool_);
+    if (real_)
+      render_real(times, truth.T_world_camera, frame);
+    else
+      render(times, truth.T_world_camera, frame);
     ++next_;
     return dataset::FrameRead::kOk;
   }
 
  private:
-  bool moves_at(double t) const {
-    return motion_.at(t, kMaxGap) && motion_.at(t - kMargin / 2, kMaxGap) &&
-           motion_.at(t + kMargin / 2, kMaxGap);
+  // What level `real` has of its own.
+  struct Real {
+    ColorCamera color;
+    AutoExposure exposure;
+    Infrared infrared;
+    Sensor depth;
+    PairRectifier rectifier;
+
+    Real(const SensorModel& model, const Scene& scene, const Eigen::Vector2d& shift_px,
+         const SynthOptions& options)
+        : Real(model, scene, shift_px, options, LensCamera{options.camera, model.lens}) {}
+
+   private:
+    Real(const SensorModel& model, const Scene& scene, const Eigen::Vector2d& shift_px,
+         const SynthOptions& options, const LensCamera& lens)
+        : color(model.response, std::make_shared<LensRays>(lens), options.seed),
+          exposure(model.exposure, color),
+          infrared(model.infrared, scene, lens, shift_px, options.seed),
+          depth(model, infrared.camera(), options.seed),
+          rectifier(lens, std::nullopt, SE3()) {}
+  };
+
+  void render(const FrameTimes& times, const SE3& middle, RgbdFrame& frame) {
+    const SensorModel& model = sensor_.model();
+    RayRequest request{options_.camera, row_poses(times.color_s, model.rolling_shutter_s)};
+    request.with_color = true;
+    RayImage view = cast_rays(*scene_, request, pool_);
+    smooth_silhouettes(view, pool_);
+    SE3 half_motion;
+    if (model.exposure_s > 0)
+      half_motion = pose(times.color_s + model.exposure_s / 2).inverse() * middle;
+    frame.color =
+        sensor_.color(view, half_motion, sensor_.gain(times.color_s - start_s_), times.slot, pool_);
+    if (model.hard) {
+      request = {options_.camera, row_poses(times.depth_s, model.rolling_shutter_s)};
+      request.shift_px = sensor_.registration_shift();
+      view = cast_rays(*scene_, request, pool_);
+    }
+    frame.depth = sensor_.depth(view, times.slot, pool_);
+  }
+
+  void render_real(const FrameTimes& times, const SE3& middle, RgbdFrame& frame) {
+    ColorImage color = real_color(times, middle);
+    DepthImage depth = real_depth(times);
+    if (options_.as_recorded) {
+      frame.color = std::move(color);
+      frame.depth = std::move(depth);
+    } else {
+      real_->rectifier.rectify(std::move(color), std::move(depth), frame);
+    }
+  }
+
+  ColorImage real_color(const FrameTimes& times, const SE3& middle) {
+    RayRequest request{options_.camera,
+                       row_poses(times.color_s, sensor_.model().rolling_shutter_s)};
+    request.lens = &real_->color.lens();
+    request.with_color = true;
+    RayImage view = cast_rays(*scene_, request, pool_);
+    smooth_silhouettes(view, pool_);
+    if (next_ == 0) real_->exposure.settle(view);
+    const Exposure& exposure = real_->exposure.exposure();
+    const SE3 half_motion = pose(times.color_s + exposure.time_s / 2).inverse() * middle;
+    ColorImage color = real_->color.picture(view, half_motion, exposure, times.slot, pool_);
+    real_->exposure.advance(view);
+    return color;
+  }
+
+  DepthImage real_depth(const FrameTimes& times) {
+    RayRequest request{real_->infrared.camera(),
+                       row_poses(times.depth_s, sensor_.model().infrared.readout_s)};
+    for (SE3& pose : request.row_poses) pose = pose * real_->infrared.T_color_infrared();
+    request.with_paint = true;
+    const RayImage seen = cast_rays(*scene_, request, pool_);
+    const RayImage matched = real_->infrared.matched(seen, times.slot, pool_);
+    return real_->infrared.registered(real_->depth.depth(matched, times.slot, pool_));
+  }
+
+  // Both images lie within the motion, from the first row to the last.
+  bool moves_during(const FrameTimes& frame) const {
+    const SensorModel& m = sensor_.model();
+    const double color_s = std::max(kMargin, m.rolling_shutter_s + m.exposure.longest_s) / 2;
+    const double depth_s = std::max(kMargin, m.infrared.readout_s) / 2;
+    const auto moves = [&](double t) { return motion_.at(t, kMaxGap).has_value(); };
+    const bool color =
+        moves(frame.color_s) && moves(frame.color_s - color_s) && moves(frame.color_s + color_s);
+    if (!m.clocks.free_running) return color;
+    return color && moves(frame.depth_s - depth_s) && moves(frame.depth_s + depth_s);
   }
   SE3 pose(double t) const {
     const auto p = motion_.at(t, kMaxGap);
     SGS_CHECK(p.has_value(), "frame times lie inside the motion");
     return *p;
   }
-  std::vector<SE3> row_poses(double t) const {
-    const double rolling = sensor_.model().rolling_shutter_s;
-    if (rolling == 0) return {pose(t)};
+  std::vector<SE3> row_poses(double t, double rolling_s) const {
+    if (rolling_s == 0) return {pose(t)};
     std::vector<SE3> rows;
     const int h = options_.camera.height;
-    for (int y = 0; y < h; ++y) rows.push_back(pose(t + ((y + 0.5) / h - 0.5) * rolling));
+    for (int y = 0; y < h; ++y) rows.push_back(pose(t + ((y + 0.5) / h - 0.5) * rolling_s));
     return rows;
   }
 
@@ -132,7 +243,8 @@ class SyntheticSource final : public dataset::FrameSource {
   Sensor sensor_;
   ThreadPool pool_;
   double start_s_ = 0;
-  std::vector<std::int64_t> slots_;  // frame periods since the start, lost ones left out
+  std::optional<Real> real_;
+  std::vector<FrameTimes> frames_;
   std::size_t next_ = 0;
 };
 
@@ -141,6 +253,10 @@ class SyntheticSource final : public dataset::FrameSource {
 Result<std::shared_ptr<const Scene>> make_scene(const SynthOptions& options) {
   ThreadPool pool(std::max(1, options.threads));
   return scene_of(options, pool);
+}
+
+Distortion synth_lens(const SynthOptions& options) {
+  return SensorModel::of_level(options.level, options.seed).lens;
 }
 
 Result<std::unique_ptr<dataset::FrameSource>> make_synthetic_source(const SynthOptions& options) {

@@ -22,7 +22,7 @@ namespace sgs::synthetic {
 /// What to render. Everything random (textures, clutter, hand motion, noise) follows from `seed`.
 struct SynthOptions {
   std::string scene;             ///< one of scene_names()
-  std::string level = "kinect";  ///< sensor: clean, kinect, hard or varied
+  std::string level = "kinect";  ///< sensor: clean, kinect, hard, varied or real
   std::uint64_t seed = 1;
   /// Camera motion in a world with z up and the floor at z = 0 (e.g. a TUM ground-truth file); the
   /// scene is laid out around it. Empty = the scene's own hand-held motion.
@@ -31,6 +31,8 @@ struct SynthOptions {
   int threads = 1;  ///< threads that render, >= 1; the output does not depend on it
   PinholeCamera camera{640, 480, 535.4, 539.2, 320.1, 247.6};
   double rate_hz = 30;
+  /// Frames as a recorder stores them: behind the lens, if the level has one (see synth_lens()).
+  bool as_recorded = false;
 };
 
 /// One scene that the generator knows.
@@ -73,11 +75,17 @@ struct ExactView {
 ExactView render_exact(const Scene& scene, const PinholeCamera& camera, const SE3& T_world_camera,
                        ThreadPool& pool);
 
+/// The lens distortion of the level's camera: none but for the level `real`, where the seed
+/// decides.
+Distortion synth_lens(const SynthOptions& options);
+
 /// A rendered sequence. Frames are exactly what writing them to disk (8-bit colour, 16-bit depth at
-/// 5000 units per metre) and reading them back would give. `frame.truth_T_world_camera` is the pose
-/// at the middle of the colour exposure (of the middle row, with a rolling shutter), and
-/// ground_truth() holds it for all frames. Frames that the level `hard` loses are not part of the
-/// sequence: time jumps there, the index does not. Same options, same bits, for any `threads`.
+/// 5000 units per metre) and reading them back would give; those with a lens are written
+/// `as_recorded` with synth_lens(), and read without its distortion. `frame.truth_T_world_camera`
+/// is the pose at the middle of the colour exposure (of the middle row, with a rolling shutter),
+/// and ground_truth() holds it for all frames, at their stamps. Frames that a level loses are not
+/// part of the sequence: time jumps there, the index does not. Same options, same bits, for any
+/// `threads`.
 Result<std::unique_ptr<dataset::FrameSource>> make_synthetic_source(const SynthOptions& options);
 
 }  // namespace sgs::synthetic

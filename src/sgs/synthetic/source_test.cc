@@ -228,7 +228,8 @@ RayImage flat_wall(float depth, const PinholeCamera& camera) {
           std::vector<float>(n, depth),
           std::vector<float>(n, 1.f),
           std::vector<std::uint16_t>(n, 0),
-          std::vector<Eigen::Array4f>(n, Eigen::Array4f(0.5f, 0.5f, 0.5f, 0))};
+          std::vector<Eigen::Array4f>(n, Eigen::Array4f(0.5f, 0.5f, 0.5f, 0)),
+          {}};
 }
 
 TEST(Sensor, KinectNoiseHasTheModelsSpreadAndSteps) {
