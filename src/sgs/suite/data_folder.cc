@@ -8,6 +8,7 @@
 #include <optional>
 #include <string_view>
 
+#include "sgs/bag/bag.h"
 #include "sgs/dataset/open.h"
 #include "sgs/suite/provenance.h"
 
@@ -82,6 +83,22 @@ Listing listing_of(const fs::path& data) {
   return out;
 }
 
+/// Whether a picture lies in a folder or in one below it: lists of pictures, or ground truth alone,
+/// are often kept without them.
+bool has_pictures(const fs::path& folder, int depth = 1) {
+  std::error_code error;
+  std::vector<fs::path> below;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    std::error_code unreadable;
+    const std::string ending = it->path().extension().string();
+    if (ending == ".png" || ending == ".jpg" || ending == ".jpeg") return true;
+    if (it->is_directory(unreadable)) below.push_back(it->path());
+  }
+  return depth > 0 && std::any_of(below.begin(), below.end(), [&](const fs::path& path) {
+           return has_pictures(path, depth - 1);
+         });
+}
+
 bool is_one_of(const std::string& plain_name, const std::vector<std::string>& names) {
   return std::any_of(names.begin(), names.end(),
                      [&](const std::string& name) { return comparable(name) == plain_name; });
@@ -112,6 +129,8 @@ Place place_of(const Sequence& sequence, const Benchmark& benchmark, const Listi
     std::error_code error;
     if (!dataset::looks_like_sequence(entry.path)) {
       object(fmt::format("{} holds no recording", entry.path.string()));
+    } else if (!has_pictures(entry.path) && !bag::looks_like_bag(entry.path)) {
+      object(fmt::format("{} has no pictures", entry.path.string()));
     } else if (!sequence.needs.empty() && !fs::exists(entry.path / sequence.needs, error)) {
       object(fmt::format("{} has no {}", entry.path.string(), sequence.needs));
     } else {
@@ -153,22 +172,24 @@ Result<Findings> find_recordings(const fs::path& data, Suite& suite) {
   if (!suite.benchmark) return findings;
   const Listing listing = listing_of(data);
   std::vector<Sequence> there;
-  for (Sequence& sequence : suite.sequences) {
+  for (const Sequence& sequence : suite.sequences) {
     if (sequence.folders.empty()) {
-      there.push_back(std::move(sequence));
+      there.push_back(sequence);
       continue;
     }
-    Place place = place_of(sequence, *suite.benchmark, listing);
+    const Place place = place_of(sequence, *suite.benchmark, listing);
     if (place.folder.empty()) {
       findings.missing.push_back(fmt::format("{}: {}", sequence.name, place.why_not));
       continue;
     }
     findings.found.push_back(fmt::format("{}: {}", sequence.name, place.folder.string()));
-    sequence.input = place.folder.string();
-    there.push_back(std::move(sequence));
+    there.push_back(sequence);
+    there.back().input = place.folder.string();
   }
-  suite.sequences = std::move(there);
-  if (!suite.sequences.empty()) return findings;
+  if (!there.empty()) {
+    suite.sequences = std::move(there);
+    return findings;
+  }
   return fail(ErrorCode::kNotFound,
               fmt::format("--data {}: nothing of {} lies there\n  {}", data.string(),
                           suite.benchmark->name, fmt::join(findings.missing, "\n  ")),

@@ -37,6 +37,7 @@ class DataFolder : public ::testing::Test {
   fs::path add_recording(const fs::path& path) {
     add_file(path / "rgb.txt");
     add_file(path / "depth.txt");
+    add_file(path / "rgb" / "1.png");
     return folder_.path() / path;
   }
   Result<Findings> find(const fs::path& below = "") {
@@ -105,6 +106,15 @@ TEST_F(DataFolder, LeavesOutWhatIsNoRecordingOrLacksWhatItNeeds) {
       AllOf(HasSubstr("nothing of the Somewhere benchmark lies there"),
             HasSubstr("desk: " + (folder_.path() / "desk").string() + " holds no recording"),
             HasSubstr("wall has no groundtruth.txt")));
+}
+
+TEST_F(DataFolder, PassesOverListsWithoutPictures) {
+  fs::remove_all(add_recording("desk") / "rgb");
+  EXPECT_THAT(find().error().message, HasSubstr("desk has no pictures"));
+  add_recording("whole/desk");
+  const auto found = find();
+  ASSERT_TRUE(found) << found.error().text();
+  EXPECT_THAT(found->found, ElementsAre(HasSubstr("whole/desk")));
 }
 
 TEST_F(DataFolder, BelongsToABenchmarkAndABenchmarkNeedsOne) {
