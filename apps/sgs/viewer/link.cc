@@ -8,6 +8,8 @@
 
 #include "interrupt.h"
 #include "sgs/core/print.h"
+#include "sgs/dataset/imu.h"
+#include "sgs/run/gravity.h"
 #include "sgs/run/version.h"
 #include "sgs/viewer/server.h"
 #include "sgs/viewer/session_feed.h"
@@ -72,6 +74,18 @@ class Link : public ViewerLink {
   bool stay_;
 };
 
+/// Which way is up when a run begins, in the axes of its first camera: as an accelerometer in a
+/// file of its own feels it, unless that would hang the camera upside down. Else the page goes by
+/// its pictures.
+std::optional<Eigen::Vector3d> up_at_start(const run::Input& input,
+                                           const slam::SessionConfig& config) {
+  const bool in_first_camera = config.tracker.type != tracker::TrackerType::kGiven;
+  if (!in_first_camera || dataset::accelerometer_file(input.info.folder).empty()) return {};
+  const auto up = run::felt_up(dataset::read_imu(input.info), input.info.first_time_s);
+  constexpr double kUpsideDown = 0.5;
+  return up && up->y() < kUpsideDown ? up : std::nullopt;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<ViewerLink>> ViewerLink::open(const ViewerRequest& request,
@@ -86,6 +100,7 @@ Result<std::unique_ptr<ViewerLink>> ViewerLink::open(const ViewerRequest& reques
   info.live = true;
   info.camera = input.source->camera();
   info.frames_total = input.source->size();
+  info.up = up_at_start(input, config);
   SGS_ASSIGN_OR_RETURN(auto server, start_viewer(request, info));
   return std::make_unique<Link>(std::move(server), request.stay);
 }

@@ -159,6 +159,16 @@ Result<std::optional<DepthCalibration>> load_calibration_of(const InputSpec& inp
                                                               : fs::path(input.calibration));
 }
 
+/// How the world of a run stands; what cannot be read is no reason not to show it.
+std::optional<Upright> load_upright_of(const fs::path& folder) {
+  std::error_code unreadable;
+  if (!fs::exists(folder / files::kUpright, unreadable)) return std::nullopt;
+  auto upright = load_upright(folder / files::kUpright);
+  if (upright) return *upright;
+  log().warn("{}", upright.error().text());
+  return std::nullopt;
+}
+
 /// Where the map of a run lies: with the results, or in the last checkpoint.
 fs::path folder_of_map(const fs::path& folder, const RunState& state) {
   return state.unfinished() ? newest_checkpoint(folder) : folder;
@@ -216,6 +226,7 @@ Result<Run> load_run(const fs::path& folder, unsigned parts) {
   };
   SGS_RETURN_IF_ERROR(with_folder_of_map(folder, run.state, load_parts));
   if (auto timings = io::read_file(folder / files::kTimings)) run.timings_json = *timings;
+  run.upright = load_upright_of(folder);
   if (fs::exists(folder / files::kMetrics, error)) {
     SGS_ASSIGN_OR_RETURN(run.metrics, eval::load_metrics(folder / files::kMetrics));
   }
@@ -240,6 +251,18 @@ Result<Trajectory> load_run_trajectory(const fs::path& folder) {
   return with_folder_of_map(folder, state, [&](const fs::path& map_folder) {
     return load_trajectory_of(folder / files::kTrajectory, map_folder);
   });
+}
+
+Result<SE3> load_run_upright(const fs::path& folder) {
+  std::error_code unreadable;
+  if (!fs::exists(folder / files::kUpright, unreadable)) {
+    return fail(
+        ErrorCode::kNotFound,
+        fmt::format("{}: nothing says which way is up ({})", folder.string(), files::kUpright),
+        "give the folder of a run that has ended, made by this version");
+  }
+  SGS_ASSIGN_OR_RETURN(const Upright upright, load_upright(folder / files::kUpright));
+  return upright.T_upright_world;
 }
 
 Trajectory view_poses(const Run& run) { return corrected(run.trajectory, run.keyframes); }
@@ -313,6 +336,10 @@ void save_run(const Run& run, RunFolder& folder) {
     return io::save_splats(path, run.gaussians, run.harmonics);
   });
   folder.save_text(files::kTimings, run.timings_json);
+  if (run.upright) {
+    folder.save(files::kUpright,
+                [&](const fs::path& path) { return save_upright(path, *run.upright); });
+  }
 }
 
 Status save_run(const Run& run, const fs::path& path) {

@@ -22,6 +22,7 @@ struct RunInfo {
   bool refines = false;  ///< the page offers to refine the map
   PinholeCamera camera;
   std::optional<std::int64_t> frames_total;
+  std::optional<Eigen::Vector3d> up = {};  ///< unit, in the world of the map, where it is known
 };
 
 /// Everything there is to show about one tracked frame. Immutable once posted.

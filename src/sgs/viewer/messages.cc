@@ -100,6 +100,7 @@ std::string hello_message(const RunInfo& info) {
       {"frames_total", nullptr}, {"picture_above", kPictureAbove}};
   json["columns"] = columns_json();
   if (info.frames_total) json["frames_total"] = *info.frames_total;
+  if (info.up) json["up"] = {number(info.up->x()), number(info.up->y()), number(info.up->z())};
   json["camera"] = {{"fx", number(c.fx)}, {"fy", number(c.fy)}, {"cx", number(c.cx)},
                     {"cy", number(c.cy)}, {"width", c.width},   {"height", c.height}};
   return dump(json);
