@@ -10,6 +10,8 @@
 #include "sgs/core/print.h"
 #include "sgs/dataset/imu.h"
 #include "sgs/run/gravity.h"
+#include "sgs/run/run_files.h"
+#include "sgs/run/upright.h"
 #include "sgs/run/version.h"
 #include "sgs/viewer/server.h"
 #include "sgs/viewer/session_feed.h"
@@ -59,7 +61,8 @@ class Link : public ViewerLink {
 
   void close(const eval::Metrics& metrics, const std::filesystem::path& folder) override {
     constexpr double kDrain_s = 2;
-    server_->set_metrics(metrics);
+    const auto upright = run::load_upright(folder / run::files::kUpright);
+    server_->set_final_word({metrics, upright ? std::optional(upright->up) : std::nullopt});
     server_->drain(kDrain_s);
     if (stay_ && !interrupted()) say("viewer stays until Ctrl-C\n");
     while (stay_ && !interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds(50));

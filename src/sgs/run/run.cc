@@ -234,6 +234,7 @@ Result<Run> load_run(const fs::path& folder, unsigned parts) {
   run.metrics.preset = to_string(run.config.preset);
   run.metrics.tracker = to_string(run.config.tracker.type);
   run.metrics.state = run.state.word();
+  if (run.upright) run.metrics.upright = to_string(run.upright->by);
   if (run.state.unfinished() && (parts & kMap) != 0) {
     run.metrics.gaussians = static_cast<std::int64_t>(run.gaussians.size());
   }

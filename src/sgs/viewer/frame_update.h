@@ -10,6 +10,7 @@
 #include <string>
 
 #include "sgs/camera/rgbd_frame.h"
+#include "sgs/eval/metrics.h"
 #include "sgs/map/gaussian.h"
 #include "sgs/slam/frame_record.h"
 
@@ -38,6 +39,13 @@ struct FrameUpdate {
   double fps = kNone;                      ///< frames per second lately
   bool finished = false;                   ///< nothing comes after this one; `map` is final
 };
+
+/// What is known of a run once it is finished.
+struct FinalWord {
+  eval::Metrics metrics;
+  std::optional<Eigen::Vector3d> up = {};  ///< unit, in the world of the map, where it is known
+};
+
 /// How the refinement that the page asked for fares.
 struct RefinementNote {
   bool running = false;
