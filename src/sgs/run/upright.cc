@@ -106,7 +106,7 @@ std::string Upright::sentence() const {
 std::optional<Upright> find_upright(const dataset::ImuRecording& imu, const Trajectory& path,
                                     const std::vector<Patch>& patches,
                                     std::vector<std::string>& warnings) {
-  constexpr double kHeld_deg = 50;    // how far a hand tilts a camera, on the whole
+  constexpr double kHeld_deg = 60;    // how far a hand tilts a camera, on the whole
   constexpr double kCoarse_deg = 10;  // how far an accelerometer that nobody calibrated is off
   if (path.empty()) return std::nullopt;
   Eigen::Vector3d camera = camera_up(path);
@@ -128,6 +128,10 @@ Status save_upright(const fs::path& path, const Upright& upright) {
   Upright copy = upright;  // declaring needs mutable fields
   int format = 1;
   Eigen::Vector4d q = upright.T_upright_world.quaternion().coeffs();
+  // What was read is written as it was, in spite of rounding.
+  constexpr double kDigits = 1e9;
+  for (double& v : q) v = std::round(v * kDigits) / kDigits;
+  for (double& v : copy.up) v = std::round(v * kDigits) / kDigits;
   ParameterList list;
   declare_upright(copy, format, q, list);
   return io::write_file(

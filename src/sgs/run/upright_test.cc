@@ -237,6 +237,9 @@ TEST_F(Tilted, TheFileComesBackAsItWas) {
   EXPECT_EQ(loaded->by, UprightBy::kFloor);
   EXPECT_TRUE(loaded->up.isApprox(upright.up, 1e-6));
   EXPECT_TRUE(loaded->T_upright_world.R.isApprox(upright.T_upright_world.R, 1e-6));
+  const std::string written = io::read_file(path).value();
+  ASSERT_TRUE(save_upright(path, *loaded));
+  EXPECT_EQ(io::read_file(path).value(), written);
   for (const char* text : {"format = 2\n", "format = 1\nby = 'hope'\n", "format = 1\n", "junk",
                            "format = 1\n[up]\nx = 0\ny = 0\nz = 1\n[T_upright_world]\nqx = 1\n"}) {
     ASSERT_TRUE(io::write_file(path, text));
