@@ -14,6 +14,7 @@ namespace sgs::run {
 struct Patch {
   Eigen::Vector3d normal;  ///< unit, towards the camera that saw it; world
   double area_m2 = 0;
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< its middle, world
 };
 
 /// The patches of a map: measured normals, with the areas of their Gaussians. A few that are far
@@ -26,9 +27,10 @@ struct LevelSurfaces {
   double share = 0;                               ///< of the whole area, 0..1
 };
 
-/// The direction within `cone_deg` of `near` to which most of the area is normal. Empty where no
-/// direction stands out: a scene of no surface in particular has about 1.5 % of its area within the
-/// ten degrees around any direction.
+/// The direction within `cone_deg` of `near` to which most of the area is normal; where the patches
+/// of one plane lie far enough apart for it, the normal of that plane, which noise of single
+/// normals does not turn. Empty where no direction stands out: a scene of no surface in particular
+/// has about 1.5 % of its area within the ten degrees around any direction.
 std::optional<LevelSurfaces> find_level_surfaces(const std::vector<Patch>& patches,
                                                  const Eigen::Vector3d& near, double cone_deg);
 
