@@ -22,6 +22,7 @@ void read_as_everything(const bag::Message& message, bag::Encoding encoding) {
   (void)bag::read_header(message, encoding);
   (void)bag::read_camera_info(message, encoding);
   (void)bag::read_transforms(message, encoding);
+  (void)bag::read_imu(message, encoding);
   (void)bag::read_pose(message, encoding);
   (void)bag::read_odometry(message, encoding);
   (void)bag::read_plain_transform(message, encoding);

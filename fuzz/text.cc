@@ -6,11 +6,13 @@
 #include <cmath>
 
 #include "harness.h"
+#include "sgs/dataset/imu.h"
 #include "sgs/eval/metrics.h"
 #include "sgs/io/append_file.h"
 #include "sgs/io/calibration_io.h"
 #include "sgs/io/depth_calibration_io.h"
 #include "sgs/io/trajectory_io.h"
+#include "sgs/run/upright.h"
 #include "sgs/slam/frame_record.h"
 
 namespace {
@@ -53,11 +55,25 @@ void cameras(std::string_view text) {
   fuzz::require(io::load_camera_txt(saved).has_value(), "a camera loads again");
 }
 
+/// Accelerations along a path that turns, and which way they say is up.
+void accelerometer(std::string_view text) {
+  const auto imu = dataset::read_accelerometer_text(text, "fuzz");
+  Trajectory path;
+  for (int i = 0; i < 20; ++i) path.push_back({0.1 * i, SE3(so3_exp({0, 0.1 * i, 0}), {0, 0, 0})});
+  std::vector<std::string> warnings;
+  const auto upright = run::find_upright(imu, path, {}, warnings);
+  fuzz::require(upright && std::abs(upright->up.norm() - 1) < 1e-6, "up is a direction");
+  const auto saved = fuzz::scratch_file("upright.toml");
+  fuzz::require(run::save_upright(saved, *upright).has_value(), "it can be saved");
+  fuzz::require(run::load_upright(saved).has_value(), "it loads again");
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const fuzz::Choice input(data, size);
-  void (*const parsers[])(std::string_view) = {trajectory, frames, metrics, cameras};
+  // In this order '0' to '4', with which the corpus begins, are the parsers as they stand above.
+  void (*const parsers[])(std::string_view) = {metrics, cameras, accelerometer, trajectory, frames};
   parsers[input.number % std::size(parsers)](input.rest);
   return 0;
 }

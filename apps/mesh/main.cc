@@ -23,6 +23,7 @@ struct MeshCommand {
   std::string run, output;
   double voxel_m = 0.015;
   bool measured = false;  ///< fuse the camera's depth instead of the map's
+  bool upright = false;   ///< in the world turned upright
   int threads = 2;
 };
 
@@ -42,10 +43,16 @@ Status make_mesh(const MeshCommand& command) {
         fusion.add(camera, view.T_world_camera, view.depth, view.color);
         return {};
       }));
-  const mesh::TriangleMesh mesh = fusion.mesh();
+  mesh::TriangleMesh mesh = fusion.mesh();
   if (mesh.triangles.empty()) {
     return fail(ErrorCode::kInvalidArgument, "no surface was seen from two keyframes",
                 "a longer run, or --voxel with a larger value");
+  }
+  if (command.upright) {
+    SGS_ASSIGN_OR_RETURN(const SE3 T_upright_world, run::load_run_upright(command.run));
+    for (io::ColoredPoint& vertex : mesh.vertices) {
+      vertex.position = (T_upright_world * vertex.position.cast<double>()).cast<float>();
+    }
   }
   return io::save_mesh(command.output, mesh.vertices, mesh.triangles);
 }
@@ -60,6 +67,7 @@ int main(int argc, char** argv) try {
   options.add_option("--voxel", command.voxel_m);
   options.add_option("--threads", command.threads);
   options.add_flag("--measured-depth", command.measured);
+  options.add_flag("--upright", command.upright);
   CLI11_PARSE(options, argc, argv);
   return app::end_helper(make_mesh(command));
 } catch (...) {

@@ -17,6 +17,7 @@
 #include "sgs/run/run.h"
 #include "sgs/run/run_files.h"
 #include "sgs/run/scene_export.h"
+#include "sgs/run/turned_map.h"
 
 namespace sgs::app {
 namespace {
@@ -26,13 +27,20 @@ namespace fs = std::filesystem;
 struct ExportCommand {
   std::string run, format, output;
   MeshOptions mesh;
+  bool upright = false;  ///< z up, instead of the axes of the first camera
+  SE3 T_out_world;       ///< from the run's world to that of the files
   /// Output of each format asked for by an option of its own, in the order of kFormats.
   std::vector<std::string> outputs;
 };
 
 /// A run's trajectory is TUM text already. Its rows stay as they are: poses made from rounded
 /// quaternions and written again may differ in the last digit.
-Status export_tum(const std::string& run, const fs::path& out) {
+Status export_tum(const ExportCommand& command, const fs::path& out) {
+  const std::string& run = command.run;
+  if (command.upright) {
+    SGS_ASSIGN_OR_RETURN(const auto poses, run::load_run_trajectory(run));
+    return io::save_trajectory(out, run::moved_into(command.T_out_world, poses));
+  }
   SGS_ASSIGN_OR_RETURN(const auto state, run::load_state(run));
   if (state.unfinished()) {
     SGS_ASSIGN_OR_RETURN(const auto poses, run::load_run_trajectory(run));
@@ -52,15 +60,17 @@ Result<map::SplatMap> load_map(const std::string& run) {
 }
 
 /// Views of a run for its page; a map alone has none.
-Result<report::MapPage> map_page_of(const std::string& folder) {
+Result<report::MapPage> map_page_of(const ExportCommand& command) {
+  const std::string& folder = command.run;
   report::MapPage page;
   std::error_code error;
   page.title = fs::weakly_canonical(folder, error).stem().string();
   if (!fs::is_directory(folder, error)) return page;
   SGS_ASSIGN_OR_RETURN(const auto run, run::load_run(folder, run::kCamera | run::kKeyframes));
   for (const StampedPose& pose : run.keyframes.poses()) {
-    page.cameras.push_back(pose.T_world_camera);
+    page.cameras.push_back(command.T_out_world * pose.T_world_camera);
   }
+  if (run.upright) page.up = command.T_out_world.R * run.upright->up;
   // The page goes to others: where the recording lies is nobody's business.
   page.title = fs::path(run.input.input).filename().string();
   page.camera = run.camera;
@@ -75,7 +85,8 @@ struct Format {
 
 template <class Save>
 Status with_map(const ExportCommand& command, const Save& save) {
-  SGS_ASSIGN_OR_RETURN(const auto map, load_map(command.run));
+  SGS_ASSIGN_OR_RETURN(auto map, load_map(command.run));
+  if (command.upright) run::move_into(command.T_out_world, map);
   return save(map);
 }
 
@@ -102,40 +113,45 @@ const std::array<Format, 11> kFormats = {{
     {"html", "one page that shows the map",
      [](const ExportCommand& c, const fs::path& out) {
        return with_map(c, [&](const auto& map) -> Status {
-         SGS_ASSIGN_OR_RETURN(const auto page, map_page_of(c.run));
+         SGS_ASSIGN_OR_RETURN(const auto page, map_page_of(c));
          return report::save_map_page(out, map, page);
        });
      }},
     {"mesh", "coloured mesh PLY by depth fusion",
      [](const ExportCommand& c, const fs::path& out) { return export_mesh(c.run, c.mesh, out); }},
     {"colmap", "folder with COLMAP text model and keyframe pictures",
-     [](const ExportCommand& c, const fs::path& out) {
-       return with_map(c, [&](const auto& map) { return run::export_colmap(c.run, map, out); });
+     [](const ExportCommand& c, const fs::path& out) -> Status {
+       SGS_ASSIGN_OR_RETURN(const auto map, load_map(c.run));  // drawn where the run's poses are
+       return run::export_colmap(c.run, map, c.T_out_world, out);
      }},
     {"tum", "trajectory, TUM text",
-     [](const ExportCommand& c, const fs::path& out) { return export_tum(c.run, out); }},
+     [](const ExportCommand& c, const fs::path& out) { return export_tum(c, out); }},
     {"kitti", "trajectory, KITTI text",
      [](const ExportCommand& c, const fs::path& out) -> Status {
        SGS_ASSIGN_OR_RETURN(const auto poses, run::load_run_trajectory(c.run));
-       return io::save_kitti(out, poses);
+       return io::save_kitti(out, run::moved_into(c.T_out_world, poses));
      }},
     {"bag", "poses, path, points and tf as a ROS 1 bag",
-     [](const ExportCommand& c, const fs::path& out) {
-       return with_map(c, [&](const auto& map) {
-         return run::export_bag(c.run, map.gaussians, *bag::make_rosbag1_writer(), out);
-       });
+     [](const ExportCommand& c, const fs::path& out) -> Status {
+       SGS_ASSIGN_OR_RETURN(const auto map, load_map(c.run));  // tf has the frame that is upright
+       return run::export_bag(c.run, map.gaussians, *bag::make_rosbag1_writer(), out);
      }},
     {"mcap", "the same as MCAP with messages of ROS 2",
-     [](const ExportCommand& c, const fs::path& out) {
-       return with_map(c, [&](const auto& map) {
-         return run::export_bag(c.run, map.gaussians, *bag::make_mcap_writer(), out);
-       });
+     [](const ExportCommand& c, const fs::path& out) -> Status {
+       SGS_ASSIGN_OR_RETURN(const auto map, load_map(c.run));
+       return run::export_bag(c.run, map.gaussians, *bag::make_mcap_writer(), out);
      }},
 }};
 
 int run_export(ExportCommand command) {
   setup_logging({}, false);
   note_state(command.run);
+  if (command.upright) {
+    const auto T_upright_world = run::load_run_upright(command.run);
+    if (!T_upright_world) return report(T_upright_world.error());
+    command.T_out_world = *T_upright_world;
+    command.mesh.upright = true;
+  }
   bool any = false;
   for (std::size_t i = 0; i < kFormats.size(); ++i) {
     if (command.format == kFormats[i].name) command.outputs[i] = command.output;
@@ -169,6 +185,8 @@ void add_export(CLI::App& app, Action& action) {
   for (std::size_t i = 0; i < kFormats.size(); ++i) {
     sub->add_option("--" + names[i], command->outputs[i], kFormats[i].what)->type_name("OUT");
   }
+  sub->add_flag("--upright", command->upright,
+                "z up instead of the axes of the first camera (bag and mcap always have both)");
   sub->add_option("--voxel", command->mesh.voxel_m, "mesh: size of a voxel in metres")
       ->check(CLI::Range(0.001, 1.0));
   sub->add_flag("--measured-depth", command->mesh.measured,

@@ -14,6 +14,7 @@ Status export_mesh(const std::string& run, const MeshOptions& options,
                                         "--voxel",   fmt::format("{}", options.voxel_m),
                                         "--threads", fmt::format("{}", options.threads)};
   if (options.measured) arguments.emplace_back("--measured-depth");
+  if (options.upright) arguments.emplace_back("--upright");
   SGS_ASSIGN_OR_RETURN(
       auto program,
       HelperProgram::start(

@@ -13,6 +13,7 @@ namespace sgs::app {
 struct MeshOptions {
   double voxel_m = 0.015;
   bool measured = false;  ///< fuse the camera's depth instead of the map's
+  bool upright = false;   ///< in the world turned upright
   int threads = 2;
 };
 /// Coloured mesh of the depth seen from the keyframes of a run, as PLY. The program sgs-mesh makes

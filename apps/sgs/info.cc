@@ -11,6 +11,7 @@
 #include "sgs/bag/bag.h"
 #include "sgs/core/print.h"
 #include "sgs/dataset/bag_source.h"
+#include "sgs/dataset/imu.h"
 #include "sgs/eval/metrics.h"
 #include "sgs/refine/refine_config.h"
 #include "sgs/run/input.h"
@@ -116,6 +117,7 @@ int print_sequence(const InfoOptions& options) {
                            {"sparse", info.sparse},
                            {"calibration_source", info.calibration_source},
                            {"truth_rows", info.truth_rows},
+                           {"accelerometer", dataset::accelerometer_file(info.folder).string()},
                            {"color_without_depth", info.color_without_depth},
                            {"depth_without_color", info.depth_without_color},
                            {"missing_images", info.missing_images},
@@ -147,6 +149,9 @@ int print_sequence(const InfoOptions& options) {
   }
   print("depth scale  {} units per metre\n", c.depth_scale);
   print("ground truth {}\n", info.truth_rows ? fmt::format("{} poses", info.truth_rows) : "none");
+  if (const auto file = dataset::accelerometer_file(info.folder); !file.empty()) {
+    print("accelerometer {}\n", file.filename().string());
+  }
   if (info.sparse)
     print("sparse       single views, too far apart to be tracked: --tracker given\n");
   for (const std::string& warning : info.warnings) print("warning      {}\n", warning);

@@ -13,6 +13,7 @@
 #include "interrupt.h"
 #include "sgs/core/print.h"
 #include "sgs/io/atomic_file.h"
+#include "sgs/suite/data_folder.h"
 #include "sgs/suite/provenance.h"
 #include "sgs/suite/runner.h"
 #include "sgs/suite/slurm.h"
@@ -27,6 +28,7 @@ using suite::Job;
 
 struct SuiteCommand {
   std::string suite = "tum-synth";
+  std::string data;  ///< folder with the recordings of a benchmark
   suite::Options options;
   int at_a_time = 1;
   bool again = false;
@@ -34,6 +36,10 @@ struct SuiteCommand {
   std::string shard;  ///< I/N
   bool list = false, collect = false, sbatch = false;
 };
+
+const std::vector<int> kThreeSeeds = {1, 2, 3};
+/// Of recordings, which have no noise to be drawn again.
+const std::vector<int> kOneSeed = {1};
 
 struct BenchCommand : SuiteCommand {
   std::vector<std::string> variants = {"spectral"};
@@ -137,24 +143,35 @@ Result<Outcome> run_all(const suite::Suite& suite, const SuiteCommand& command,
   return outcome;
 }
 
-Result<int> run_bench(const BenchCommand& command) {
-  SGS_ASSIGN_OR_RETURN(const suite::Suite suite, suite::load_suite(command.suite));
-  suite::Options options = command.options;
-  if (options.output.empty()) options.output = "runs/bench-" + suite.name;
-  for (const std::string& name : command.variants) {
-    SGS_ASSIGN_OR_RETURN(options.variants.emplace_back(), suite.variant(name));
+/// A suite with its recordings found, and what was to be seen of them.
+struct FoundSuite {
+  suite::Suite suite;
+  std::vector<std::string> names;  ///< of all its sequences that --filter lets pass
+  suite::Findings findings;
+};
+
+Result<FoundSuite> find_suite(const suite::Suite& loaded, const SuiteCommand& command,
+                              const suite::Options& options) {
+  FoundSuite out{loaded, {}, {}};
+  SGS_ASSIGN_OR_RETURN(const std::vector<Job> all, suite::make_jobs(out.suite, options));
+  for (const Job& job : all) {
+    const bool known =
+        std::find(out.names.begin(), out.names.end(), job.sequence) != out.names.end();
+    if (!known) out.names.push_back(job.sequence);
   }
-  SGS_ASSIGN_OR_RETURN(const Outcome outcome, run_all(suite, command, options));
-  if (!outcome.wants_table) return outcome.exit_code;
-  const suite::Grid grid = suite::collect(
-      outcome.jobs, [](const Job& job) { return job.level + " " + job.variant; },
-      [](const Job& job) { return job.sequence; });
+  SGS_ASSIGN_OR_RETURN(out.findings, suite::find_recordings(command.data, out.suite));
+  for (const std::string& line : out.findings.found) say("found {}\n", line);
+  return out;
+}
+
+std::vector<suite::Table> bench_tables(const BenchCommand& command, const suite::Suite& suite,
+                                       const suite::Grid& grid) {
   suite::Table table = suite::ate_table(
       grid,
       "ATE RMSE in cm, mean (worst) over seeds; share of frames within 1 m where below 100 %");
   suite::add_publications(suite.publications, table);
   std::vector<suite::Table> tables = {std::move(table)};
-  if (command.published) {
+  if (command.published || suite.benchmark) {
     for (suite::Table& more : suite::published_tables(grid, suite.publications)) {
       tables.push_back(std::move(more));
     }
@@ -163,17 +180,64 @@ Result<int> run_bench(const BenchCommand& command) {
     tables.push_back(suite::times_table(
         grid, "frames per second / 95th percentile of tracking in ms, mean over seeds"));
   }
-  if (command.markdown) print("{}\n", suite::provenance(version_and_commit()));
+  return tables;
+}
+
+void print_tables(const std::vector<suite::Table>& tables, bool markdown) {
+  if (markdown) print("{}\n", suite::provenance(version_and_commit()));
   for (std::size_t i = 0; i < tables.size(); ++i) {
-    if (command.markdown || i > 0) print("\n");
-    print("{}", command.markdown ? as_markdown(tables[i]) : as_text(tables[i]));
+    if (markdown || i > 0) print("\n");
+    print("{}", markdown ? as_markdown(tables[i]) : as_text(tables[i]));
   }
+}
+
+/// How long what was run is: a part of a recording is not to be compared with the whole.
+void print_lengths(const suite::Grid& grid) {
+  std::vector<std::string> lengths;
+  for (const std::string& name : grid.columns) {
+    for (const std::string& row : grid.rows) {
+      const auto runs = grid.at(row, name);
+      if (name == suite::Publication::kAverage || runs.empty() || !runs.front().frames) continue;
+      lengths.push_back(fmt::format("{} {}", name, *runs.front().frames));
+      break;
+    }
+  }
+  if (!lengths.empty()) print("\nFrames: {}\n", fmt::format("{}", fmt::join(lengths, ", ")));
+}
+
+void print_missing(const suite::Findings& findings, bool markdown) {
+  if (findings.missing.empty()) return;
+  print("\nNot run:\n{}", markdown ? "\n" : "");
+  for (const std::string& line : findings.missing) print("{}{}\n", markdown ? "- " : "  ", line);
+}
+
+Result<int> run_bench(const BenchCommand& command) {
+  SGS_ASSIGN_OR_RETURN(const suite::Suite loaded, suite::load_suite(command.suite));
+  suite::Options options = command.options;
+  if (options.output.empty()) options.output = "runs/bench-" + loaded.name;
+  if (options.seeds.empty()) options.seeds = loaded.benchmark ? kOneSeed : kThreeSeeds;
+  options.rendering = options.rendering || loaded.benchmark;
+  for (const std::string& name : command.variants) {
+    SGS_ASSIGN_OR_RETURN(options.variants.emplace_back(), loaded.variant(name));
+  }
+  SGS_ASSIGN_OR_RETURN(const FoundSuite found, find_suite(loaded, command, options));
+  SGS_ASSIGN_OR_RETURN(const Outcome outcome, run_all(found.suite, command, options));
+  if (!outcome.wants_table) return outcome.exit_code;
+  suite::Grid grid = suite::collect(
+      outcome.jobs, [](const Job& job) { return job.level + " " + job.variant; },
+      [](const Job& job) { return job.sequence; });
+  if (loaded.benchmark) suite::complete(loaded, found.names, grid);
+  print_tables(bench_tables(command, found.suite, grid), command.markdown);
   print("{}", suite::processors_line(grid));
+  if (loaded.benchmark) print_lengths(grid);
+  print_missing(found.findings, command.markdown);
   return outcome.exit_code;
 }
 
 Result<int> run_sweep(const SweepCommand& command) {
-  SGS_ASSIGN_OR_RETURN(const suite::Suite suite, suite::load_suite(command.suite));
+  SGS_ASSIGN_OR_RETURN(suite::Suite suite, suite::load_suite(command.suite));
+  SGS_ASSIGN_OR_RETURN(const suite::Findings findings, suite::find_recordings(command.data, suite));
+  for (const std::string& line : findings.missing) say("not run: {}\n", line);
   SGS_ASSIGN_OR_RETURN(const suite::Range range,
                        suite::parse_range(command.range, command.per_octave, suite.aliases));
   SGS_ASSIGN_OR_RETURN(const suite::Variant base, suite.variant(command.variant));
@@ -198,6 +262,8 @@ void add_suite_options(CLI::App& sub, SuiteCommand& command) {
   suite::Options& options = command.options;
   sub.add_option("-o,--output", options.output,
                  "Folder with one run folder per run; resumable [runs/COMMAND-SUITE]");
+  sub.add_option("--data", command.data,
+                 "Folder with the recordings of a benchmark: what lies there is run");
   sub.add_option("--trajectories", options.trajectories,
                  "Folder with TUM sequences: fly along their ground truth");
   sub.add_option("--cache", options.cache,
@@ -209,7 +275,8 @@ void add_suite_options(CLI::App& sub, SuiteCommand& command) {
         const auto known = synthetic::check_level(level);
         return known ? std::string() : known.error().text();
       });
-  sub.add_option("--seeds", options.seeds, "Seeds of scene, noise and mapper")
+  sub.add_option("--seeds", options.seeds,
+                 "Seeds of scene, noise and mapper [bench: 1,2,3, of a benchmark 1]")
       ->delimiter(',')
       ->check(CLI::NonNegativeNumber);
   sub.add_option("--set", options.assignments, "key=value for every run")->allow_extra_args(false);
@@ -217,6 +284,8 @@ void add_suite_options(CLI::App& sub, SuiteCommand& command) {
       ->check(CLI::NonNegativeNumber);
   sub.add_option("--jobs", command.at_a_time, "Runs at a time")->check(CLI::Range(1, 64));
   sub.add_flag("--rendering", options.rendering, "Also compute the rendering scores");
+  sub.add_option("--lpips-weights", options.lpips_weights,
+                 "LPIPS-Alex v0.1 weights, for LPIPS among the rendering scores");
   sub.add_option("--lease", command.lease_s,
                  "A worker that gave no sign of life for so many seconds is taken for dead")
       ->check(CLI::Range(1.0, 86400.0))
@@ -242,9 +311,9 @@ Action action_of(Result<int> (*run)(const Command&), std::shared_ptr<Command> co
 void add_bench(CLI::App& app, Action& action) {
   auto command = std::make_shared<BenchCommand>();
   command->options.levels = {"kinect"};
-  command->options.seeds = {1, 2, 3};
   auto* sub = app.add_subcommand("bench", "Run a suite of sequences and print one table");
-  sub->add_option("SUITE", command->suite, "tum-synth, or a FILE.toml (docs/suites.md)");
+  sub->add_option("SUITE", command->suite,
+                  "tum-synth, tum, replica, or a FILE.toml (docs/suites.md)");
   sub->add_option("--variants", command->variants, "Trackers and ablations (docs/suites.md)")
       ->delimiter(',');
   sub->add_flag("--published", command->published,
@@ -265,7 +334,8 @@ void add_sweep(CLI::App& app, Action& action) {
   sub->add_option("RANGE", command->range,
                   "KEY=A:B in doublings; KEY is a parameter or an alias, e.g. tau_deg")
       ->required();
-  sub->add_option("--suite", command->suite, "tum-synth, or a FILE.toml (docs/suites.md)");
+  sub->add_option("--suite", command->suite,
+                  "tum-synth, tum, replica, or a FILE.toml (docs/suites.md)");
   sub->add_option("--variant", command->variant, "What is swept, one of bench's --variants");
   sub->add_option("--per-octave", command->per_octave, "Values per doubling")
       ->check(CLI::Range(1, 16));

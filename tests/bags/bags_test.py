@@ -408,6 +408,38 @@ class Info(BagTest):
         self.check_truth(rec.write_rosbag(self.folder / "truth.bag", messages), truth)
         self.check_truth(self.node.write_mcap(self.folder / "truth.mcap", messages), truth)
 
+    def test_imu_puts_the_run_upright(self):
+        axes = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0]])  # x forward, y left, z up
+        messages = self.aligned()
+        ups = []
+        for row in tum(self.color_folder / "groundtruth.txt"):
+            x, y, z, w = row[4:]
+            up = np.array([2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)])
+            ups.append(up)
+            time_ns = round(row[0] * 1e9)
+            imu = {
+                "header": rec.header(time_ns, "imu"),
+                "linear_acceleration": rec.vector(9.81 * axes.T @ up),
+            }
+            messages.append(("/imu", "sensor_msgs/Imu", imu, time_ns))
+        mounted = rec.transform(
+            rec.COLOR_FRAME, "imu", (0, 0, 0), (0.5, -0.5, 0.5, 0.5), self.frames[0][0]
+        )
+        tf = {"transforms": [mounted]}
+        messages.append(("/tf_static", "tf2_msgs/TFMessage", tf, self.frames[0][0]))
+        path = rec.write_rosbag(self.folder / "imu.bag", messages)
+        done = self.sgs("run", path, "-o", self.folder / "imu", "--no-eval", "--quiet")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        said = (self.folder / "imu/upright.toml").read_text()
+        self.assertIn('by = "accelerometer', said)
+        up = [
+            float(line.split()[2])
+            for line in said.splitlines()
+            if line[:4] in ("x = ", "y = ", "z = ")
+        ]
+        self.assertGreater(np.dot(up, ups[0]), np.cos(np.radians(3)))
+        self.assertNotIn("warn", (self.folder / "imu/log.txt").read_text())
+
     def check_truth(self, path, truth):
         for option in (
             [],

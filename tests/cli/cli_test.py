@@ -445,7 +445,32 @@ class Contract(Case):
         self.assertIn(
             "mine.toml:3: unknown key 'folder'", self.sgs("bench", "mine.toml", code=1).stderr
         )
-        self.assertIn("Allowed: tum-synth", self.sgs("bench", "tum", code=2).stderr)
+        self.assertIn("Allowed: replica | tum-synth | tum", self.sgs("bench", "tom", code=2).stderr)
+
+    def test_benchmark_runs_what_lies_in_a_folder(self):
+        self.assertIn("say with --data DIR", self.sgs("bench", "tum", code=2).stderr)
+        self.assertIn("nothing of", self.sgs("bench", "tum", "--data", ".", code=1).stderr)
+        (self.folder / "data" / "deeper").mkdir(parents=True)
+        (self.folder / "data" / "deeper" / "FR1_xyz").symlink_to(self.master)
+        (self.folder / "data" / "rgbd_dataset_freiburg1_desk.tgz").write_bytes(b"")
+        command = ["bench", "tum", "--data", "data", "--frames", 4, "-o", "out"]
+        listed = self.sgs(*command, "--list").stdout.splitlines()
+        self.assertEqual(len(listed), 1)
+        self.assertRegex(listed[0], "--data data .*--shard 0/1  # fr1_xyz-recorded-spectral-1$")
+        done = self.sgs(*command)
+        self.assertIn("found fr1_xyz: data/deeper/FR1_xyz\n", done.stderr)
+        self.assertRegex(done.stdout, r"(?m)^ +fr1_desk +fr1_xyz +fr2_xyz +fr3_office ")
+        self.assertRegex(done.stdout, r"(?m)^recorded spectral +- +\d+\.\d\d \(\d+\.\d\d\) +-")
+        self.assertRegex(done.stdout, r"(?m)^Spectral GS-SLAM \(paper\) \[2\] +3\.05 +1\.75")
+        self.assertRegex(done.stdout, r"(?m)^SplaTAM \[\d+\] +22\.00 +24\.50 +21\.90")
+        self.assertIn(
+            "fr1_desk: it is packed: tar -xf data/rgbd_dataset_freiburg1_desk.tgz -C data\n",
+            done.stdout,
+        )
+        self.assertIn("\nFrames: fr1_xyz 4\n", done.stdout)
+        self.assertRegex(done.stdout, "fr2_xyz: not there; .* as rgbd_dataset_freiburg2_xyz\n")
+        metrics = self.folder / "out" / "fr1_xyz-recorded-spectral-1" / "metrics.json"
+        self.assertGreater(json.loads(metrics.read_text())["psnr_db"], 0)
 
     def test_interrupted_suite_goes_on(self):
         command = [

@@ -89,6 +89,7 @@ class Run {
       client.send(
         JSON.stringify({
           type: "metrics",
+          up: null,
           lines: [
             ["ate_rmse_m", "ATE RMSE", "1.24 cm"],
             ["psnr_db", "PSNR (gsicp)", "27.31 dB"],

@@ -95,6 +95,7 @@ export class App {
         break;
       case "metrics":
         this.panel.setMetrics(message);
+        if (message.up) this.stage.standUpright(message.up);
         break;
       case "refinement":
         this.showRefinement(message);

@@ -8,6 +8,10 @@
 
 #include "interrupt.h"
 #include "sgs/core/print.h"
+#include "sgs/dataset/imu.h"
+#include "sgs/run/gravity.h"
+#include "sgs/run/run_files.h"
+#include "sgs/run/upright.h"
 #include "sgs/run/version.h"
 #include "sgs/viewer/server.h"
 #include "sgs/viewer/session_feed.h"
@@ -57,7 +61,8 @@ class Link : public ViewerLink {
 
   void close(const eval::Metrics& metrics, const std::filesystem::path& folder) override {
     constexpr double kDrain_s = 2;
-    server_->set_metrics(metrics);
+    const auto upright = run::load_upright(folder / run::files::kUpright);
+    server_->set_final_word({metrics, upright ? std::optional(upright->up) : std::nullopt});
     server_->drain(kDrain_s);
     if (stay_ && !interrupted()) say("viewer stays until Ctrl-C\n");
     while (stay_ && !interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -71,6 +76,18 @@ class Link : public ViewerLink {
   slam::Session* session_ = nullptr;
   bool stay_;
 };
+
+/// Which way is up when a run begins, in the axes of its first camera: as an accelerometer in a
+/// file of its own feels it, unless that would hang the camera upside down. Else the page goes by
+/// its pictures.
+std::optional<Eigen::Vector3d> up_at_start(const run::Input& input,
+                                           const slam::SessionConfig& config) {
+  const bool in_first_camera = config.tracker.type != tracker::TrackerType::kGiven;
+  if (!in_first_camera || dataset::accelerometer_file(input.info.folder).empty()) return {};
+  const auto up = run::felt_up(dataset::read_imu(input.info), input.info.first_time_s);
+  constexpr double kUpsideDown = 0.5;
+  return up && up->y() < kUpsideDown ? up : std::nullopt;
+}
 
 }  // namespace
 
@@ -86,6 +103,7 @@ Result<std::unique_ptr<ViewerLink>> ViewerLink::open(const ViewerRequest& reques
   info.live = true;
   info.camera = input.source->camera();
   info.frames_total = input.source->size();
+  info.up = up_at_start(input, config);
   SGS_ASSIGN_OR_RETURN(auto server, start_viewer(request, info));
   return std::make_unique<Link>(std::move(server), request.stay);
 }

@@ -37,6 +37,7 @@ Result<Replay> load_replay(const std::filesystem::path& folder, std::uint64_t ma
   replay.info.preset = to_string(run.config.preset);
   replay.info.live = false;
   replay.info.camera = run.camera;
+  if (run.upright) replay.info.up = run.upright->up;
   replay.info.frames_total = static_cast<std::int64_t>(run.frames.size());
   const Trajectory views = run::view_poses(run);
   const auto map =

@@ -142,7 +142,7 @@ Status view(const ViewCommand& command) {
   // A run that is still going on is refined when it is over.
   replay.info.refines = images.available() && !replay.unfinished;
   SGS_ASSIGN_OR_RETURN(const auto server, start_viewer(command.viewer, replay.info));
-  server->set_metrics(replay.metrics);
+  server->set_final_word({replay.metrics, replay.info.up});
   say("Ctrl-C ends\n");
   while (!interrupted() && server->clients() == 0) nap_until(wall_time_s() + 0.05);
   std::filesystem::path folder = command.folder;
@@ -161,7 +161,7 @@ Status view(const ViewCommand& command) {
         folder = *refined;
         SGS_ASSIGN_OR_RETURN(auto better, load_replay(folder, ++map_version));
         replay = std::move(better);
-        server->set_metrics(replay.metrics);
+        server->set_final_word({replay.metrics, replay.info.up});
       } else {
         server->set_refinement({false, 0, refined.error().text()});
       }

@@ -34,6 +34,15 @@ Eigen::Vector3d vector_of(Wire& wire) {
   return v;
 }
 
+/// A vector and the covariance behind it, whose first entry is -1 where nothing is measured.
+std::optional<Eigen::Vector3d> measured_vector_of(Wire& wire) {
+  const Eigen::Vector3d v = vector_of(wire);
+  const double first = wire.number<double>();
+  for (int i = 1; i < 9; ++i) wire.number<double>();
+  if (first == -1 || !v.allFinite()) return std::nullopt;
+  return v;
+}
+
 /// Translation and quaternion xyzw; not ok where that is no rigid transform.
 bool rigid_of(Wire& wire, SE3& T) {
   const Eigen::Vector3d t = vector_of(wire);
@@ -108,6 +117,17 @@ Result<std::vector<TransformMessage>> read_transforms(const Message& message, En
   }
   if (!wire.ok()) return unreadable("tf2_msgs/TFMessage");
   return transforms;
+}
+
+Result<ImuMessage> read_imu(const Message& message, Encoding encoding) {
+  Wire wire(message.data, encoding);
+  ImuMessage imu;
+  imu.header = header_of(wire);
+  for (int i = 0; i < 4 + 9; ++i) wire.number<double>();  // orientation and its covariance
+  imu.angular_velocity_rad_s = measured_vector_of(wire);
+  imu.acceleration_m_s2 = measured_vector_of(wire);
+  if (!wire.ok()) return unreadable("sensor_msgs/Imu");
+  return imu;
 }
 
 Result<PoseMessage> read_pose(const Message& message, Encoding encoding) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -61,6 +62,13 @@ struct PoseMessage {
   SE3 pose;
 };
 
+/// sensor_msgs/Imu without its covariances. What the unit does not measure is empty.
+struct ImuMessage {
+  Header header;
+  std::optional<Eigen::Vector3d> angular_velocity_rad_s;
+  std::optional<Eigen::Vector3d> acceleration_m_s2;
+};
+
 /// Each understands the bytes of one message. Errors (kInvalidFormat) say what is wrong, but not
 /// which file it is in.
 Result<Header> read_header(const Message& message, Encoding encoding);
@@ -69,6 +77,7 @@ Result<CompressedImageMessage> read_compressed_image(const Message& message, Enc
 Result<CameraInfoMessage> read_camera_info(const Message& message, Encoding encoding);
 /// tf/tfMessage and tf2_msgs/TFMessage.
 Result<std::vector<TransformMessage>> read_transforms(const Message& message, Encoding encoding);
+Result<ImuMessage> read_imu(const Message& message, Encoding encoding);
 Result<PoseMessage> read_pose(const Message& message, Encoding encoding);
 Result<PoseMessage> read_odometry(const Message& message, Encoding encoding);
 /// geometry_msgs/Transform, as RealSense's SDK writes extrinsics.

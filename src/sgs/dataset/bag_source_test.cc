@@ -15,6 +15,7 @@
 #include "sgs/dataset/bag_pairs.h"
 #include "sgs/dataset/bag_time.h"
 #include "sgs/dataset/bag_transforms.h"
+#include "sgs/dataset/imu.h"
 
 namespace sgs::dataset {
 namespace {
@@ -211,6 +212,54 @@ TEST(TransformTree, MovingFramesAreFollowedAndCyclesEnd) {
   EXPECT_DOUBLE_EQ(poses.poses()[3].timestamp_s, 0.3);
   EXPECT_TRUE(poses.poses()[3].T_world_camera.t.isApprox(Eigen::Vector3d(3.5, 0, 0)));
   EXPECT_TRUE(tree->moving("world", "a", 0.15).empty());
+}
+
+/// sensor_msgs/Imu; what is not measured has -1 in its covariance.
+std::string packed_imu(std::int64_t ms, const std::string& frame, const Eigen::Vector3d& turn,
+                       const Eigen::Vector3d& acceleration, double first_of_acceleration = 0) {
+  std::string bytes = packed_header(ms * kMs, frame);
+  const auto add = [&](std::initializer_list<double> values) {
+    for (const double v : values) bytes += packed(v);
+  };
+  add({0, 0, 0, 1, -1, 0, 0, 0, 0, 0, 0, 0, 0});
+  add({turn.x(), turn.y(), turn.z(), 0, 0, 0, 0, 0, 0, 0, 0, 0});
+  add({acceleration.x(), acceleration.y(), acceleration.z()});
+  add({first_of_acceleration, 0, 0, 0, 0, 0, 0, 0, 0});
+  return bytes;
+}
+
+TEST(BagImu, IsTheTopicThatMeasuresAccelerationsInTheAxesThatTfSays) {
+  MemoryBag bag;
+  const auto gyro = bag.topic("/gyro", "sensor_msgs/Imu");
+  const auto foreign = bag.topic("/base_imu", "sensor_msgs/Imu");
+  const auto imu = bag.topic("/imu", "sensor_msgs/Imu");
+  const auto fixed = bag.topic("/tf_static", "tf2_msgs/TFMessage");
+  bag.add(fixed, packed_transform(0, "color", "imu_frame", at(0.02, 0.5)));
+  bag.add(gyro, packed_imu(1, "imu_frame", {0.1, 0, 0}, {0, 0, 0}));
+  bag.add(foreign, packed_imu(1, "base", {0, 0, 0}, {0, 0, 9.8}));
+  bag.add(imu, packed_imu(100, "imu_frame", {0.1, 0.2, 0.3}, {1, 2, 9}));
+  bag.add(imu, packed_imu(0, "imu_frame", {0, 0, 0}, {1, 2, 9.5}), 7 * 1'000'000'000LL);
+  bag.add(imu, packed_imu(300, "imu_frame", {0, 0, 0}, {4, 4, 4}, -1));
+  bag.add(imu, "cut off");
+  const ImuRecording read = read_bag_imu(bag, "color");
+  EXPECT_EQ(read.source, "/imu");
+  ASSERT_TRUE(read.R_camera_imu);
+  EXPECT_TRUE(read.R_camera_imu->isApprox(at(0, 0.5).R));
+  ASSERT_EQ(read.samples.size(), 2u);
+  EXPECT_DOUBLE_EQ(read.samples[0].timestamp_s, 0.1);
+  EXPECT_EQ(read.samples[0].acceleration, Eigen::Vector3d(1, 2, 9));
+  EXPECT_EQ(read.samples[0].angular_velocity_rad_s, Eigen::Vector3d(0.1, 0.2, 0.3));
+  EXPECT_DOUBLE_EQ(read.samples[1].timestamp_s, 7);  // without a stamp, when it was written
+  EXPECT_THAT(read.warnings, ElementsAre(HasSubstr("/imu: a message is no sensor_msgs/Imu")));
+}
+
+TEST(BagImu, OfUnknownMountingIsReadAllTheSame) {
+  MemoryBag bag;
+  EXPECT_TRUE(read_bag_imu(bag, "color").source.empty());
+  bag.add(bag.topic("/imu", "sensor_msgs/Imu"), packed_imu(1, "imu", {0, 0, 0}, {0, 0, 9.8}));
+  const ImuRecording read = read_bag_imu(bag, "color");
+  EXPECT_EQ(read.samples.size(), 1u);
+  EXPECT_FALSE(read.R_camera_imu);
 }
 
 }  // namespace

@@ -2,12 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/dataset/calibration_lookup.h"
 
+#include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 
 namespace sgs::dataset {
 namespace fs = std::filesystem;
 namespace {
+
+std::string lower_case(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
 
 /// Number of the TUM camera in a sequence name ("..._freiburg2_desk", "fr1_xyz"), or 0.
 int tum_camera_number(const std::string& name) {
@@ -27,8 +34,9 @@ int tum_camera_number(const std::string& name) {
 
 /// Calibrations of the colour cameras published with the TUM RGB-D benchmark, and with Bonn's
 /// dynamic sequences (Palazzolo et al., IROS 2019).
-std::optional<FoundCalibration> known_sequence(const std::string& name) {
+std::optional<FoundCalibration> known_sequence(const std::string& folder) {
   constexpr double kTumDepthScale = 5000;
+  const std::string name = lower_case(folder);
   if (name.find("rgbd_bonn") != std::string::npos) {
     FoundCalibration bonn{{}, "known sequence rgbd_bonn", false};
     bonn.calibration.camera = {640, 480, 542.822841, 542.576870, 315.593520, 237.756098};
@@ -53,6 +61,20 @@ std::optional<FoundCalibration> known_sequence(const std::string& name) {
   } else {
     c.camera = {640, 480, 535.4, 539.2, 320.1, 247.6};
   }
+  return found;
+}
+
+/// The eight scenes of Replica as iMAP and NICE-SLAM rendered them, all with one camera, published
+/// in a file beside the scenes that is left behind where one of them is copied.
+std::optional<FoundCalibration> known_replica_scene(const FrameList& list) {
+  constexpr std::array kScenes = {"room0",   "room1",   "room2",   "office0",
+                                  "office1", "office2", "office3", "office4"};
+  const std::string name = lower_case(folder_name(list.folder));
+  const bool known = std::find(kScenes.begin(), kScenes.end(), name) != kScenes.end();
+  if (list.layout != "replica" || !known) return std::nullopt;
+  FoundCalibration found{{}, "known Replica scene " + name, false};
+  found.calibration.camera = {1200, 680, 600, 600, 599.5, 339.5};
+  found.calibration.depth_scale = 6553.5;
   return found;
 }
 
@@ -94,7 +116,9 @@ tl::unexpected<Error> nothing_found(const std::vector<fs::path>& folders, const 
       ErrorCode::kNotFound,
       fmt::format("{} unknown: no sgs.toml with [camera], camera.txt or cam_params.json in "
                   "{}, and the folder's name is not that of a known TUM sequence "
-                  "(freiburg1, freiburg2, freiburg3) or Bonn sequence (rgbd_bonn)",
+                  "(freiburg1, freiburg2, freiburg3) or Bonn sequence (rgbd_bonn), nor that of one "
+                  "of the eight "
+                  "Replica scenes (room0, office0, ...)",
                   what, places),
       "give --camera fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]] and --depth-scale S, or write a "
       "camera.txt with one line 'fx fy cx cy width height depth_scale [k1 k2 p1 p2 k3 "
@@ -113,6 +137,7 @@ Result<FoundCalibration> find_calibration(const std::vector<fs::path>& folders,
       found = {list.calibration->calibration, list.calibration->source, true};
     }
     if (!found) found = known_sequence(folder_name(list.folder));
+    if (!found) found = known_replica_scene(list);
   }
   if (!found && !options.camera) return nothing_found(folders, list, "camera calibration");
   FoundCalibration result = found.value_or(FoundCalibration{});

@@ -299,6 +299,17 @@ Status add_given_poses(Sequence& sequence, const OpenOptions& options, const fs:
 
 }  // namespace
 
+bool looks_like_sequence(const fs::path& folder) {
+  try {
+    return fs::exists(folder / "sgs.toml") || looks_like_tum(folder) ||
+           looks_like_replica(folder) || bag::looks_like_bag(folder) ||
+           std::any_of(kLayouts.begin(), kLayouts.end(),
+                       [&](const Layout& layout) { return layout.looks_like(folder); });
+  } catch (const fs::filesystem_error&) {
+    return false;
+  }
+}
+
 Result<std::pair<std::int64_t, std::int64_t>> frame_range(const OpenOptions& options,
                                                           const fs::path& input,
                                                           std::int64_t count) {

@@ -83,6 +83,10 @@ struct Sequence {
 /// damaged or unfitting image is a bad frame; a sequence without any usable frame does not open.
 Result<Sequence> open_sequence(const std::filesystem::path& input, const OpenOptions& options = {});
 
+/// Whether a folder has the marks of a layout that open_sequence() reads, by the names of its files
+/// alone; what cannot be looked at has none.
+bool looks_like_sequence(const std::filesystem::path& folder);
+
 /// The frames [first, last) that the options ask for of `count`; an empty range is an error.
 Result<std::pair<std::int64_t, std::int64_t>> frame_range(const OpenOptions& options,
                                                           const std::filesystem::path& input,

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 
+#include "sgs/dataset/calibration_lookup.h"
 #include "sgs/dataset/tum_writer.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/image_io.h"
@@ -190,6 +191,32 @@ TEST_F(TumFolder, KnownSequenceNameAndSizeMismatch) {
   EXPECT_THAT(sequence.error().text(), HasSubstr("known sequence freiburg3"));
   EXPECT_THAT(sequence.error().text(), HasSubstr("640x480"));
   EXPECT_THAT(sequence.error().text(), HasSubstr("32x24"));
+}
+
+TEST_F(TumFolder, SequenceNamesAreKnownInAnyCaseAndByTheirShortNames) {
+  for (const auto& [name, fx] :
+       {std::pair("RGBD_Dataset_Freiburg2_Small", 520.9), std::pair("tum_fr1_small", 517.3),
+        std::pair("fr3-small", 535.4)}) {
+    FrameList list;
+    list.layout = "tum";
+    list.folder = temporary_ / name;
+    const auto found = find_calibration({list.folder}, list, {});
+    ASSERT_TRUE(found) << found.error().text();
+    EXPECT_EQ(found->calibration.camera.fx, fx);
+    EXPECT_EQ(found->calibration.distortion.k1 != 0, fx < 530);  // fr3 was undistorted before
+  }
+}
+
+TEST_F(TumFolder, ReplicaScenesHaveOneCameraWhereItsFileWasLeftBehind) {
+  FrameList list;
+  list.layout = "replica";
+  list.folder = temporary_ / "office3";
+  const auto found = find_calibration({list.folder}, list, {});
+  ASSERT_TRUE(found) << found.error().text();
+  EXPECT_EQ(found->calibration.camera, (PinholeCamera{1200, 680, 600, 600, 599.5, 339.5}));
+  EXPECT_EQ(found->calibration.depth_scale, 6553.5);
+  list.layout = "tum";
+  EXPECT_FALSE(find_calibration({list.folder}, list, {}));
 }
 
 TEST_F(TumFolder, ListedImageMissingIsABadFrame) {

@@ -33,6 +33,7 @@ struct Metrics {
   Real depth_l1_m, depth_l1_novel_m;
   Count gaussians, map_bytes, keyframes, mapping_iterations;
   Count loops_accepted, loops_rejected, corrections;
+  Text upright;
   Real fps_system, fps_wall;
   Real track_ms_p50, track_ms_p95, map_iteration_ms_p50;
   Count frames_dropped, peak_rss_bytes;
@@ -191,6 +192,10 @@ void visit_metrics(M&& m, Visitor&& visit) {
   visit(I{"corrections", p, "Corrections", "", 1, 0, kNeither, kDetail,
           "How often closing loops moved trajectory and map."},
         m.corrections);
+  visit(I{"upright", p, "Upright by", "", 1, 0, kNeither, kDetail,
+          "By what it is known which way is up: `accelerometer`, `floor`, both "
+          "(`accelerometer_and_floor`), or only how the `camera` was held."},
+        m.upright);
   visit(I{"mapping_iterations", p, "Mapping iterations", "", 1, 0, kNeither, kDetail,
           "Mapping steps of the whole run."},
         m.mapping_iterations);

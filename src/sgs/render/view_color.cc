@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/render/view_color.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "sgs/core/error.h"
 
@@ -154,6 +156,31 @@ void color_backward(const map::Gaussian& gaussian, std::span<const float> coeffi
   // Along the ray the direction stays.
   const Eigen::Vector3f by_mean = (by_direction - d.dot(by_direction) * d) / distance;
   for (int j = 0; j < 3; ++j) row.mean[j] += by_mean[j];
+}
+
+void turn_harmonics(const Eigen::Matrix3d& R, map::Harmonics& harmonics) {
+  if (harmonics.empty()) return;
+  // Found from values at directions spread over the sphere: more than there are functions.
+  constexpr int kDirections = 48;
+  constexpr double kGoldenAngle = 2.399963229728653;
+  const auto functions = static_cast<Eigen::Index>(harmonics.basis_functions(harmonics.degree));
+  Eigen::MatrixXd there(kDirections, functions), before(kDirections, functions);
+  for (int i = 0; i < kDirections; ++i) {
+    const double z = 1 - (2 * i + 1.0) / kDirections, r = std::sqrt(1 - z * z);
+    const Eigen::Vector3d d(r * std::cos(kGoldenAngle * i), r * std::sin(kGoldenAngle * i), z);
+    Basis values{};
+    basis(harmonics.degree, d.cast<float>(), values);
+    for (Eigen::Index k = 0; k < functions; ++k) there(i, k) = values[static_cast<std::size_t>(k)];
+    basis(harmonics.degree, (R.transpose() * d).cast<float>(), values);
+    for (Eigen::Index k = 0; k < functions; ++k) before(i, k) = values[static_cast<std::size_t>(k)];
+  }
+  const Eigen::MatrixXf turned = there.colPivHouseholderQr().solve(before).cast<float>();
+  for (std::size_t i = 0; i < harmonics.size(); ++i) {
+    // Red, green and blue of a function lie side by side.
+    Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>> c(harmonics.of(i).data(),
+                                                                           functions, 3);
+    c = (turned * c).eval();
+  }
 }
 
 }  // namespace sgs::render

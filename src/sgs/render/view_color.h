@@ -45,4 +45,8 @@ class ViewColors {
 void color_backward(const map::Gaussian& gaussian, std::span<const float> coefficients, int degree,
                     const Eigen::Vector3d& center, map::Gaussian& row, std::span<float> gradient);
 
+/// Turns harmonics with their world: seen along R * d they look as they looked along d before.
+/// Exact up to rounding, as a rotation mixes the functions of one degree only.
+void turn_harmonics(const Eigen::Matrix3d& R, map::Harmonics& harmonics);
+
 }  // namespace sgs::render

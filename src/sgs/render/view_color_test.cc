@@ -9,6 +9,7 @@
 #include <cstring>
 #include <random>
 
+#include "sgs/geometry/se3.h"
 #include "sgs/render/rasterizer.h"
 #include "sgs/render/test_scene.h"
 
@@ -206,6 +207,25 @@ TEST(ViewColor, CoefficientsFollowTheLossOfAPicture) {
     }
   }
   EXPECT_GT(largest, 0.1);
+}
+
+TEST(ViewColor, TurnedHarmonicsShowAlongTurnedDirectionsWhatTheyShowedBefore) {
+  const Eigen::Matrix3d R = so3_exp({0.4, -1.1, 0.7});
+  for (int degree = 1; degree <= map::kMaxHarmonicDegree; ++degree) {
+    const map::Harmonics before = random_harmonics(degree, 3, 5);
+    map::Harmonics after = before;
+    turn_harmonics(R, after);
+    const std::vector<map::Gaussian> gaussians(3, at(0, 0, 0));
+    std::vector<map::Gaussian> seen, seen_turned;
+    for (const Eigen::Vector3d& center :
+         {Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(-2, 1, -0.3), Eigen::Vector3d(0, 0, -1)}) {
+      color_towards(gaussians, before, center, seen, nullptr);
+      color_towards(gaussians, after, R * center, seen_turned, nullptr);
+      for (std::size_t i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k) EXPECT_NEAR(seen[i].rgb[k], seen_turned[i].rgb[k], 1e-5f);
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -42,7 +42,8 @@ Result<std::vector<std::filesystem::path>> save_drawings(const std::filesystem::
                                                          const std::vector<Drawing>& drawings);
 
 /// Directions on the page for looking at a world: `up` is towards the reader in the top view and
-/// upwards in the side view; `across` is the longer horizontal direction.
+/// upwards in the side view; `across` is the longer horizontal direction. They are axes of the
+/// world, unless its up is far from all of them.
 struct Views {
   Eigen::Vector3d across, away, up;
   std::string across_name, away_name, up_name;  ///< axis labels, metres

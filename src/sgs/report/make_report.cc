@@ -42,7 +42,10 @@ void set_paths(const run::Run& run, const eval::TrajectoryMetrics& scores, doubl
     report.keyframes.push_back(T_truth_world * pose.T_world_camera);
   }
   report.map_points = eval::sample_points(run.gaussians, kMapPoints, T_truth_world);
-  report.up = likely_up(run.truth.empty() ? run.trajectory : run.truth);
+  // How a camera was held is a guess that likely_up() makes for a world of the truth's, too.
+  const bool known = run.upright && run.upright->by != run::UprightBy::kCamera;
+  report.up = known ? Eigen::Vector3d(T_truth_world.R * run.upright->up)
+                    : likely_up(run.truth.empty() ? run.trajectory : run.truth);
 }
 
 /// The aligned error of each frame, where there is one.
@@ -112,6 +115,7 @@ ReportData make_report(const run::Run& run, const run::Scores& scores) {
   report.metrics = metrics;
   for (const std::string& note :
        {run::degeneracy_note(metrics), scores.trajectory.protocol, scores.trajectory.note,
+        run.upright ? "The world is " + run.upright->sentence() + "." : std::string(),
         part_note(run.state), scores.rendering ? scores.rendering->protocol : std::string()}) {
     if (!note.empty()) report.notes.push_back(note);
   }

@@ -237,6 +237,20 @@ TEST(Report, TopViewLooksDownAlongUp) {
   }
 }
 
+TEST(Report, ATiltedWorldIsSeenUprightAllTheSame) {
+  ReportData d;
+  d.up = Eigen::Vector3d(0.1, -0.8, -0.6).normalized();
+  d.estimate_m = {Eigen::Vector3d::Zero(), {0.2, 1.2, -1.6}, {3, 0, 0}};
+  Views views = choose_views({&d, 1});
+  EXPECT_TRUE(views.up.isApprox(d.up));
+  EXPECT_TRUE(views.across.cross(views.away).isApprox(d.up));
+  EXPECT_GT(std::abs(views.across.x()), 0.9);  // where the path is longest
+  EXPECT_EQ(views.up_name, "up [m]");
+  d.up = Eigen::Vector3d(0.02, -0.99, 0.03).normalized();  // as good as an axis
+  views = choose_views({&d, 1});
+  EXPECT_EQ(views.up, -Eigen::Vector3d::UnitY());
+}
+
 TEST(Comparison, ShowsRunsSideBySide) {
   std::vector<ReportData> runs = {synthetic_data(), synthetic_data()};
   runs[0].label = "ours";

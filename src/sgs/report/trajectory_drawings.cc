@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sgs/core/stopwatch.h"
 #include "sgs/report/drawings.h"
@@ -79,9 +80,36 @@ std::string plane_view(Runs runs, const std::string& title, const Eigen::Vector3
   return plane_svg(figure);
 }
 
+/// How far the paths reach along a direction, metres.
+double extent_along(Runs runs, const Eigen::Vector3d& direction) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const ReportData& run : runs) {
+    for (const auto& p : run.truth_m.empty() ? run.estimate_m : run.truth_m) {
+      low = std::min(low, p.dot(direction));
+      high = std::max(high, p.dot(direction));
+    }
+  }
+  return high - low;
+}
+
+/// Views where no axis of the world is upright; the two others that lie most level are laid level.
+Views tilted_views(Runs runs, const Eigen::Vector3d& up, int vertical) {
+  Views views;
+  views.up = up;
+  const Eigen::Vector3d axis = Eigen::Vector3d::Unit((vertical + 1) % 3);
+  const Eigen::Vector3d one = (axis - axis.dot(up) * up).normalized(), other = up.cross(one);
+  views.across = extent_along(runs, other) > extent_along(runs, one) ? other : one;
+  views.away = up.cross(views.across);
+  views.across_name = "across [m]";
+  views.away_name = "away [m]";
+  views.up_name = "up [m]";
+  return views;
+}
+
 }  // namespace
 
 Views choose_views(Runs runs) {
+  constexpr double kNearAxis = 0.98;  // cosine: within some eleven degrees
   Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector3d high = -low, up = Eigen::Vector3d::Zero();
   for (const ReportData& run : runs) {
@@ -97,6 +125,9 @@ Views choose_views(Runs runs) {
     extent.minCoeff(&vertical);
   } else {
     up.cwiseAbs().maxCoeff(&vertical);
+  }
+  if (!up.isZero() && up.cwiseAbs().maxCoeff() < kNearAxis) {
+    return tilted_views(runs, up.normalized(), vertical);
   }
   Views views;
   views.up = Eigen::Vector3d::Unit(vertical) * (up[vertical] < 0 ? -1 : 1);

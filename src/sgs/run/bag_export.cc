@@ -16,8 +16,9 @@ constexpr const char* kMapFrame = "map";
 constexpr const char* kCameraFrame = "camera";
 
 /// The map has the axes of the first picture: x right, y down, z forward. ROS looks along x, with z
-/// up.
-SE3 T_world_map() {
+/// up: as the run found it, else as if the first picture had been taken level.
+SE3 T_world_map(const std::filesystem::path& run_folder) {
+  if (const auto upright = load_run_upright(run_folder)) return *upright;
   SE3 T;
   T.R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   return T;
@@ -37,6 +38,7 @@ Status export_bag(const std::filesystem::path& run_folder, std::span<const map::
   const std::size_t pose_topic = writer.add_topic("/pose", bag::WrittenType::kPose);
   const std::size_t path = writer.add_topic("/path", bag::WrittenType::kPath);
   const std::size_t cloud = writer.add_topic("/map", bag::WrittenType::kCloud);
+  const SE3 T_world = T_world_map(run_folder);
   const std::int64_t first_ns = bag::nanoseconds_of(poses.poses().front().timestamp_s);
   const bag::Header first = {first_ns, kMapFrame};
   writer.write(path, first_ns, bag::write_path(first, poses, encoding));
@@ -44,7 +46,7 @@ Status export_bag(const std::filesystem::path& run_folder, std::span<const map::
   for (const StampedPose& pose : poses.poses()) {
     const std::int64_t time_ns = bag::nanoseconds_of(pose.timestamp_s);
     const std::array transforms = {
-        bag::TransformMessage{{time_ns, kWorldFrame}, kMapFrame, T_world_map()},
+        bag::TransformMessage{{time_ns, kWorldFrame}, kMapFrame, T_world},
         bag::TransformMessage{{time_ns, kMapFrame}, kCameraFrame, pose.T_world_camera}};
     writer.write(tf, time_ns, bag::write_transforms(transforms, encoding));
     writer.write(pose_topic, time_ns,

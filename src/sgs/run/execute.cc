@@ -21,6 +21,7 @@
 #include "sgs/run/run_config.h"
 #include "sgs/run/run_files.h"
 #include "sgs/run/timings.h"
+#include "sgs/run/upright.h"
 #include "sgs/run/version.h"
 #include "sgs/stream/address.h"
 
@@ -178,6 +179,20 @@ void write_end(const Run& run, RunFolder& folder) {
   }
 }
 
+/// Which way is up in the world of the run, from what lies beside its frames and from its map. What
+/// is wrong with an accelerometer is told, and no reason to end.
+std::optional<Upright> upright_along(const Input& input, const slam::Session& session,
+                                     const Trajectory& path) {
+  const dataset::ImuRecording imu = dataset::read_imu(input.info);
+  std::vector<std::string> warnings = imu.warnings;
+  const auto snapshot = session.final_snapshot();
+  const auto patches = snapshot ? patches_of(*snapshot) : std::vector<Patch>();
+  const auto upright = find_upright(imu, path, patches, warnings);
+  for (const std::string& warning : warnings) log().warn("{}", warning);
+  if (upright) log().info("{}", upright->sentence());
+  return upright;
+}
+
 /// What is scored is what was written, to the last bit: evaluating the folder later finds the same
 /// numbers.
 void read_back(const RunFolder& folder, Run& run) {
@@ -247,7 +262,9 @@ Result<Outcome> run_in(Input& input, const InputSpec& spec, const slam::SessionC
   Run& run = outcome.run;
   run = run_of(*session, input, spec, config);
   run.config_toml = beginning.config_toml;
+  run.upright = upright_along(input, *session, run.trajectory);
   run.metrics = run_metrics(options, config, *session, clock.value_or(RunClock{}), times);
+  if (run.upright) run.metrics.upright = to_string(run.upright->by);
   if (clock) run.frames_total = clock->frames_in;
   outcome.lost = tracking_was_lost(run.frames);
   run.state = state_of(outcome);

@@ -160,6 +160,16 @@ Result<std::optional<DepthCalibration>> load_calibration_of(const InputSpec& inp
                                                               : fs::path(input.calibration));
 }
 
+/// How the world of a run stands; what cannot be read is no reason not to show it.
+std::optional<Upright> load_upright_of(const fs::path& folder) {
+  std::error_code unreadable;
+  if (!fs::exists(folder / files::kUpright, unreadable)) return std::nullopt;
+  auto upright = load_upright(folder / files::kUpright);
+  if (upright) return *upright;
+  log().warn("{}", upright.error().text());
+  return std::nullopt;
+}
+
 /// Where the map of a run lies: with the results, or in the last checkpoint.
 fs::path folder_of_map(const fs::path& folder, const RunState& state) {
   return state.unfinished() ? newest_checkpoint(folder) : folder;
@@ -217,6 +227,7 @@ Result<Run> load_run(const fs::path& folder, unsigned parts) {
   };
   SGS_RETURN_IF_ERROR(with_folder_of_map(folder, run.state, load_parts));
   if (auto timings = io::read_file(folder / files::kTimings)) run.timings_json = *timings;
+  run.upright = load_upright_of(folder);
   if (fs::exists(folder / files::kMetrics, error)) {
     SGS_ASSIGN_OR_RETURN(run.metrics, eval::load_metrics(folder / files::kMetrics));
   }
@@ -224,6 +235,7 @@ Result<Run> load_run(const fs::path& folder, unsigned parts) {
   run.metrics.preset = to_string(run.config.preset);
   run.metrics.tracker = to_string(run.config.tracker.type);
   run.metrics.state = run.state.word();
+  if (run.upright) run.metrics.upright = to_string(run.upright->by);
   if (run.state.unfinished() && (parts & kMap) != 0) {
     run.metrics.gaussians = static_cast<std::int64_t>(run.gaussians.size());
   }
@@ -249,6 +261,18 @@ double learned_depth_delay_s(const Run& run) {
     if (!record->bad && std::isfinite(delay_s)) return delay_s;
   }
   return 0;
+}
+
+Result<SE3> load_run_upright(const fs::path& folder) {
+  std::error_code unreadable;
+  if (!fs::exists(folder / files::kUpright, unreadable)) {
+    return fail(
+        ErrorCode::kNotFound,
+        fmt::format("{}: nothing says which way is up ({})", folder.string(), files::kUpright),
+        "give the folder of a run that has ended, made by this version");
+  }
+  SGS_ASSIGN_OR_RETURN(const Upright upright, load_upright(folder / files::kUpright));
+  return upright.T_upright_world;
 }
 
 Trajectory view_poses(const Run& run) { return corrected(run.trajectory, run.keyframes); }
@@ -322,6 +346,10 @@ void save_run(const Run& run, RunFolder& folder) {
     return io::save_splats(path, run.gaussians, run.harmonics);
   });
   folder.save_text(files::kTimings, run.timings_json);
+  if (run.upright) {
+    folder.save(files::kUpright,
+                [&](const fs::path& path) { return save_upright(path, *run.upright); });
+  }
 }
 
 Status save_run(const Run& run, const fs::path& path) {

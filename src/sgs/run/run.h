@@ -14,6 +14,7 @@
 #include "sgs/map/gaussian.h"
 #include "sgs/run/input.h"
 #include "sgs/run/run_folder.h"
+#include "sgs/run/upright.h"
 #include "sgs/slam/frame_record.h"
 #include "sgs/slam/session.h"
 
@@ -35,10 +36,11 @@ struct Run {
   Trajectory keyframes;   ///< of the mapper, refined
   Trajectory truth;       ///< empty where there is none
   std::vector<map::Gaussian> gaussians;
-  map::Harmonics harmonics;       ///< of those; none unless they were learnt (`sgs refine`)
-  std::string timings_json;       ///< "" where it is not known
-  std::int64_t frames_total = 0;  ///< of the sequence, bad and dropped ones included
-  eval::Metrics metrics;          ///< what the run measured of itself, and scores where it has them
+  map::Harmonics harmonics;        ///< of those; none unless they were learnt (`sgs refine`)
+  std::optional<Upright> upright;  ///< which way is up; empty where nobody found out
+  std::string timings_json;        ///< "" where it is not known
+  std::int64_t frames_total = 0;   ///< of the sequence, bad and dropped ones included
+  eval::Metrics metrics;  ///< what the run measured of itself, and scores where it has them
 };
 
 /// The parts of a run folder that a command may need; a set of them is a sum.
@@ -69,6 +71,9 @@ Trajectory view_poses(const Run& run);
 /// By how much later than its stamps say depth was measured, as the run held it to be in the end,
 /// calibration included; 0 where it never did.
 double learned_depth_delay_s(const Run& run);
+/// The rotation that turns the world of a run folder upright (run/upright.h); an error where the
+/// folder does not say which way is up.
+Result<SE3> load_run_upright(const std::filesystem::path& folder);
 /// The map of a run folder; that of an unfinished run is its last checkpoint.
 Result<map::SplatMap> load_run_map(const std::filesystem::path& folder);
 

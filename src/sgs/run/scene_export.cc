@@ -103,17 +103,23 @@ Status for_each_keyframe(const fs::path& folder, const map::SplatMap& map, ViewS
   return {};
 }
 
-Status export_colmap(const fs::path& run_folder, const map::SplatMap& map, const fs::path& folder) {
+Status export_colmap(const fs::path& run_folder, const map::SplatMap& map, const SE3& T_out_world,
+                     const fs::path& folder) {
   std::vector<io::ColmapImage> images;
   PinholeCamera camera;
-  SGS_RETURN_IF_ERROR(for_each_keyframe(
-      run_folder, map, ViewSource::kMap, 1,
-      [&](const PinholeCamera& view_camera, const KeyframeView& view) {
-        camera = view_camera;
-        images.push_back({fmt::format("frame_{:06}.png", view.index), view.T_world_camera});
-        return io::save_color(folder / "images" / images.back().name, view.color);
-      }));
-  return io::save_colmap_model(folder / "sparse" / "0", camera, images, to_points(map.gaussians));
+  SGS_RETURN_IF_ERROR(
+      for_each_keyframe(run_folder, map, ViewSource::kMap, 1,
+                        [&](const PinholeCamera& view_camera, const KeyframeView& view) {
+                          camera = view_camera;
+                          images.push_back({fmt::format("frame_{:06}.png", view.index),
+                                            T_out_world * view.T_world_camera});
+                          return io::save_color(folder / "images" / images.back().name, view.color);
+                        }));
+  auto points = to_points(map.gaussians);
+  for (io::ColoredPoint& point : points) {
+    point.position = (T_out_world * point.position.cast<double>()).cast<float>();
+  }
+  return io::save_colmap_model(folder / "sparse" / "0", camera, images, points);
 }
 
 }  // namespace sgs::run

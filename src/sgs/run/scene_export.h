@@ -36,7 +36,8 @@ Status for_each_keyframe(
 
 /// COLMAP text model and keyframe pictures: FOLDER/images and FOLDER/sparse/0, the layout that
 /// trainers of Gaussian splatting read. Where the recording is gone the pictures are renderings.
+/// The model is written in the world `T_out_world` leads to; `map` is in that of the run.
 Status export_colmap(const std::filesystem::path& run_folder, const map::SplatMap& map,
-                     const std::filesystem::path& folder);
+                     const SE3& T_out_world, const std::filesystem::path& folder);
 
 }  // namespace sgs::run

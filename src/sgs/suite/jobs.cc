@@ -50,7 +50,11 @@ Job make_job(const Options& options, const Sequence& sequence, const std::string
   }
   add(job.arguments, {"--seed", std::to_string(seed), "--quiet"});
   add(job.arguments, variant.arguments);
-  if (!options.rendering) add(job.arguments, {"--no-eval"});
+  if (!options.rendering) {
+    add(job.arguments, {"--no-eval"});
+  } else if (!options.lpips_weights.empty()) {
+    add(job.arguments, {"--lpips-weights", options.lpips_weights});
+  }
   if (options.frames > 0) add(job.arguments, {"--frames", fmt::format("0:{}", options.frames)});
   for (const std::string& assignment : options.assignments) {
     add(job.arguments, {"--set", assignment});

@@ -23,6 +23,7 @@ struct Options {
   std::vector<std::string> assignments;  ///< key=value for every run
   int frames = 0;                        ///< at most so many per sequence; 0 = all
   bool rendering = false;                ///< also compute the rendering scores
+  std::string lpips_weights = {};        ///< file for LPIPS among them; empty: without
 };
 
 /// One run of a suite: where it goes and how to make it.

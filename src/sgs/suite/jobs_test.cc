@@ -89,8 +89,10 @@ TEST(Jobs, SayHowSgsIsToBeStarted) {
   EXPECT_THAT(job.render_words(job.rendering(1)),
               ElementsAre("synth", "fold:clean", "kept/near-clean-7.part1", "--seed", "7",
                           "--quiet", "--trajectory", "tum/fr3_near/groundtruth.txt"));
+  options.lpips_weights = "alex.bin";
   const Job recorded = jobs_of(options).back();
   EXPECT_EQ(recorded.arguments[1], "in");
+  EXPECT_THAT(recorded.arguments, ::testing::IsSupersetOf({"--lpips-weights", "alex.bin"}));
   EXPECT_TRUE(recorded.render_arguments.empty());
 }
 

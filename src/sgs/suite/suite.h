@@ -18,6 +18,8 @@ struct Sequence {
   std::string scene;   ///< of the generator; empty: a recording
   std::string motion;  ///< TUM recording whose path the camera flies along, where that is at hand
   std::string input;   ///< of `sgs run`, for a recording
+  std::vector<std::string> folders = {};  ///< names under which a recording is looked for
+  std::string needs = {};  ///< file without which a recording that is found is left out
 };
 
 /// One way to run a sequence: a row in the table.
@@ -28,6 +30,9 @@ struct Variant {
 
 /// What a publication reports of a suite's sequences.
 struct Publication {
+  /// Stands in a row for the mean over all sequences of the suite.
+  static constexpr const char* kAverage = "average";
+
   struct Row {
     std::string system;
     /// Absolute trajectory error in cm by sequence name; empty: lost. Not reported: not in here.
@@ -40,6 +45,12 @@ struct Publication {
   std::vector<Row> results;
 };
 
+/// A published set of recordings that whoever has it keeps in a folder.
+struct Benchmark {
+  std::string name;                   ///< under which it is published, for people
+  std::vector<std::string> archives;  ///< names of files that hold several of its sequences
+};
+
 /// Sequences, ways to run them, and what others reached.
 struct Suite {
   std::string name;
@@ -47,6 +58,7 @@ struct Suite {
   std::vector<Variant> variants;
   std::map<std::string, std::string> aliases;  ///< short names of parameters, for sweeps
   std::vector<Publication> publications;
+  std::optional<Benchmark> benchmark;  ///< where sequences have `folders`
 
   /// The variant of that name, or an error that lists the names.
   Result<Variant> variant(const std::string& wanted) const;

@@ -38,6 +38,30 @@ TEST(Suite, BuiltInSuiteHasSequencesVariantsAliasesAndPublications) {
   EXPECT_DOUBLE_EQ(*lost.ate_cm.at("nostruct_far"), 5.36);
 }
 
+TEST(Suite, BuiltInBenchmarksHaveThePapersSequencesAndSystems) {
+  const auto tum = load_suite("tum");
+  ASSERT_TRUE(tum) << tum.error().text();
+  EXPECT_EQ(tum->sequences.size(), 12u);
+  ASSERT_TRUE(tum->benchmark);
+  EXPECT_DOUBLE_EQ(*tum->publications[0].results[4].ate_cm.at("notex_near_val"), 1.09);
+  const auto replica = load_suite("replica");
+  ASSERT_TRUE(replica) << replica.error().text();
+  EXPECT_EQ(replica->sequences.size(), 8u);
+  EXPECT_DOUBLE_EQ(*replica->publications[0].results[1].ate_cm.at("average"), 0.24);
+  for (const auto* suite : {&*tum, &*replica}) {
+    for (const char* system : {"Point-SLAM", "GS-SLAM", "SplaTAM", "MonoGS", "Photo-SLAM",
+                               "GS-ICP SLAM", "Spectral GS-SLAM (paper)"}) {
+      EXPECT_TRUE(std::any_of(suite->publications.begin(), suite->publications.end(),
+                              [&](const Publication& publication) {
+                                return std::any_of(
+                                    publication.results.begin(), publication.results.end(),
+                                    [&](const auto& row) { return row.system == system; });
+                              }))
+          << suite->name << " has nothing of " << system;
+    }
+  }
+}
+
 TEST(Suite, BuiltInVariantsAndAliasesNameParametersThatExist) {
   const auto suite = load_suite("tum-synth");
   ASSERT_TRUE(suite) << suite.error().text();
@@ -58,10 +82,11 @@ TEST(Suite, BuiltInVariantsAndAliasesNameParametersThatExist) {
 }
 
 TEST(Suite, UnknownNamesListWhatThereIs) {
-  const auto suite = load_suite("tum");
+  const auto suite = load_suite("tom");
   ASSERT_FALSE(suite);
   EXPECT_EQ(suite.error().code, ErrorCode::kInvalidArgument);
-  EXPECT_THAT(suite.error().text(), HasSubstr("Allowed: tum-synth; the name of a file ends in"));
+  EXPECT_THAT(suite.error().text(), HasSubstr("Allowed: replica | tum-synth | tum; the name of a "
+                                              "file ends in"));
   const auto variant = load_suite("tum-synth")->variant("magic");
   ASSERT_FALSE(variant);
   EXPECT_THAT(variant.error().text(), HasSubstr("Allowed: spectral | gicp | orb"));
@@ -99,7 +124,7 @@ TEST(Suite, ErrorsNameFileAndLine) {
   EXPECT_EQ(
       error_of("variants = 1"),
       "mine.toml:1: unknown key 'variants' (did you mean 'variant'? Allowed: sequence | variant "
-      "| aliases | publication)");
+      "| aliases | publication | benchmark)");
   EXPECT_THAT(error_of(sequence("name = 'a'\nlevel = 'x'")),
               HasSubstr("mine.toml:4: unknown key 'level' (did you mean"));
   EXPECT_THAT(error_of(sequence("name = 3")), HasSubstr("mine.toml:3: this must be a text"));
@@ -108,7 +133,10 @@ TEST(Suite, ErrorsNameFileAndLine) {
   EXPECT_THAT(error_of("aliases = 'a'"), HasSubstr("this must be a table"));
   EXPECT_THAT(error_of(sequence("scene = 'fold'")), HasSubstr("mine.toml:2: the name ''"));
   EXPECT_THAT(error_of(sequence("name = '../a'\nscene = 'fold'")), HasSubstr("'../a'"));
-  EXPECT_THAT(error_of(sequence("name = 'a'")), HasSubstr("needs 'scene' or 'input'"));
+  EXPECT_THAT(error_of(sequence("name = 'a'")), HasSubstr("needs 'scene' or 'input' or 'folders'"));
+  EXPECT_THAT(error_of(sequence("name = 'average'\nscene = 'fold'")), HasSubstr("no sequence can"));
+  EXPECT_THAT(error_of(sequence("name = 'a'\nfolders = ['b']")),
+              HasSubstr("'a' is looked for by name, but of which benchmark?"));
   EXPECT_THAT(error_of(sequence("name = 'a'\nscene = 'fold'\ninput = 'a'")),
               HasSubstr("needs 'scene' or 'input'"));
   EXPECT_THAT(error_of(sequence("name = 'a'\nscene = 'folt'")), HasSubstr("nearest first: fold"));

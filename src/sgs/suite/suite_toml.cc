@@ -114,11 +114,17 @@ Status read(const toml::node& node, const Source& source, Sequence& out) {
                           .take("scene", out.scene)
                           .take("motion", out.motion)
                           .take("input", out.input)
+                          .take("folders", out.folders)
+                          .take("needs", out.needs)
                           .status());
   SGS_RETURN_IF_ERROR(check_name(node, source, out.name));
-  if (out.scene.empty() == out.input.empty()) {
-    return source.wrong(node, fmt::format("sequence '{}' needs 'scene' or 'input'", out.name),
-                        "a scene of the generator, or the folder of a recording");
+  if (out.name == Publication::kAverage) {
+    return source.wrong(node, fmt::format("no sequence can be called '{}'", out.name));
+  }
+  if (int{!out.scene.empty()} + int{!out.input.empty()} + int{!out.folders.empty()} != 1) {
+    return source.wrong(
+        node, fmt::format("sequence '{}' needs 'scene' or 'input' or 'folders'", out.name),
+        "a scene of the generator, the folder of a recording, or names to look for in --data");
   }
   if (out.scene.empty()) return {};
   const auto scene = synthetic::find_scene(out.scene);
@@ -129,6 +135,11 @@ Status read(const toml::node& node, const Source& source, Variant& out) {
   SGS_RETURN_IF_ERROR(
       Fields(node, source).take("name", out.name).take("arguments", out.arguments).status());
   return check_name(node, source, out.name);
+}
+
+Status read(const toml::node& node, const Source& source, std::optional<Benchmark>& out) {
+  out.emplace();
+  return Fields(node, source).take("name", out->name).take("archives", out->archives).status();
 }
 
 Status read(const toml::node& node, const Source& source, Publication::Row& out) {
@@ -177,6 +188,7 @@ Status check_results(const Publication& publication, std::string_view source,
       for (const auto& [name, score] : *scores) reported.push_back(name);
     }
     for (const std::string& name : reported) {
+      if (name == Publication::kAverage) continue;
       if (std::find(sequences.begin(), sequences.end(), name) != sequences.end()) continue;
       return fail(ErrorCode::kInvalidFormat,
                   fmt::format("{}: '{}' reports of '{}'", source, row.system, name),
@@ -190,6 +202,13 @@ Status check_whole(const Suite& suite, std::string_view source) {
   SGS_ASSIGN_OR_RETURN(const auto sequences, names_of(suite.sequences, source));
   for (const Publication& publication : suite.publications) {
     SGS_RETURN_IF_ERROR(check_results(publication, source, sequences));
+  }
+  for (const Sequence& sequence : suite.sequences) {
+    if (sequence.folders.empty() || (suite.benchmark && !suite.benchmark->name.empty())) continue;
+    return fail(ErrorCode::kInvalidFormat,
+                fmt::format("{}: '{}' is looked for by name, but of which benchmark?", source,
+                            sequence.name),
+                "add a table [benchmark] with the 'name' under which it is published");
   }
   if (const auto variants = names_of(suite.variants, source); !variants) {
     return tl::unexpected<Error>(variants.error());
@@ -213,6 +232,7 @@ Status read_suite(std::string_view text, std::string_view name, Suite& suite) {
                           .take("variant", added.variants)
                           .take("aliases", added.aliases)
                           .take("publication", added.publications)
+                          .take("benchmark", added.benchmark)
                           .status());
   SGS_RETURN_IF_ERROR(check_whole(added, name));
   std::erase_if(suite.variants, [&](const Variant& old) {
@@ -222,6 +242,7 @@ Status read_suite(std::string_view text, std::string_view name, Suite& suite) {
   append(suite.sequences, added.sequences);
   append(suite.variants, added.variants);
   append(suite.publications, added.publications);
+  if (added.benchmark) suite.benchmark = std::move(added.benchmark);
   for (auto& [alias, key] : added.aliases) suite.aliases[alias] = key;
   return {};
 }

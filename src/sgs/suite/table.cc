@@ -71,6 +71,7 @@ std::string times_cell(std::span<const eval::Metrics> runs) {
 std::map<std::string, int> processors_of(const Grid& grid) {
   std::map<std::string, int> counts;
   for (const auto& [place, runs] : grid.runs) {
+    if (place.second == Publication::kAverage) continue;
     for (const eval::Metrics& m : runs) ++counts[processor_of(m)];
   }
   return counts;
@@ -138,6 +139,7 @@ Table speed_table(const Grid& grid, const std::vector<Publication>& publications
   for (const std::string& name : grid.rows) {
     std::vector<eval::Metrics> all;
     for (const std::string& column : grid.columns) {
+      if (column == Publication::kAverage) continue;  // these are in the others
       const auto runs = grid.at(name, column);
       all.insert(all.end(), runs.begin(), runs.end());
     }
@@ -150,6 +152,18 @@ Table speed_table(const Grid& grid, const std::vector<Publication>& publications
     }
   }
   return table;
+}
+
+/// Whether anybody published a mean over all sequences.
+bool any_average(const std::vector<Publication>& publications) {
+  const auto has_one = [](const Publication::Row& row) {
+    const std::string key = Publication::kAverage;
+    return row.ate_cm.contains(key) || row.psnr_db.contains(key) || row.ssim.contains(key) ||
+           row.lpips.contains(key);
+  };
+  return std::any_of(publications.begin(), publications.end(), [&](const Publication& one) {
+    return std::any_of(one.results.begin(), one.results.end(), has_one);
+  });
 }
 
 std::string source_lines(const Table& table, std::string_view bullet) {
@@ -175,6 +189,22 @@ Grid collect(std::span<const Job> jobs, const NameOf& row, const NameOf& column)
     if (auto scores = job_metrics(job)) grid.runs[{row(job), column(job)}].push_back(*scores);
   }
   return grid;
+}
+
+void complete(const Suite& suite, const std::vector<std::string>& names, Grid& grid) {
+  grid.columns = names;
+  if (names.size() != suite.sequences.size() || !any_average(suite.publications)) return;
+  grid.columns.push_back(Publication::kAverage);
+  for (const std::string& row : grid.rows) {
+    std::vector<eval::Metrics> all;
+    bool whole = true;
+    for (const std::string& name : names) {
+      const auto runs = grid.at(row, name);
+      whole = whole && !runs.empty();
+      all.insert(all.end(), runs.begin(), runs.end());
+    }
+    if (whole) grid.runs[{row, Publication::kAverage}] = std::move(all);
+  }
 }
 
 Table ate_table(const Grid& grid, std::string title) {

@@ -25,6 +25,11 @@ struct Grid {
 using NameOf = std::function<std::string(const Job&)>;
 Grid collect(std::span<const Job> jobs, const NameOf& row, const NameOf& column);
 
+/// Gives a grid the columns `names`, so that what is missing shows. Where these are all sequences
+/// of the suite, and anybody published the mean over them, a last column is for that; a row has it
+/// when all of its columns have runs.
+void complete(const Suite& suite, const std::vector<std::string>& names, Grid& grid);
+
 /// A table to be printed.
 struct Table {
   struct Row {

@@ -103,6 +103,31 @@ TEST_F(Tables, OfPicturesAndSpeedStandBesideWhatOthersPublished) {
   EXPECT_THAT(as_text(tables[0]), HasSubstr("real sequences"));
 }
 
+TEST_F(Tables, OfABenchmarkHaveAllColumnsAndTheMeanOfThoseThatAreWhole) {
+  options_.variants = {{"orb", {}}};
+  suite_.publications[0].results[0].ate_cm["average"] = 2.5;
+  const std::vector<Job> jobs = jobs_with_scores_of_the_first(0.01);
+  const auto grid_of = [&](std::span<const Job> some) {
+    Grid grid = collect(
+        some, [](const Job& job) { return job.variant; },
+        [](const Job& job) { return job.sequence; });
+    complete(suite_, {"near", "far"}, grid);
+    return grid;
+  };
+  Table half = ate_table(grid_of(std::span(jobs).first(1)), "errors");
+  add_publications(suite_.publications, half);
+  EXPECT_THAT(half.columns, ElementsAre("near", "far", "average"));
+  EXPECT_THAT(half.rows[0].cells, ElementsAre("1.00 (1.00)", "-", "-"));
+  EXPECT_THAT(half.published[0].cells, ElementsAre("3.00", "lost", "2.50"));
+  std::filesystem::create_directories(jobs[1].folder);
+  ASSERT_TRUE(eval::save_metrics(jobs[1].folder / "metrics.json", scores(0.03)));
+  const Grid whole = grid_of(jobs);
+  EXPECT_EQ(ate_table(whole, "").rows[0].cells[2], "2.00 (3.00)");
+  Grid filtered = whole;
+  complete(suite_, {"near"}, filtered);
+  EXPECT_THAT(filtered.columns, ElementsAre("near"));
+}
+
 TEST_F(Tables, OfASweepHaveARowForEachValue) {
   const auto range = parse_range("tau=1:4", 1, {{"tau", "tracker.tau"}});
   ASSERT_TRUE(range) << range.error().text();

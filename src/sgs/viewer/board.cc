@@ -75,9 +75,9 @@ std::pair<std::uint64_t, RefinementNote> Board::refinement() const {
   return refinement_;
 }
 
-void Board::set_metrics(const eval::Metrics& metrics) {
+void Board::set_final_word(FinalWord word) {
   const std::scoped_lock lock(mutex_);
-  metrics_ = metrics;
+  final_word_ = std::move(word);
 }
 
 Board::State Board::state() const {
@@ -92,9 +92,9 @@ std::vector<PathPoint> Board::path(std::size_t first, std::size_t limit) const {
   return {begin, begin + static_cast<std::ptrdiff_t>(std::min(limit, path_.size() - first))};
 }
 
-std::optional<eval::Metrics> Board::metrics() const {
+std::optional<FinalWord> Board::final_word() const {
   const std::scoped_lock lock(mutex_);
-  return metrics_;
+  return final_word_;
 }
 
 }  // namespace sgs::viewer

@@ -44,8 +44,8 @@ class Board {
   void touch();
   /// How the refinement fares.
   void set_refinement(RefinementNote note);
-  /// Scores of the finished run.
-  void set_metrics(const eval::Metrics& metrics);
+  /// Scores of the finished run, and how it stands.
+  void set_final_word(FinalWord word);
 
   struct State {
     std::uint64_t sequence = 0;    ///< counts what was posted or touched; 0 = nothing yet
@@ -58,13 +58,13 @@ class Board {
   /// The newest note; its number counts them, 0 = none yet.
   std::pair<std::uint64_t, RefinementNote> refinement() const;
   /// Empty while the run is not finished.
-  std::optional<eval::Metrics> metrics() const;
+  std::optional<FinalWord> final_word() const;
 
  private:
   mutable std::mutex mutex_;
   State state_;
   std::deque<PathPoint> path_;
-  std::optional<eval::Metrics> metrics_;
+  std::optional<FinalWord> final_word_;
   std::pair<std::uint64_t, RefinementNote> refinement_;
 };
 

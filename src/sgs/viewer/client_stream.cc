@@ -80,9 +80,9 @@ std::optional<Outgoing> ClientStream::next(double now_s, bool paused) {
     return Outgoing{true, std::make_shared<const std::string>(refinement_message(note))};
   }
   if (!metrics_sent_) {
-    if (const auto metrics = encoder_.board().metrics()) {
+    if (const auto word = encoder_.board().final_word()) {
       metrics_sent_ = true;
-      return Outgoing{true, std::make_shared<const std::string>(metrics_message(*metrics))};
+      return Outgoing{true, std::make_shared<const std::string>(metrics_message(*word))};
     }
   }
   return std::nullopt;
@@ -149,7 +149,7 @@ bool ClientStream::up_to_date() const {
                            (!map_ || map_->version != state.update->map->version ||
                             (state.update->finished && !map_exact_));
   return hello_.empty() && !step_ && !map_missing && state.sequence == state_sequence_ &&
-         (metrics_sent_ || !encoder_.board().metrics());
+         (metrics_sent_ || !encoder_.board().final_word());
 }
 
 }  // namespace sgs::viewer

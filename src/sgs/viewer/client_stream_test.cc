@@ -163,7 +163,7 @@ TEST_F(StreamTest, MetricsComeOnce) {
   all();
   eval::Metrics metrics;
   metrics.frames = 3;
-  board.set_metrics(metrics);
+  board.set_final_word({metrics});
   EXPECT_FALSE(stream.up_to_date());
   EXPECT_THAT(all(), ElementsAre("metrics"));
   EXPECT_TRUE(stream.up_to_date());

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "sgs/camera/rgbd_frame.h"
+#include "sgs/eval/metrics.h"
 #include "sgs/map/gaussian.h"
 #include "sgs/slam/frame_record.h"
 
@@ -22,6 +23,7 @@ struct RunInfo {
   bool refines = false;  ///< the page offers to refine the map
   PinholeCamera camera;
   std::optional<std::int64_t> frames_total;
+  std::optional<Eigen::Vector3d> up = {};  ///< unit, in the world of the map, where it is known
 };
 
 /// Everything there is to show about one tracked frame. Immutable once posted.
@@ -37,6 +39,13 @@ struct FrameUpdate {
   double fps = kNone;                      ///< frames per second lately
   bool finished = false;                   ///< nothing comes after this one; `map` is final
 };
+
+/// What is known of a run once it is finished.
+struct FinalWord {
+  eval::Metrics metrics;
+  std::optional<Eigen::Vector3d> up = {};  ///< unit, in the world of the map, where it is known
+};
+
 /// How the refinement that the page asked for fares.
 struct RefinementNote {
   bool running = false;

@@ -87,6 +87,11 @@ std::string dump(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+/// A direction where it is known, else null.
+Json direction(const std::optional<Eigen::Vector3d>& d) {
+  return d ? Json{number(d->x()), number(d->y()), number(d->z())} : Json();
+}
+
 }  // namespace
 
 std::string hello_message(const RunInfo& info) {
@@ -96,7 +101,7 @@ std::string hello_message(const RunInfo& info) {
   Json json = {
       {"type", "hello"},         {"protocol", kProtocol},         {"version", info.version},
       {"input", info.input},     {"tracker", info.tracker},       {"preset", info.preset},
-      {"live", info.live},       {"refines", info.refines},       {"up", nullptr},
+      {"live", info.live},       {"refines", info.refines},       {"up", direction(info.up)},
       {"frames_total", nullptr}, {"picture_above", kPictureAbove}};
   json["columns"] = columns_json();
   if (info.frames_total) json["frames_total"] = *info.frames_total;
@@ -143,9 +148,9 @@ std::string state_message(const FrameUpdate& update, bool paused) {
                {"finished", update.finished}});
 }
 
-std::string metrics_message(const eval::Metrics& metrics) {
+std::string metrics_message(const FinalWord& word) {
   Json lines = Json::array();
-  for (const eval::MetricLine& line : eval::metric_lines(metrics)) {
+  for (const eval::MetricLine& line : eval::metric_lines(word.metrics)) {
     if (line.value == "n/a") continue;
     lines.push_back({{"key", line.info.key},
                      {"group", line.info.group},
@@ -154,7 +159,7 @@ std::string metrics_message(const eval::Metrics& metrics) {
                      {"meaning", line.info.meaning},
                      {"main", line.info.rank != eval::Rank::kDetail}});
   }
-  return dump({{"type", "metrics"}, {"lines", std::move(lines)}});
+  return dump({{"type", "metrics"}, {"lines", std::move(lines)}, {"up", direction(word.up)}});
 }
 
 std::string refinement_message(const RefinementNote& note) {

@@ -21,7 +21,7 @@ std::string hello_message(const RunInfo& info);
 std::string path_message(std::size_t first, std::span<const PathPoint> points);
 std::string state_message(const FrameUpdate& update, bool paused);
 /// The scores of a finished run as lines of text; what was not measured is left out.
-std::string metrics_message(const eval::Metrics& metrics);
+std::string metrics_message(const FinalWord& word);
 std::string refinement_message(const RefinementNote& note);
 std::string error_message(std::string_view text);
 

@@ -25,6 +25,8 @@ TEST(Messages, HelloSaysWhatTheRunIs) {
   EXPECT_EQ(hello["camera"]["fy"], 501);
   EXPECT_EQ(hello["refines"], false);
   EXPECT_TRUE(hello["up"].is_null());
+  info.up = -Eigen::Vector3d::UnitY();
+  EXPECT_EQ(json::parse(hello_message(info))["up"], json({0.0, -1.0, 0.0}));
   EXPECT_EQ(hello["input"].get<std::string>().substr(0, 9), "my \"desk\"");
   info.frames_total.reset();
   EXPECT_TRUE(json::parse(hello_message(info))["frames_total"].is_null());
@@ -119,7 +121,9 @@ TEST(Messages, MetricsAreLinesAsPrinted) {
   eval::Metrics metrics;
   metrics.ate_rmse_m = 0.0123;
   metrics.preset = "default";
-  const json message = json::parse(metrics_message(metrics));
+  const json message = json::parse(metrics_message({metrics, Eigen::Vector3d(0, -0.6, -0.8)}));
+  EXPECT_EQ(message["up"], json({0.0, -0.6, -0.8}));
+  EXPECT_TRUE(json::parse(metrics_message({metrics}))["up"].is_null());
   EXPECT_EQ(message["type"], "metrics");
   ASSERT_EQ(message["lines"].size(), 2u) << "what was not measured is left out";
   EXPECT_EQ(message["lines"][0]["label"], "ATE RMSE");

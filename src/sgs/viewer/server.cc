@@ -278,8 +278,8 @@ void Server::set_refinement(RefinementNote note) {
   impl_->wake();
 }
 
-void Server::set_metrics(const eval::Metrics& metrics) {
-  impl_->core.board.set_metrics(metrics);
+void Server::set_final_word(FinalWord word) {
+  impl_->core.board.set_final_word(std::move(word));
   impl_->wake();
 }
 

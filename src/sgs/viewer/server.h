@@ -72,7 +72,8 @@ class Server {
   void touch();
   /// How the refinement fares that a client asked for (RunInfo::refines, RunControl).
   void set_refinement(RefinementNote note);
-  void set_metrics(const eval::Metrics& metrics);
+  /// The run is finished.
+  void set_final_word(FinalWord word);
   RunControl& control();
   /// Waits until every client has everything, at most so long.
   void drain(double timeout_s);

@@ -99,6 +99,8 @@ export interface MetricLine {
 export interface Metrics {
   type: "metrics";
   lines: MetricLine[];
+  /// Upright in the world of the map, as the finished run found it.
+  up: [number, number, number] | null;
 }
 
 /// How the refinement fares that somebody asked for.

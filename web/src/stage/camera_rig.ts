@@ -13,6 +13,8 @@ const kFovY_deg = 50;
 const kLookAhead_m = 0.8;
 const kBehind_m = 1.6;
 const kAbove_m = 0.9;
+/// Directions that differ by less are one.
+const kSameUp = 1e-3;
 
 /// The eye of the page: moves with the tracked camera, freely, or is the tracked camera.
 export class CameraRig {
@@ -40,6 +42,18 @@ export class CameraRig {
     this.intrinsics = intrinsics;
     this.up_known = up !== null;
     if (up) this.setUp(new Vector3(...up));
+  }
+
+  /// Which way is up became known: the view is righted about what it looks at.
+  standUpright(up: [number, number, number]): void {
+    const wanted = new Vector3(...up).normalize();
+    if (this.camera.up.distanceTo(wanted) < kSameUp) return;
+    const target = this.controls.target.clone();
+    this.up_known = true;
+    this.setUp(wanted);
+    this.controls.target.copy(target);
+    if (this.mode_ !== "first") this.controls.update();
+    this.changed();
   }
 
   setMode(mode: CameraMode): void {

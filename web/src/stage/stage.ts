@@ -87,6 +87,11 @@ export class Stage {
     this.restart();
   }
 
+  /// Which way is up became known.
+  standUpright(up: [number, number, number]): void {
+    this.rig.standUpright(up);
+  }
+
   /// The same run again after a lost connection: the viewpoint stays.
   restart(): void {
     this.map_version = -1;
