@@ -13,11 +13,15 @@ void DelayEstimator::update(const Matrix6d& H_geometry, const Matrix6d& H_vision
   if (!config_.estimate || velocity.isZero(0)) return;
   const Matrix6d L = H_geometry * (H_geometry + H_vision).ldlt().solve(H_vision);
   const double information = config_.information_scale * velocity.dot(L * velocity);
-  // At the balance of both, b_geometry = -b_vision.
-  const double pull = config_.information_scale * velocity.dot(b_vision);
-  if (!std::isfinite(information) || !std::isfinite(pull) || !(information > 0)) return;
+  if (!std::isfinite(information) || !(information > 0)) return;
+  // At the balance of both, b_geometry = -b_vision. Where they are far apart the camera is at a
+  // wrong place, or old surfaces have drifted: that is no delay.
+  constexpr double kFarthest_s = 0.02;
+  const double seen = config_.information_scale * velocity.dot(b_vision) / information;
+  if (!std::isfinite(seen)) return;
+  const double measured = delay_s_ + std::clamp(seen, -kFarthest_s, kFarthest_s);
   information_ = (1 - config_.forget) * information_ + information;
-  weighted_ = (1 - config_.forget) * weighted_ + information * delay_s_ + pull;
+  weighted_ = (1 - config_.forget) * weighted_ + information * measured;
   solve();
 }
 

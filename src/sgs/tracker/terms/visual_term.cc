@@ -89,13 +89,17 @@ void VisualTerm::compare_references(const Fit& fit) {
   }
 }
 
+// Quickly at first, then slowly, and never far for one frame: at a wrong place every picture is
+// noisy, and noise that followed would make it a right one.
 void VisualTerm::learn_noise(const Fit& fit) {
   if (!config_.photometric.estimate_noise) return;
-  constexpr double kForget = 0.1, kLeast = 0.125, kMost = 8;
+  constexpr double kLeastShare = 0.01, kLeast = 0.125, kMost = 8;
+  constexpr int kSlowly = 10;
+  const double share = std::max(kLeastShare, 1.0 / (kSlowly + noise_frames_++));
   for (std::size_t l = 0; l < fit.squares_.size(); ++l) {
     if (!(fit.squares_[l] > 0)) continue;
-    const double variance = noise_[l] * noise_[l] * (1 + kForget * (fit.squares_[l] - 1));
-    noise_[l] = std::clamp(std::sqrt(variance), kLeast, kMost);
+    const double step = std::clamp(fit.squares_[l] - 1, -1.0, 1.0);
+    noise_[l] = std::clamp(noise_[l] * std::exp(0.5 * share * step), kLeast, kMost);
   }
 }
 

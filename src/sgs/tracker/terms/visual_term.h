@@ -74,6 +74,7 @@ class VisualTerm {
 
   VisionConfig config_;
   std::vector<double> noise_;  // of each level, in units of config_.photometric.sigma_at()
+  int noise_frames_ = 0;       // that it was learned from
   GrayPyramid pyramid_;
   const RgbdFrame* frame_ = nullptr;
   int levels_ = 0;
