@@ -124,15 +124,15 @@ void visit_metrics(M&& m, Visitor&& visit) {
           "and counted (rule of GS-ICP SLAM)."},
         m.psnr_db);
   visit(I{"psnr_db_full", r, "PSNR (full)", "dB", 1, 2, kMore, kDetail,
-          "Mean PSNR over all frames and all pixels."},
+          "Mean PSNR over all frames and all pixels that the camera saw: not the rim that removing "
+          "a lens leaves."},
         m.psnr_db_full);
-  visit(
-      I{"psnr_db_train", r, "PSNR (training)", "dB", 1, 2, kMore, kDetail,
-        "Mean PSNR over the frames that are not held out, all pixels; much above the held-out one "
-        "means learnt by heart."},
-      m.psnr_db_train);
+  visit(I{"psnr_db_train", r, "PSNR (training)", "dB", 1, 2, kMore, kDetail,
+          "Mean PSNR over the frames that are not held out, pixels as for psnr_db_full; much above "
+          "the held-out one means learnt by heart."},
+        m.psnr_db_train);
   visit(I{"psnr_db_heldout", r, "PSNR (held out)", "dB", 1, 2, kMore, kTile,
-          "Mean PSNR over the frames that the mapper never saw, all pixels."},
+          "Mean PSNR over the frames that the mapper never saw, pixels as for psnr_db_full."},
         m.psnr_db_heldout);
   visit(I{"psnr_db_exposed", r, "PSNR (held out, exposed)", "dB", 1, 2, kMore, kMain,
           "The same, the map made as bright as the frames before and after in time were (refined "
@@ -145,7 +145,8 @@ void visit_metrics(M&& m, Visitor&& visit) {
       m.psnr_db_novel);
   visit(I{"ssim", r, "SSIM (gsicp)", "", 1, 4, kMore, kDetail, "Mean SSIM, pixels as for psnr_db."},
         m.ssim);
-  visit(I{"ssim_full", r, "SSIM (full)", "", 1, 4, kMore, kDetail, "Mean SSIM, all pixels."},
+  visit(I{"ssim_full", r, "SSIM (full)", "", 1, 4, kMore, kDetail,
+          "Mean SSIM, pixels as for psnr_db_full."},
         m.ssim_full);
   visit(I{"ssim_train", r, "SSIM (training)", "", 1, 4, kMore, kDetail,
           "Mean SSIM over the frames that are not held out."},
@@ -159,7 +160,8 @@ void visit_metrics(M&& m, Visitor&& visit) {
   visit(I{"lpips", r, "LPIPS (gsicp)", "", 1, 4, kLess, kMain,
           "Mean LPIPS (AlexNet, v0.1), pixels as for psnr_db; needs --lpips-weights."},
         m.lpips);
-  visit(I{"lpips_full", r, "LPIPS (full)", "", 1, 4, kLess, kDetail, "Mean LPIPS, all pixels."},
+  visit(I{"lpips_full", r, "LPIPS (full)", "", 1, 4, kLess, kDetail,
+          "Mean LPIPS, pixels as for psnr_db_full."},
         m.lpips_full);
   visit(I{"lpips_train", r, "LPIPS (training)", "", 1, 4, kLess, kDetail,
           "Mean LPIPS over the frames that are not held out."},

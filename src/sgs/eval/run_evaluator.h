@@ -58,7 +58,7 @@ struct RunEvaluation {
   RuleScores gsicp;
   RuleScores full;                        ///< every frame, all pixels that the camera saw
   RuleScores train;                       ///< the same of the frames that were not held out
-  RuleScores heldout;                     ///< all pixels of the frames that the mapper never saw
+  RuleScores heldout;                     ///< the same of the frames that the mapper never saw
   std::optional<double> psnr_exposed_db;  ///< of `heldout`, with the gains of RunInput::gain_of
   std::optional<double> depth_l1_m;       ///< mean over frames of DepthError::l1_m
   std::optional<double> depth_coverage;   ///< mean over frames of DepthError::coverage

@@ -21,7 +21,7 @@ struct HeldoutScores {
   double psnr_exposed_db = 0;  ///< as bright as the frames around in time
 };
 
-/// Judges a map by pictures that nothing learns from, all pixels of them.
+/// Judges a map by pictures that nothing learns from, all pixels that the camera saw.
 class HeldoutJudge {
  public:
   /// `pool` must outlive it; null = one thread.
