@@ -26,7 +26,8 @@ void read_as_everything(const bag::Message& message, bag::Encoding encoding) {
   (void)bag::read_pose(message, encoding);
   (void)bag::read_odometry(message, encoding);
   (void)bag::read_plain_transform(message, encoding);
-  (void)bag::read_extrinsics(message, encoding);
+  (void)bag::read_extrinsics(message, encoding, bag::RotationOrder::kColumns);
+  (void)bag::read_string(message, encoding);
   (void)bag::read_float(message, encoding);
   if (const auto image = bag::read_image(message, encoding)) {
     const bool small = image->width <= kLargestSide && image->height <= kLargestSide;
@@ -34,6 +35,7 @@ void read_as_everything(const bag::Message& message, bag::Encoding encoding) {
       if (const auto color = bag::decode_color(*image)) {
         fuzz::require(color->width() == static_cast<int>(image->width), "colour has its size");
       }
+      (void)bag::byte_order_contradicts(*image);
       if (const auto depth = bag::decode_depth(*image, {})) {
         fuzz::require(depth->height() == static_cast<int>(image->height), "depth has its size");
       }

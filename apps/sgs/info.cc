@@ -8,7 +8,6 @@
 
 #include "commands.h"
 #include "input_options.h"
-#include "sgs/bag/bag.h"
 #include "sgs/core/print.h"
 #include "sgs/dataset/bag_source.h"
 #include "sgs/dataset/imu.h"
@@ -78,8 +77,11 @@ nlohmann::json topics_json(const dataset::BagDescription& bag) {
 
 int print_sequence(const InfoOptions& options) {
   std::optional<dataset::BagDescription> bag;
-  if (bag::looks_like_bag(options.input.input)) {
-    auto described = dataset::describe_bag(options.input.input);
+  const auto place = dataset::locate_recording(options.input.input);
+  if (place && place->is_bag) {
+    dataset::OpenOptions files;
+    files.more_files = run::more_files_of(options.input);
+    auto described = dataset::describe_bag(place->path, files);
     if (!described) return report(described.error());
     bag = std::move(*described);
   }
@@ -116,6 +118,9 @@ int print_sequence(const InfoOptions& options) {
                              {"cy", info.delivered.cy}}},
                            {"sparse", info.sparse},
                            {"calibration_source", info.calibration_source},
+                           {"unit_source", info.unit_source},
+                           {"relation_source", info.relation_source},
+                           {"times_source", info.times_source},
                            {"truth_rows", info.truth_rows},
                            {"accelerometer", dataset::accelerometer_file(info.folder).string()},
                            {"color_without_depth", info.color_without_depth},
@@ -137,7 +142,9 @@ int print_sequence(const InfoOptions& options) {
                 : "not known before it is read");
   print("camera       {}x{}  fx {} fy {} cx {} cy {}  (from {})\n", c.camera.width, c.camera.height,
         c.camera.fx, c.camera.fy, c.camera.cx, c.camera.cy, info.calibration_source);
-  if (!c.distortion.is_zero()) {
+  if (c.distortion.is_zero()) {
+    print("distortion   none  (from {})\n", info.calibration_source);
+  } else {
     const std::string numbers = fmt::format("{}", fmt::join(c.distortion.written(), " "));
     print("distortion   {} ({}; removed while reading)\n", numbers,
           c.distortion.is_rational() ? "k1 k2 p1 p2 k3 k4 k5 k6" : "k1 k2 p1 p2 k3");
@@ -147,7 +154,12 @@ int print_sequence(const InfoOptions& options) {
     print("frames as    {}x{}  fx {:.6g} fy {:.6g} cx {:.6g} cy {:.6g}\n", d.width, d.height, d.fx,
           d.fy, d.cx, d.cy);
   }
-  print("depth scale  {} units per metre\n", c.depth_scale);
+  const auto from = [](const std::string& source) {
+    return source.empty() ? std::string() : fmt::format("  (from {})", source);
+  };
+  print("depth scale  {} units per metre{}\n", c.depth_scale, from(info.unit_source));
+  if (!info.relation_source.empty()) print("extrinsics   {}\n", info.relation_source);
+  if (!info.times_source.empty()) print("times        {}\n", info.times_source);
   print("ground truth {}\n", info.truth_rows ? fmt::format("{} poses", info.truth_rows) : "none");
   if (const auto file = dataset::accelerometer_file(info.folder); !file.empty()) {
     print("accelerometer {}\n", file.filename().string());
@@ -163,7 +175,8 @@ int print_sequence(const InfoOptions& options) {
 void add_info(CLI::App& app, Action& action) {
   auto options = std::make_shared<InfoOptions>();
   auto* sub = app.add_subcommand("info", "Describe a sequence, the parameters or the scenes");
-  sub->add_option("INPUT", options->input.input, "Sequence folder, bag, or synth:NAME[:LEVEL]");
+  add_input_argument(*sub, options->input,
+                     "Sequence folder, bag (or the files of one), or synth:NAME[:LEVEL]");
   add_recording_options(*sub, options->input);
   sub->add_option("--preset", options->preset, "default, paper or quality (with --config)");
   sub->add_flag("--config", options->config, "Print all parameters as TOML");

@@ -4,6 +4,19 @@
 
 namespace sgs::app {
 
+CLI::Option* add_input_argument(CLI::App& app, run::InputSpec& input, const std::string& meaning) {
+  return app.add_option_function<std::vector<std::string>>(
+      "INPUT",
+      [&input](const std::vector<std::string>& files) {
+        input.input = files.front();
+        input.more_files.clear();
+        for (std::size_t i = 1; i < files.size(); ++i) {
+          input.more_files += (i > 1 ? "\n" : "") + files[i];
+        }
+      },
+      meaning);
+}
+
 void add_recording_options(CLI::App& app, run::InputSpec& input) {
   app.add_option("--camera", input.camera, "fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]]");
   app.add_option("--depth-scale", input.depth_scale, "Raw depth units per metre")
@@ -18,6 +31,10 @@ void add_recording_options(CLI::App& app, run::InputSpec& input) {
                  "Bag: depth camera to colour camera, tx,ty,tz,qx,qy,qz,qw; or: aligned");
   app.add_option("--truth-topic", input.truth_topic,
                  "Bag: ground truth from a topic of poses, or WORLD:CAMERA of tf");
+  app.add_option("--stamps", input.stamps,
+                 "Bag: times of the camera, or received: those of the recorder")
+      ->check(CLI::IsMember({"camera", "received"}))
+      ->capture_default_str();
 }
 
 void add_tracking_options(CLI::App& app, run::InputSpec& input, run::ConfigSources& config) {

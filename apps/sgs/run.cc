@@ -19,6 +19,7 @@
 #include "sgs/report/save_scores.h"
 #include "sgs/run/calibrate.h"
 #include "sgs/run/execute.h"
+#include "sgs/run/input_doubts.h"
 #include "sgs/run/process_memory.h"
 #include "sgs/run/refine.h"
 #include "sgs/run/resume.h"
@@ -113,6 +114,9 @@ Result<int> run_sequence(const RunCommand& command, const slam::SessionConfig& c
                            ? score_with_progress(outcome.run, command.score, command.quiet)
                            : run::score_trajectory(outcome.run, command.score.association));
   report::save_scores(outcome.run, scores, folder);
+  for (const std::string& doubt : run::doubts_about_units(outcome.run, scores.metrics)) {
+    log().warn("{}", doubt);
+  }
   print_result(command, scores.metrics, folder.path());
   if (viewer) viewer->close(scores.metrics, folder.path());
   const int failed = report_failures(folder);
@@ -121,6 +125,10 @@ Result<int> run_sequence(const RunCommand& command, const slam::SessionConfig& c
   // A viewer that was kept open ends with Ctrl-C, too: that is no interruption of the run.
   const bool scoring_cancelled = scores.rendering && scores.rendering->cancelled;
   if (outcome.stopped || scoring_cancelled) return kExitInterrupted;
+  if (!outcome.too_few.empty()) {
+    say("sgs: {}\n", outcome.too_few);
+    return kExitLost;
+  }
   if (outcome.lost) {
     say("sgs: tracking was lost; see frames.csv and the report\n");
     return kExitLost;
@@ -129,11 +137,11 @@ Result<int> run_sequence(const RunCommand& command, const slam::SessionConfig& c
 }
 
 /// Options that decide what a run computes, and where: not to be given again with --resume.
-constexpr std::array<const char*, 22> kMadeOf = {
+constexpr std::array<const char*, 23> kMadeOf = {
     "INPUT",         "--output",     "--preset",      "--config",      "--set",    "--tracker",
     "--frames",      "--camera",     "--depth-scale", "--max-width",   "--topics", "--extrinsics",
     "--truth-topic", "--trajectory", "--synth-seed",  "--calibration", "--seed",   "--record",
-    "--preload",     "--realtime",   "--poses",       "--wait"};
+    "--preload",     "--realtime",   "--poses",       "--wait",        "--stamps"};
 
 /// What `--calibration` says where the input is to be calibrated from itself.
 constexpr const char* kCalibrateFirst = "auto";
@@ -226,8 +234,9 @@ int run_command(RunCommand command) {
 void add_run(CLI::App& app, Action& action) {
   auto command = std::make_shared<RunCommand>();
   auto* sub = app.add_subcommand("run", "SLAM on a sequence: trajectory, Gaussian map, scores");
-  sub->add_option("INPUT", command->input.input,
-                  "Sequence folder, bag, synth:NAME[:LEVEL], or live:tcp://127.0.0.1:PORT");
+  add_input_argument(*sub, command->input,
+                     "Sequence folder, bag (or the files of one), synth:NAME[:LEVEL], or "
+                     "live:tcp://127.0.0.1:PORT");
   sub->add_option("-o,--output", command->output, "Run folder (default runs/TIME-NAME)");
   auto* resume = sub->add_option("--resume", command->resume,
                                  "Go on with the run of this folder, which was killed or stopped: "

@@ -570,10 +570,12 @@ class BadInput(BagTest):
         stamps = [frame[0] for frame in self.frames]
         stamps[10:] = [stamp - 3 * 10**9 for stamp in stamps[10:]]
         path = rec.write_rosbag(self.folder / "back.bag", self.aligned(stamps=stamps))
-        trajectory = self.track(path)
-        self.assertEqual(trajectory.splitlines(), self.reference().splitlines()[:10])
-        self.assertIn("does not come after", self.log())
-        self.assertIn("10,1000.281250000,bad", (self.folder / "run/frames.csv").read_text())
+        rows = self.track(path).splitlines()
+        self.assertEqual(len(rows), FRAMES)
+        self.assertEqual(rows[:10], self.reference().splitlines()[:10])
+        times = np.array([float(row.split()[0]) for row in rows])
+        self.assertTrue((np.diff(times) > 0).all())
+        self.assertRegex(self.log(), r"set back by [23]\.")
 
     def test_no_measurement(self):
         """65535, NaN and infinity are no depth: as in a folder with zeros there."""
@@ -681,8 +683,6 @@ class BadInput(BagTest):
         folder.mkdir()
         rec.write_metadata(folder, ["a_0.db3"])
         self.assertIn("a_0.db3", self.refused(1, folder))
-        rec.write_metadata(folder, ["a_0.db3"], mode="MESSAGE")
-        self.assertIn("ros2 bag convert", self.refused(1, folder))
         (folder / "a_0.db3.zstd").write_bytes(b"x")
         rec.write_metadata(folder, ["a_0.db3.zstd"], mode="FILE")
         self.assertIn("zstd -d", self.refused(1, folder))

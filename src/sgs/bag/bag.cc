@@ -5,22 +5,25 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cstring>
 #include <system_error>
 
 #include "sgs/bag/byte_file.h"
 #include "sgs/bag/chunked_bag.h"
 #include "sgs/core/text.h"
+#include "sgs/io/archive.h"
+#include "sgs/io/text.h"
 
 namespace sgs::bag {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kRosbag2Metadata = "metadata.yaml";
+constexpr const char* kImageType = "sensor_msgs/Image";
 
 /// What metadata.yaml of rosbag2 says.
 struct Rosbag2Metadata {
   std::vector<std::string> files;
-  std::string compression_mode;
 };
 
 Result<Rosbag2Metadata> read_metadata(const fs::path& path) {
@@ -34,7 +37,6 @@ Result<Rosbag2Metadata> read_metadata(const fs::path& path) {
     for (const YAML::Node& name : info["relative_file_paths"]) {
       metadata.files.push_back(name.as<std::string>());
     }
-    metadata.compression_mode = info["compression_mode"].as<std::string>("");
   } catch (const YAML::Exception& e) {
     return fail(ErrorCode::kInvalidFormat, fmt::format("{}: {}", path.string(), e.what()),
                 "`ros2 bag reindex FOLDER` writes it again; or give one of the files");
@@ -57,25 +59,30 @@ bool is_rosbag2_folder(const fs::path& folder) {
   return text && text->find("rosbag2_bagfile_information") != std::string_view::npos;
 }
 
+/// What a file's name says it is: ".bag", ".mcap", ".db3", or nothing of these.
+std::string kind_of(const fs::path& path) {
+  std::string name = io::lower_case(path.filename().string());
+  // A recorder that did not come to its end leaves this.
+  if (name.ends_with(".bag.active")) name.resize(name.size() - std::string_view(".active").size());
+  const std::string extension = fs::path(name).extension().string();
+  const bool known = extension == ".mcap" || extension == ".db3" || extension == ".bag";
+  return known ? extension : "";
+}
+
 Result<std::unique_ptr<Bag>> open_bag_file(const fs::path& path) {
-  const std::string extension = path.extension().string();
-  if (extension == ".mcap") return open_mcap(path);
-  if (extension == ".db3") return open_db3(path);
-  if (extension == ".bag") return open_rosbag1(path);
-  if (extension == ".zstd" || extension == ".zst") {
-    return fail(ErrorCode::kUnsupported, fmt::format("{}: packed as a whole", path.string()),
-                fmt::format("unpack it first: zstd -d {}", path.string()));
+  const std::string kind = kind_of(path);
+  if (kind == ".mcap") return open_mcap(path);
+  if (kind == ".db3") return open_db3(path);
+  if (kind == ".bag") return open_rosbag1(path);
+  if (const auto unpacking = io::unpacking_of(path)) {
+    return io::packed_as_a_whole(path, *unpacking);
   }
-  return fail(ErrorCode::kUnsupported, fmt::format("{}: not .bag, .mcap or .db3", path.string()));
+  return fail(ErrorCode::kUnsupported, fmt::format("{}: not .bag, .mcap or .db3", path.string()),
+              "is it a recording of ROS? Then give it the ending that says of which kind");
 }
 
 Result<std::unique_ptr<Bag>> open_rosbag2_folder(const fs::path& folder) {
   SGS_ASSIGN_OR_RETURN(const auto metadata, read_metadata(folder / kRosbag2Metadata));
-  if (metadata.compression_mode == "MESSAGE" || metadata.compression_mode == "message") {
-    return fail(ErrorCode::kUnsupported,
-                fmt::format("{}: every message is packed by itself", folder.string()),
-                "unpack it first with ros2 bag convert, storage_id mcap");
-  }
   std::vector<std::unique_ptr<Bag>> parts;
   for (const std::string& name : metadata.files) {
     // Old versions wrote the folder's name before the file's.
@@ -90,6 +97,107 @@ Result<std::unique_ptr<Bag>> open_rosbag2_folder(const fs::path& folder) {
     parts.push_back(std::move(part));
   }
   return join_bags(std::move(parts));
+}
+
+/// A file of a recording.
+struct Part {
+  fs::path path;
+  std::unique_ptr<Bag> bag;
+};
+
+std::string file_name(const Part& part) { return part.path.filename().string(); }
+
+bool share_a_topic(const Bag& a, const Bag& b) {
+  return std::any_of(a.channels().begin(), a.channels().end(), [&](const Channel& of_a) {
+    return of_a.type == kImageType &&
+           std::any_of(b.channels().begin(), b.channels().end(), [&](const Channel& of_b) {
+             return of_a.topic == of_b.topic && of_b.messages != 0;
+           });
+  });
+}
+
+/// Puts the parts in order, says what lies between them, and refuses what is not one recording.
+Status put_in_order(std::vector<Part>& parts, std::vector<std::string>& warnings) {
+  constexpr double kLongGap_s = 60;
+  const bool timed = std::all_of(parts.begin(), parts.end(), [](const Part& part) {
+    return part.bag->first_time_ns() && part.bag->last_time_ns();
+  });
+  std::stable_sort(parts.begin(), parts.end(), [&](const Part& a, const Part& b) {
+    if (timed) return *a.bag->first_time_ns() < *b.bag->first_time_ns();
+    return strverscmp(a.path.filename().c_str(), b.path.filename().c_str()) < 0;
+  });
+  for (std::size_t i = 1; timed && i < parts.size(); ++i) {
+    const Part &a = parts[i - 1], &b = parts[i];
+    const double gap_s =
+        1e-9 * static_cast<double>(*b.bag->first_time_ns() - *a.bag->last_time_ns());
+    const double shorter_s =
+        1e-9 * static_cast<double>(std::min(*a.bag->last_time_ns() - *a.bag->first_time_ns(),
+                                            *b.bag->last_time_ns() - *b.bag->first_time_ns()));
+    if (gap_s < -shorter_s / 2 && share_a_topic(*a.bag, *b.bag)) {
+      return fail(ErrorCode::kInvalidArgument,
+                  fmt::format("{} and {} cover the same time with the same topics, so they are not "
+                              "parts of one recording",
+                              a.path.string(), b.path.string()),
+                  fmt::format("give one of them, for example {}", io::shell_quoted(a.path)));
+    }
+    if (gap_s > kLongGap_s) {
+      warnings.push_back(fmt::format(
+          "{:.0f} s lie between the end of {} and the beginning of {}, which are read as one "
+          "recording; if they are two, give one at a time",
+          gap_s, file_name(a), file_name(b)));
+    }
+  }
+  return {};
+}
+
+Status check_kinds(const std::vector<fs::path>& files) {
+  for (const fs::path& file : files) {
+    if (kind_of(file) == kind_of(files.front())) continue;
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} and {} are recordings of different kinds, so it is not clear "
+                            "whether they are one",
+                            files.front().string(), file.string()),
+                "give the files that belong together, one after the other, or one of them");
+  }
+  return {};
+}
+
+Result<std::unique_ptr<Bag>> joined(std::vector<Part> parts, std::vector<std::string> warnings) {
+  SGS_RETURN_IF_ERROR(put_in_order(parts, warnings));
+  if (parts.size() > 1) {
+    std::string names;
+    for (const Part& part : parts) names += (names.empty() ? "" : ", ") + file_name(part);
+    warnings.insert(warnings.begin(), fmt::format("read as one recording: {}", names));
+  }
+  std::vector<std::unique_ptr<Bag>> bags;
+  for (Part& part : parts) bags.push_back(std::move(part.bag));
+  return join_bags(std::move(bags), std::move(warnings));
+}
+
+/// A folder of files without a list of them, or with one that is of no use, and `why`: what cannot
+/// be read costs itself.
+Result<std::unique_ptr<Bag>> open_bag_folder(const fs::path& folder, const std::string& why) {
+  const auto files = bag_files(folder);
+  if (files.empty()) {
+    return fail(ErrorCode::kNotFound, fmt::format("{}: no recordings in it", folder.string()),
+                "give a folder with .bag, .mcap or .db3 files");
+  }
+  SGS_RETURN_IF_ERROR(check_kinds(files));
+  std::vector<Part> parts;
+  std::vector<std::string> warnings;
+  if (!why.empty()) warnings.push_back(why);
+  Error first_error;
+  for (const fs::path& file : files) {
+    auto bag = open_bag_file(file);
+    if (bag) {
+      parts.push_back({file, std::move(*bag)});
+      continue;
+    }
+    warnings.push_back(fmt::format("left out: {}", bag.error().text()));
+    if (first_error.message.empty()) first_error = bag.error();
+  }
+  if (parts.empty()) return tl::unexpected<Error>(std::move(first_error));
+  return joined(std::move(parts), std::move(warnings));
 }
 
 }  // namespace
@@ -109,16 +217,46 @@ std::size_t Bag::channel_of(const std::string& name, const std::string& type, En
 bool looks_like_bag(const fs::path& path) {
   std::error_code error;
   if (fs::is_directory(path, error)) return is_rosbag2_folder(path);
-  const std::string extension = path.extension().string();
-  return extension == ".bag" || extension == ".mcap" || extension == ".db3" ||
-         path.string().ends_with(".db3.zstd") || path.string().ends_with(".bag.active");
+  const auto unpacking = io::unpacking_of(path);
+  return !kind_of(unpacking ? unpacking->unpacked : path).empty();
+}
+
+std::vector<fs::path> bag_files(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const bool hidden = it->path().filename().string().starts_with('.');
+    if (!hidden && !it->is_directory(error) && !kind_of(it->path()).empty()) {
+      files.push_back(it->path());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  return files;
 }
 
 Result<std::unique_ptr<Bag>> open_bag(const fs::path& path) {
   std::error_code error;
-  if (fs::is_directory(path, error)) return open_rosbag2_folder(path);
-  if (path.string().ends_with(".bag.active")) return open_rosbag1(path);
-  return open_bag_file(path);
+  if (!fs::is_directory(path, error)) return open_bag_file(path);
+  if (!is_rosbag2_folder(path)) return open_bag_folder(path, {});
+  auto listed = open_rosbag2_folder(path);
+  // A list that the recorder did not finish is no reason to leave the files.
+  const bool other = !listed && listed.error().code != ErrorCode::kUnsupported;
+  if (!other || bag_files(path).empty()) return listed;
+  auto found = open_bag_folder(
+      path, fmt::format("not read as {} says: {}", kRosbag2Metadata, listed.error().text()));
+  return found ? std::move(found) : std::move(listed);
+}
+
+Result<std::unique_ptr<Bag>> open_bags(const std::vector<fs::path>& files) {
+  SGS_CHECK(!files.empty(), "a recording has files");
+  if (files.size() == 1) return open_bag(files.front());
+  SGS_RETURN_IF_ERROR(check_kinds(files));
+  std::vector<Part> parts;
+  for (const fs::path& file : files) {
+    SGS_ASSIGN_OR_RETURN(auto bag, open_bag_file(file));
+    parts.push_back({file, std::move(bag)});
+  }
+  return joined(std::move(parts), {});
 }
 
 }  // namespace sgs::bag

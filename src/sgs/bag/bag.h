@@ -72,14 +72,22 @@ class Bag {
   std::optional<std::int64_t> first_time_ns_, last_time_ns_;
 };
 
-/// Whether a path is a recording that open_bag() is meant for: a file named .bag, .mcap or .db3, or
-/// a folder with the metadata.yaml of rosbag2.
+/// Whether a path is a recording that open_bag() is meant for: a file named .bag, .mcap or .db3 (in
+/// capitals, too, or packed as a whole: .db3.zstd), or a folder with the metadata.yaml of rosbag2.
 bool looks_like_bag(const std::filesystem::path& path);
 
+/// The recordings in a folder, by name; not those below it.
+std::vector<std::filesystem::path> bag_files(const std::filesystem::path& folder);
+
 /// Opens a ROS 1 bag 2.0 (chunks none, bz2, lz4), an MCAP file (none, lz4, zstd), a ROS 2 SQLite
-/// file or a rosbag2 folder of either. Files without an index, or cut off, are read as far as they
-/// go. Errors: kNotFound, kInvalidFormat, kUnsupported (encryption, other versions and
-/// compressions).
+/// file, a rosbag2 folder of either, or a folder of such files, which are one recording
+/// (open_bags()). Files without an index, or cut off, are read as far as they go. Errors:
+/// kNotFound, kInvalidFormat, kUnsupported (encryption, other versions and compressions).
 Result<std::unique_ptr<Bag>> open_bag(const std::filesystem::path& path);
+
+/// Opens the files of one recording, which recorders split by size or time, as one: in order of
+/// their times where their indices tell them, else of their names. Refuses files of several kinds
+/// and those that cover the same time with the same topics.
+Result<std::unique_ptr<Bag>> open_bags(const std::vector<std::filesystem::path>& files);
 
 }  // namespace sgs::bag

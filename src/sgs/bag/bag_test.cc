@@ -98,7 +98,7 @@ TEST(Messages, ImagesOfBothEncodingsAreTheSame) {
   }
 }
 
-TEST(Messages, TransformsMustBeRigid) {
+TEST(Messages, TransformsThatAreNoneCostThemselvesOnly) {
   const auto message = [](double w) {
     return Message{0, 0,
                    raw(1u) + ros1_header(1, 0, "a") + ros_string("b") + raw(1.0) + raw(2.0) +
@@ -106,10 +106,16 @@ TEST(Messages, TransformsMustBeRigid) {
   };
   const auto read = read_transforms(message(1), Encoding::kRos1);
   ASSERT_TRUE(read);
-  EXPECT_EQ(read->at(0).child, "b");
-  EXPECT_EQ(read->at(0).T_parent_child.t, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(read->transforms.at(0).child, "b");
+  EXPECT_EQ(read->transforms.at(0).T_parent_child.t, Eigen::Vector3d(1, 2, 3));
   for (const double w : {0.0, 2.0, std::nan("")}) {
-    EXPECT_FALSE(read_transforms(message(w), Encoding::kRos1)) << w;
+    // Beside one that is right.
+    std::string both = message(w).data + message(1).data.substr(4);
+    both[0] = 2;
+    const auto rest = read_transforms({0, 0, both}, Encoding::kRos1);
+    ASSERT_TRUE(rest) << w;
+    EXPECT_EQ(rest->transforms.size(), 1u) << w;
+    EXPECT_EQ(rest->unusable, std::vector<std::string>{"b"}) << w;
   }
   // A count of four thousand million of them.
   EXPECT_FALSE(read_transforms({0, 0, raw(0xffffffffu)}, Encoding::kRos1));
@@ -120,11 +126,12 @@ TEST(Messages, ExtrinsicsWithAndWithoutHeaderAreByColumns) {
   // A quarter turn about z: its columns are (0 1 0), (-1 0 0), (0 0 1).
   for (const double v : {0., 1., 0., -1., 0., 0., 0., 0., 1., 0.1, 0.2, 0.3}) body += raw(v);
   for (const std::string& head : {std::string(), ros1_header(1, 2, "x")}) {
-    const auto T = read_extrinsics({0, 0, head + body}, Encoding::kRos1);
+    const auto T = read_extrinsics({0, 0, head + body}, Encoding::kRos1, RotationOrder::kColumns);
     ASSERT_TRUE(T) << T.error().text();
     EXPECT_TRUE((*T * Eigen::Vector3d(1, 0, 0)).isApprox(Eigen::Vector3d(0.1, 1.2, 0.3)));
   }
-  EXPECT_FALSE(read_extrinsics({0, 0, std::string(96, '\0')}, Encoding::kRos1));
+  EXPECT_FALSE(
+      read_extrinsics({0, 0, std::string(96, '\0')}, Encoding::kRos1, RotationOrder::kRows));
 }
 
 ImageMessage image_of(const std::string& encoding, std::uint32_t width, std::uint32_t height,

@@ -95,7 +95,8 @@ class ChunkCursor : public Cursor {
     const auto channel = channel_of(record.id);
     if (!channel) return std::nullopt;
     SGS_ASSIGN_OR_RETURN(const auto data, range_.view(record.data_at, record.data_bytes));
-    return Message{*channel, record.time_ns, std::string(data)};
+    SGS_ASSIGN_OR_RETURN(auto content, message_content(data, bag_.channels()[*channel].encoding));
+    return Message{*channel, record.time_ns, std::move(content)};
   }
 
   const ChunkedBag& bag_;

@@ -99,7 +99,9 @@ class ChunkedBag : public Bag {
 Result<std::unique_ptr<Bag>> open_rosbag1(const std::filesystem::path& path);
 Result<std::unique_ptr<Bag>> open_mcap(const std::filesystem::path& path);
 Result<std::unique_ptr<Bag>> open_db3(const std::filesystem::path& path);
-/// Several files as one recording, in the given order (not empty).
-std::unique_ptr<Bag> join_bags(std::vector<std::unique_ptr<Bag>> parts);
+/// Several files as one recording, in the given order (not empty). `warnings` come before those of
+/// the files.
+std::unique_ptr<Bag> join_bags(std::vector<std::unique_ptr<Bag>> parts,
+                               std::vector<std::string> warnings = {});
 
 }  // namespace sgs::bag

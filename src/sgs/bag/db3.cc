@@ -9,6 +9,7 @@
 #include <map>
 
 #include "sgs/bag/chunked_bag.h"
+#include "sgs/bag/unpack.h"
 
 namespace sgs::bag {
 namespace {
@@ -133,9 +134,10 @@ class Db3Cursor : public Cursor {
     }
     const auto* data = static_cast<const char*>(sqlite3_column_blob(row, 2));
     const auto bytes = static_cast<std::size_t>(sqlite3_column_bytes(row, 2));
-    return Message{bag_.channel_of_id().at(sqlite3_column_int64(row, 0)),
-                   sqlite3_column_int64(row, 1),
-                   data == nullptr ? std::string() : std::string(data, bytes)};
+    const std::size_t channel = bag_.channel_of_id().at(sqlite3_column_int64(row, 0));
+    const auto stored = data == nullptr ? std::string_view() : std::string_view(data, bytes);
+    SGS_ASSIGN_OR_RETURN(auto content, message_content(stored, bag_.channels()[channel].encoding));
+    return Message{channel, sqlite3_column_int64(row, 1), std::move(content)};
   }
 
  private:

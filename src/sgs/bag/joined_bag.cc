@@ -10,8 +10,10 @@ namespace {
 /// The files of one recording, one after the other.
 class JoinedBag : public Bag {
  public:
-  explicit JoinedBag(std::vector<std::unique_ptr<Bag>> parts) : parts_(std::move(parts)) {
+  JoinedBag(std::vector<std::unique_ptr<Bag>> parts, std::vector<std::string> warnings)
+      : parts_(std::move(parts)) {
     format_ = parts_.front()->format();
+    warnings_ = std::move(warnings);
     for (const auto& part : parts_) add(*part);
   }
   std::unique_ptr<Cursor> read(const std::vector<std::size_t>& channels) const override;
@@ -88,10 +90,11 @@ std::unique_ptr<Cursor> JoinedBag::read(const std::vector<std::size_t>& channels
 
 }  // namespace
 
-std::unique_ptr<Bag> join_bags(std::vector<std::unique_ptr<Bag>> parts) {
+std::unique_ptr<Bag> join_bags(std::vector<std::unique_ptr<Bag>> parts,
+                               std::vector<std::string> warnings) {
   SGS_CHECK(!parts.empty(), "a recording has files");
-  if (parts.size() == 1) return std::move(parts.front());
-  return std::make_unique<JoinedBag>(std::move(parts));
+  if (parts.size() == 1 && warnings.empty()) return std::move(parts.front());
+  return std::make_unique<JoinedBag>(std::move(parts), std::move(warnings));
 }
 
 }  // namespace sgs::bag

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::int64_t kNanoseconds = 1'000'000'000;
 
-tl::unexpected<Error> unreadable(const char* type) {
+tl::unexpected<Error> unreadable(std::string_view type) {
   return fail(ErrorCode::kInvalidFormat, fmt::format("a message is no {}", type),
               "the recording is damaged, or its message definitions are others");
 }
@@ -17,15 +17,6 @@ tl::unexpected<Error> unreadable(const char* type) {
 std::string frame_name(std::string name) {
   if (name.starts_with('/')) name.erase(0, 1);
   return name;
-}
-
-Header header_of(Wire& wire) {
-  if (wire.encoding() == Encoding::kRos1) wire.count();  // sequence number
-  const std::int64_t seconds = wire.encoding() == Encoding::kRos1
-                                   ? std::int64_t{wire.number<std::uint32_t>()}
-                                   : std::int64_t{wire.number<std::int32_t>()};
-  const std::int64_t nanoseconds = wire.number<std::uint32_t>();
-  return {seconds * kNanoseconds + nanoseconds, frame_name(wire.string())};
 }
 
 Eigen::Vector3d vector_of(Wire& wire) {
@@ -43,7 +34,7 @@ std::optional<Eigen::Vector3d> measured_vector_of(Wire& wire) {
   return v;
 }
 
-/// Translation and quaternion xyzw; not ok where that is no rigid transform.
+/// Translation and quaternion xyzw; false where that is no rigid transform.
 bool rigid_of(Wire& wire, SE3& T) {
   const Eigen::Vector3d t = vector_of(wire);
   Eigen::Vector4d q;
@@ -55,6 +46,15 @@ bool rigid_of(Wire& wire, SE3& T) {
 }
 
 }  // namespace
+
+Header header_of(Wire& wire) {
+  if (wire.encoding() == Encoding::kRos1) wire.count();  // sequence number
+  const std::int64_t seconds = wire.encoding() == Encoding::kRos1
+                                   ? std::int64_t{wire.number<std::uint32_t>()}
+                                   : std::int64_t{wire.number<std::int32_t>()};
+  const std::int64_t nanoseconds = wire.number<std::uint32_t>();
+  return {seconds * kNanoseconds + nanoseconds, frame_name(wire.string())};
+}
 
 Result<Header> read_header(const Message& message, Encoding encoding) {
   Wire wire(message.data, encoding);
@@ -101,22 +101,31 @@ Result<CameraInfoMessage> read_camera_info(const Message& message, Encoding enco
   for (double& value : info.K) value = wire.number<double>();
   for (int i = 0; i < 9; ++i) wire.number<double>();  // R
   for (double& value : info.P) value = wire.number<double>();
+  for (std::uint32_t* value : {&info.binning_x, &info.binning_y, &info.roi_x, &info.roi_y,
+                               &info.roi_height, &info.roi_width}) {
+    *value = wire.number<std::uint32_t>();
+  }
   if (!wire.ok()) return unreadable("sensor_msgs/CameraInfo");
   return info;
 }
 
-Result<std::vector<TransformMessage>> read_transforms(const Message& message, Encoding encoding) {
+Result<TransformMessages> read_transforms(const Message& message, Encoding encoding) {
   Wire wire(message.data, encoding);
-  std::vector<TransformMessage> transforms;
+  TransformMessages out;
   const std::uint32_t count = wire.count();
   for (std::uint32_t i = 0; i < count && wire.ok(); ++i) {
-    TransformMessage& transform = transforms.emplace_back();
+    TransformMessage transform;
     transform.header = header_of(wire);
     transform.child = frame_name(wire.string());
-    if (!rigid_of(wire, transform.T_parent_child)) return unreadable("tf2_msgs/TFMessage");
+    const bool rigid = rigid_of(wire, transform.T_parent_child);
+    if (rigid) {
+      out.transforms.push_back(std::move(transform));
+    } else if (wire.ok()) {
+      out.unusable.push_back(std::move(transform.child));
+    }
   }
   if (!wire.ok()) return unreadable("tf2_msgs/TFMessage");
-  return transforms;
+  return out;
 }
 
 Result<ImuMessage> read_imu(const Message& message, Encoding encoding) {
@@ -154,26 +163,41 @@ Result<SE3> read_plain_transform(const Message& message, Encoding encoding) {
   return T;
 }
 
-Result<SE3> read_extrinsics(const Message& message, Encoding encoding) {
-  Wire wire(message.data, encoding);
-  constexpr std::size_t kWithoutHeader_bytes = 12 * sizeof(double);
-  if (wire.ok() && wire.left() != kWithoutHeader_bytes) header_of(wire);
+Result<SE3> rigid_from_numbers(const std::array<double, 12>& numbers, RotationOrder order) {
   Eigen::Matrix3d R;
-  for (int column = 0; column < 3; ++column) {
-    for (int row = 0; row < 3; ++row) R(row, column) = wire.number<double>();
+  for (int i = 0; i < 9; ++i) {
+    const int slow = i / 3, fast = i % 3;
+    const double value = numbers[static_cast<std::size_t>(i)];
+    (order == RotationOrder::kColumns ? R(fast, slow) : R(slow, fast)) = value;
   }
-  const Eigen::Vector3d t = vector_of(wire);
+  const Eigen::Vector3d t(numbers[9], numbers[10], numbers[11]);
   constexpr double kOrthonormalTolerance = 1e-3;
   const bool rotation =
       (R.transpose() * R).isIdentity(kOrthonormalTolerance) && R.determinant() > 0;
-  if (!wire.ok() || !t.allFinite() || !rotation) return unreadable("realsense2_camera/Extrinsics");
+  if (!t.allFinite() || !rotation) return unreadable("rigid transform");
   return SE3(R, t).normalized();
+}
+
+Result<SE3> read_extrinsics(const Message& message, Encoding encoding, RotationOrder order) {
+  Wire wire(message.data, encoding);
+  std::array<double, 12> numbers{};
+  if (wire.ok() && wire.left() != sizeof(numbers)) header_of(wire);
+  for (double& number : numbers) number = wire.number<double>();
+  if (!wire.ok()) return unreadable("camera's Extrinsics");
+  return rigid_from_numbers(numbers, order);
 }
 
 Result<float> read_float(const Message& message, Encoding encoding) {
   Wire wire(message.data, encoding);
   const float value = wire.number<float>();
   if (!wire.ok()) return unreadable("std_msgs/Float32");
+  return value;
+}
+
+Result<std::string> read_string(const Message& message, Encoding encoding) {
+  Wire wire(message.data, encoding);
+  std::string value = wire.string();
+  if (!wire.ok()) return unreadable("std_msgs/String");
   return value;
 }
 

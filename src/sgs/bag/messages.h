@@ -44,8 +44,12 @@ struct CameraInfoMessage {
   std::uint32_t height = 0, width = 0;
   std::string distortion_model;
   std::vector<double> D;
-  std::array<double, 9> K{};   ///< of the picture as delivered, row by row
+  std::array<double, 9> K{};   ///< of the whole picture, row by row; all 0 = not calibrated
   std::array<double, 12> P{};  ///< of the rectified picture, row by row
+  /// Pixels of the whole picture that became one, across and down; 0 = 1.
+  std::uint32_t binning_x = 0, binning_y = 0;
+  /// The part of the whole picture that was read out, before binning; empty = all of it.
+  std::uint32_t roi_x = 0, roi_y = 0, roi_height = 0, roi_width = 0;
 };
 
 /// One of tf2_msgs/TFMessage.
@@ -69,22 +73,37 @@ struct ImuMessage {
   std::optional<Eigen::Vector3d> acceleration_m_s2;
 };
 
+class Wire;
+/// Takes a header off the front of a message.
+Header header_of(Wire& wire);
+
 /// Each understands the bytes of one message. Errors (kInvalidFormat) say what is wrong, but not
 /// which file it is in.
 Result<Header> read_header(const Message& message, Encoding encoding);
 Result<ImageMessage> read_image(const Message& message, Encoding encoding);
 Result<CompressedImageMessage> read_compressed_image(const Message& message, Encoding encoding);
 Result<CameraInfoMessage> read_camera_info(const Message& message, Encoding encoding);
-/// tf/tfMessage and tf2_msgs/TFMessage.
-Result<std::vector<TransformMessage>> read_transforms(const Message& message, Encoding encoding);
+/// tf/tfMessage and tf2_msgs/TFMessage. As tf2 does it, a transform that is no rigid one (NaN, a
+/// quaternion of zeros) costs itself, not its neighbours.
+struct TransformMessages {
+  std::vector<TransformMessage> transforms;
+  std::vector<std::string> unusable;  ///< child frames of those that were left out
+};
+Result<TransformMessages> read_transforms(const Message& message, Encoding encoding);
 Result<ImuMessage> read_imu(const Message& message, Encoding encoding);
 Result<PoseMessage> read_pose(const Message& message, Encoding encoding);
 Result<PoseMessage> read_odometry(const Message& message, Encoding encoding);
 /// geometry_msgs/Transform, as RealSense's SDK writes extrinsics.
 Result<SE3> read_plain_transform(const Message& message, Encoding encoding);
-/// realsense2_camera/Extrinsics, with or without a header: depth to colour, rotation by columns.
-Result<SE3> read_extrinsics(const Message& message, Encoding encoding);
+/// Extrinsics of realsense2_camera (rotation by columns) and orbbec_camera (by rows), with or
+/// without a header: depth to colour.
+enum class RotationOrder { kColumns, kRows };
+Result<SE3> read_extrinsics(const Message& message, Encoding encoding, RotationOrder order);
+/// A transform of twelve numbers: a rotation, then metres; kInvalidFormat where it is no rotation.
+Result<SE3> rigid_from_numbers(const std::array<double, 12>& numbers, RotationOrder order);
 /// std_msgs/Float32.
 Result<float> read_float(const Message& message, Encoding encoding);
+/// std_msgs/String.
+Result<std::string> read_string(const Message& message, Encoding encoding);
 
 }  // namespace sgs::bag

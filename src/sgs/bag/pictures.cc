@@ -6,11 +6,13 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <opencv2/imgproc.hpp>
 
 #include "sgs/bag/bytes.h"
 #include "sgs/camera/opencv_threads.h"
 #include "sgs/io/image_io.h"
+#include "sgs/io/text.h"
 
 namespace sgs::bag {
 namespace {
@@ -18,7 +20,8 @@ namespace {
 constexpr std::uint16_t kNoDepth = 65535;
 constexpr std::uint64_t kLargestPicture_px = 100'000'000;
 
-/// A colour encoding: its OpenCV type and how it becomes red green blue; -1 = it already is.
+/// A colour encoding in small letters: its OpenCV type and how it becomes red green blue; -1 = it
+/// already is.
 struct ColorEncoding {
   const char* name;
   int type;
@@ -28,18 +31,17 @@ struct ColorEncoding {
 constexpr ColorEncoding kColorEncodings[] = {
     {"rgb8", CV_8UC3, -1},
     {"bgr8", CV_8UC3, cv::COLOR_BGR2RGB},
-    {"8UC3", CV_8UC3, cv::COLOR_BGR2RGB},
+    {"8uc3", CV_8UC3, cv::COLOR_BGR2RGB},
     {"rgba8", CV_8UC4, cv::COLOR_RGBA2RGB},
     {"bgra8", CV_8UC4, cv::COLOR_BGRA2RGB},
-    {"8UC4", CV_8UC4, cv::COLOR_BGRA2RGB},
+    {"8uc4", CV_8UC4, cv::COLOR_BGRA2RGB},
     {"mono8", CV_8UC1, cv::COLOR_GRAY2RGB},
-    {"8UC1", CV_8UC1, cv::COLOR_GRAY2RGB},
+    {"8uc1", CV_8UC1, cv::COLOR_GRAY2RGB},
     {"yuv422", CV_8UC2, cv::COLOR_YUV2RGB_UYVY},
     {"uyvy", CV_8UC2, cv::COLOR_YUV2RGB_UYVY},
-    {"UYVY", CV_8UC2, cv::COLOR_YUV2RGB_UYVY},
     {"yuv422_yuy2", CV_8UC2, cv::COLOR_YUV2RGB_YUY2},
     {"yuyv", CV_8UC2, cv::COLOR_YUV2RGB_YUY2},
-    {"YUYV", CV_8UC2, cv::COLOR_YUV2RGB_YUY2},
+    {"yuy2", CV_8UC2, cv::COLOR_YUV2RGB_YUY2},
 };
 
 /// Whether the rows of `pixel_bytes` per pixel fit the step and the data. Nothing is allocated on
@@ -70,15 +72,15 @@ T pixel(const char* from, bool swap) {
 
 /// The pixels of a raw image, turned into metres by `convert`.
 template <class T, class Convert>
-Result<DepthImage> convert_depth(const ImageMessage& image, Convert convert) {
+Result<DepthImage> convert_depth(const ImageMessage& image, bool other_order, Convert convert) {
   SGS_RETURN_IF_ERROR(check_size(image, sizeof(T)));
   static_assert(std::endian::native == std::endian::little);
   DepthImage out(static_cast<int>(image.width), static_cast<int>(image.height));
   for (int y = 0; y < out.height(); ++y) {
     const char* row = image.data.data() + std::size_t{image.step} * static_cast<std::size_t>(y);
     for (int x = 0; x < out.width(); ++x) {
-      out(x, y) =
-          convert(pixel<T>(row + sizeof(T) * static_cast<std::size_t>(x), image.big_endian));
+      out(x, y) = convert(
+          pixel<T>(row + sizeof(T) * static_cast<std::size_t>(x), image.big_endian != other_order));
     }
   }
   return out;
@@ -104,14 +106,43 @@ Result<DepthImage> decode_inverse_depth(std::string png, float a, float b) {
 }  // namespace
 
 DepthEncoding depth_encoding(const std::string& encoding) {
-  if (encoding == "16UC1" || encoding == "32FC1") return DepthEncoding::kYes;
-  return encoding == "mono16" ? DepthEncoding::kMaybe : DepthEncoding::kNo;
+  const std::string name = io::lower_case(encoding);
+  if (name == "16uc1" || name == "32fc1" || name == "z16") return DepthEncoding::kYes;
+  const bool maybe = name == "mono16" || name == "y16" || name == "16sc1";
+  return maybe ? DepthEncoding::kMaybe : DepthEncoding::kNo;
+}
+
+bool byte_order_contradicts(const ImageMessage& image) {
+  // Of the two orders the wrong one makes noise of low bytes.
+  constexpr double kMuchRougher = 8;
+  const bool floats = io::lower_case(image.encoding) == "32fc1";
+  if (depth_encoding(image.encoding) == DepthEncoding::kNo) return false;
+  const auto roughness = [&](bool other_order) {
+    const auto depth = decode_depth(image, {1, false, other_order});
+    double sum = 0, differences = 0;
+    for (int y = 0; depth && y < depth->height(); ++y) {
+      for (int x = 1; x < depth->width(); ++x) {
+        const auto a = static_cast<double>((*depth)(x - 1, y));
+        const auto b = static_cast<double>((*depth)(x, y));
+        if (a == 0 || b == 0) continue;
+        // What floats of the wrong order hold is of any size.
+        sum += floats ? 1 : a + b;
+        differences += floats ? std::min(1.0, std::abs(a - b) / (a + b)) : std::abs(a - b);
+      }
+    }
+    return sum > 0 ? differences / sum : std::numeric_limits<double>::infinity();
+  };
+  const double as_said = roughness(false), turned = roughness(true);
+  return std::isfinite(turned) && as_said > kMuchRougher * turned;
 }
 
 Result<ColorImage> decode_color(const ImageMessage& image) {
-  const auto* known =
-      std::find_if(std::begin(kColorEncodings), std::end(kColorEncodings),
-                   [&](const ColorEncoding& e) { return image.encoding == e.name; });
+  const std::string name = io::lower_case(image.encoding);
+  if (name == "mjpg" || name == "mjpeg" || name == "jpeg") {
+    return io::decode_color(std::string(image.data), "an image");
+  }
+  const auto* known = std::find_if(std::begin(kColorEncodings), std::end(kColorEncodings),
+                                   [&](const ColorEncoding& e) { return name == e.name; });
   if (known == std::end(kColorEncodings)) {
     return fail(ErrorCode::kUnsupported,
                 fmt::format("colour encoding '{}' is not known", image.encoding),
@@ -141,16 +172,17 @@ Result<ColorImage> decode_color(const CompressedImageMessage& image) {
 }
 
 Result<DepthImage> decode_depth(const ImageMessage& image, const DepthUnit& unit) {
-  if (image.encoding == "32FC1") {
+  if (io::lower_case(image.encoding) == "32fc1") {
     const double scale = unit.scale_floats ? unit.units_per_metre : 1;
-    return convert_depth<float>(image, [&](float value) {
+    return convert_depth<float>(image, unit.other_byte_order, [&](float value) {
       return scale == 1 ? metres_of_float(value)
                         : metres_of_float(static_cast<float>(value / scale));
     });
   }
   if (depth_encoding(image.encoding) != DepthEncoding::kNo) {
-    return convert_depth<std::uint16_t>(
-        image, [&](std::uint16_t raw) { return metres_of_raw(raw, unit.units_per_metre); });
+    return convert_depth<std::uint16_t>(image, unit.other_byte_order, [&](std::uint16_t raw) {
+      return metres_of_raw(raw, unit.units_per_metre);
+    });
   }
   return fail(ErrorCode::kUnsupported,
               fmt::format("depth encoding '{}' is not known", image.encoding),

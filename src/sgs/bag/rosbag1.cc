@@ -201,7 +201,8 @@ Result<std::unique_ptr<Bag>> open_rosbag1(const std::filesystem::path& path) {
     return fail(other ? ErrorCode::kUnsupported : ErrorCode::kInvalidFormat,
                 fmt::format("{}: {}", path.string(),
                             other ? "a bag of another version than 2.0" : "not a ROS 1 bag"),
-                other ? "convert it: rosbag fix" : "is the file whole, and its name right?");
+                other ? fmt::format("convert it: rosbag fix {} NEW.bag", path.string())
+                      : "is the file whole, and its name right?");
   }
   auto bag = std::make_unique<Rosbag1>(std::move(file));
   SGS_RETURN_IF_ERROR(bag->open());

@@ -22,10 +22,13 @@ tl::unexpected<Error> damaged(std::string_view compression) {
               "copy or record the file again");
 }
 
-/// Output that grows twofold up to the announced size.
+/// Output that grows twofold up to the announced size, or to a size that it may have.
 class Output {
  public:
-  explicit Output(std::uint64_t limit) : limit_(limit) { grow(kFirstOutput_bytes); }
+  enum class Limit { kExact, kAtMost };
+  explicit Output(std::uint64_t limit, Limit kind = Limit::kExact) : limit_(limit), kind_(kind) {
+    grow(kFirstOutput_bytes);
+  }
   char* free() { return bytes_.data() + used_; }
   std::size_t room() const { return bytes_.size() - used_; }
   bool full() const { return room() == 0 && used_ == limit_; }
@@ -34,7 +37,7 @@ class Output {
     if (room() == 0) grow(2 * bytes_.size());
   }
   Result<std::string> take(std::string_view compression) {
-    if (used_ != limit_) return damaged(compression);
+    if (kind_ == Limit::kExact && used_ != limit_) return damaged(compression);
     bytes_.resize(used_);
     return std::move(bytes_);
   }
@@ -42,6 +45,7 @@ class Output {
  private:
   void grow(std::uint64_t bytes) { bytes_.resize(std::min(bytes, limit_)); }
   std::uint64_t limit_;
+  Limit kind_;
   std::size_t used_ = 0;
   std::string bytes_;
 };
@@ -91,11 +95,10 @@ Result<std::string> unpack_lz4(std::string_view packed, std::uint64_t announced)
   return out.take("lz4");
 }
 
-Result<std::string> unpack_zstd(std::string_view packed, std::uint64_t announced) {
+Result<std::string> unpack_zstd(std::string_view packed, Output out) {
   const std::unique_ptr<ZSTD_DCtx, std::size_t (*)(ZSTD_DCtx*)> context(ZSTD_createDCtx(),
                                                                         ZSTD_freeDCtx);
   if (!context) return damaged("zstd");
-  Output out(announced);
   ZSTD_inBuffer in{packed.data(), packed.size(), 0};
   std::size_t hint = 1;
   while (hint != 0) {
@@ -125,10 +128,21 @@ Result<std::string> unpack(std::string_view compression, std::string_view packed
   }
   if (compression == "bz2") return unpack_bz2(packed, announced);
   if (compression == "lz4") return unpack_lz4(packed, announced);
-  if (compression == "zstd") return unpack_zstd(packed, announced);
+  if (compression == "zstd") return unpack_zstd(packed, Output(announced));
   return fail(ErrorCode::kUnsupported,
               fmt::format("compression '{}' is not known", printable(shortened(compression))),
               "write the recording with none, lz4, bz2 or zstd");
+}
+
+bool is_zstd(std::string_view bytes) { return bytes.starts_with("\x28\xB5\x2F\xFD"); }
+
+Result<std::string> unpack_zstd_frame(std::string_view packed) {
+  return unpack_zstd(packed, Output(kLargestMessage_bytes, Output::Limit::kAtMost));
+}
+
+Result<std::string> message_content(std::string_view stored, Encoding encoding) {
+  if (encoding == Encoding::kCdr && is_zstd(stored)) return unpack_zstd_frame(stored);
+  return std::string(stored);
 }
 
 }  // namespace sgs::bag

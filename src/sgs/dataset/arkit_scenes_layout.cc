@@ -32,7 +32,7 @@ fs::path arkit_frames(const fs::path& folder) {
 
 /// "width height fx fy cx cy".
 Result<PinholeCamera> read_pincam(const fs::path& path) {
-  SGS_ASSIGN_OR_RETURN(const std::string content, io::read_file(path));
+  SGS_ASSIGN_OR_RETURN(const std::string content, io::read_text(path));
   const auto n = io::parse_doubles(content);
   if (!n || n->size() != 6 || !((*n)[2] > 0) || !((*n)[3] > 0)) {
     return fail(ErrorCode::kInvalidFormat, fmt::format("{}: not a camera", path.string()),
@@ -45,7 +45,7 @@ Result<PinholeCamera> read_pincam(const fs::path& path) {
 /// Rows "time rx ry rz tx ty tz", a rotation vector and a position of the world in the camera.
 Result<Trajectory> read_arkit_trajectory(const fs::path& path) {
   constexpr std::size_t kColumns = 7;
-  SGS_ASSIGN_OR_RETURN(const std::string content, io::read_file(path));
+  SGS_ASSIGN_OR_RETURN(const std::string content, io::read_text(path));
   std::vector<StampedPose> poses;
   for (const io::TextLine& line : io::content_lines(content)) {
     const auto n = io::parse_doubles(line.text);

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/dataset/bag_cameras.h"
 
-#include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 
-#include "sgs/bag/messages.h"
+#include "sgs/dataset/bag_lens.h"
+#include "sgs/dataset/bag_modes.h"
 #include "sgs/dataset/bag_transforms.h"
+#include "sgs/dataset/sdk_calibration.h"
 #include "sgs/io/text.h"
 
 namespace sgs::dataset {
@@ -16,86 +16,87 @@ namespace {
 
 using bag::Bag;
 
+constexpr const char* kSamePlace = "0,0,0,0,0,0,1";
+
 const std::string& topic_of(const Bag& bag, std::size_t channel) {
   return bag.channels()[channel].topic;
 }
 
-bool is_rectified(const std::string& topic) {
-  std::string base = topic;
-  if (const auto at = base.find("/compressed"); at != std::string::npos) base.resize(at);
-  return base.substr(base.rfind('/') + 1).find("rect") != std::string::npos;
-}
+ImageSize topic_size(const ImageTopic& images) { return {images.width, images.height}; }
 
-/// The lens of a camera info's K and D.
-Result<Distortion> lens_of(const bag::CameraInfoMessage& info, const std::string& topic,
-                           std::vector<std::string>& warnings) {
-  std::string model = info.distortion_model;
-  std::transform(model.begin(), model.end(), model.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const bool straight =
-      std::all_of(info.D.begin(), info.D.end(), [](double value) { return value == 0; });
-  if (straight) return Distortion{};
-  const bool known = model == "plumb_bob" || model == "rational_polynomial" ||
-                     model.find("brown") != std::string::npos;
-  const auto lens = Distortion::from_coefficients(info.D);
-  if (!known || !lens) {
-    return fail(ErrorCode::kUnsupported,
-                fmt::format("{}: distortion '{}' with {} coefficients", topic,
-                            info.distortion_model, info.D.size()),
-                "plumb_bob and rational_polynomial are known; record rectified images, or give "
-                "--camera fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]]");
-  }
-  if (model.find("inverse") != std::string::npos) {
-    warnings.push_back(fmt::format("{}: '{}' is taken for Brown-Conrady, as realsense-ros does",
-                                   topic, info.distortion_model));
-  }
-  return *lens;
-}
-
-Result<LensCamera> read_camera(const Bag& bag, std::size_t info_channel,
-                               const std::string& image_topic, std::vector<std::string>& warnings) {
-  const std::string& topic = topic_of(bag, info_channel);
-  SGS_ASSIGN_OR_RETURN(const auto message, first_message(bag, info_channel));
-  const auto info = message
-                        ? bag::read_camera_info(*message, bag.channels()[info_channel].encoding)
-                        : Result<bag::CameraInfoMessage>(fail(ErrorCode::kNotFound, "no message"));
-  if (!info) {
-    return fail(info.error().code, fmt::format("{}: {}", topic, info.error().message),
-                "give --camera fx,fy,cx,cy");
-  }
+struct FoundLens {
   LensCamera lens;
-  const auto& K = info->K;
-  const auto& P = info->P;
-  if (is_rectified(image_topic) && P[0] > 0) {
-    lens.camera = {0, 0, P[0], P[5], P[2], P[6]};
-  } else {
-    lens.camera = {0, 0, K[0], K[4], K[2], K[5]};
-    SGS_ASSIGN_OR_RETURN(lens.distortion, lens_of(*info, topic, warnings));
+  CameraInfoSource source;
+};
+
+/// The lens that most pictures have.
+Result<FoundLens> read_lens(const Bag& bag, std::size_t channel, const ImageTopic& images,
+                            std::vector<std::string>& warnings) {
+  const std::string& topic = topic_of(bag, channel);
+  auto usual = usual_camera_info(bag, channel);
+  if (!usual) {
+    return fail(usual.error().code, fmt::format("{}: {}", topic, usual.error().message),
+                "give --camera fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]]");
   }
-  lens.camera.width = static_cast<int>(std::min<std::uint32_t>(info->width, 1u << 20));
-  lens.camera.height = static_cast<int>(std::min<std::uint32_t>(info->height, 1u << 20));
-  const Calibration whole{lens.camera, lens.distortion, 1};
-  SGS_RETURN_IF_ERROR(io::check_calibration(whole, topic));
-  return lens;
+  // The first picture may have been taken in another mode than most.
+  const ImageSize size = usual->changes ? ImageSize{} : topic_size(images);
+  SGS_ASSIGN_OR_RETURN(
+      const LensCamera lens,
+      lens_of(usual->info, topic, is_rectified(topic_of(bag, images.channel)), size, warnings));
+  if (usual->changes) {
+    warnings.push_back(fmt::format(
+        "{}: the camera info changes on the way; pictures are brought to the camera that most of "
+        "the first ones have, {}x{}",
+        topic, lens.camera.width, lens.camera.height));
+  }
+  return FoundLens{lens, {channel, std::move(usual->info)}};
 }
 
-Result<LensCamera> color_camera(const Bag& bag, const BagTopics& topics, const OpenOptions& options,
-                                BagCameras& found) {
+bool is_registered(const Bag& bag, const BagTopics& topics) {
+  const std::string &frame = topics.depth.frame_id, &topic = topic_of(bag, topics.depth.channel);
+  const bool one_frame = !frame.empty() && frame == topics.color.frame_id;
+  return !is_sdk_topic(topic) && (named_as_registered(topic) || one_frame);
+}
+
+Status color_camera(const Bag& bag, const BagTopics& topics, const OpenOptions& options,
+                    BagCameras& found) {
   const std::string& topic = topic_of(bag, topics.color.channel);
   if (options.camera) {
     const io::CameraOption& k = *options.camera;
-    found.source = "--camera";
-    return LensCamera{{topics.color.width, topics.color.height, k.fx, k.fy, k.cx, k.cy},
-                      k.distortion};
+    found.color_source = "--camera";
+    found.color = {{topics.color.width, topics.color.height, k.fx, k.fy, k.cx, k.cy}, k.distortion};
+    return {};
   }
-  if (!topics.color_info) {
-    return fail(ErrorCode::kNotFound,
-                fmt::format("{}: no camera info beside it, so its calibration is not known", topic),
-                "give --camera fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]], or --topics "
-                "color_info=/TOPIC");
+  Error error{ErrorCode::kNotFound,
+              fmt::format("{}: no camera info beside it, so its calibration is not known", topic),
+              "give --camera fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]], or --topics "
+              "color_info=/TOPIC"};
+  if (topics.color_info) {
+    auto lens = read_lens(bag, *topics.color_info, topics.color, found.warnings);
+    if (lens) {
+      found.color = lens->lens;
+      found.color_info = std::move(lens->source);
+      found.color_source = topic_of(bag, *topics.color_info);
+      return {};
+    }
+    error = std::move(lens.error());
   }
-  found.source = topic_of(bag, *topics.color_info);
-  return read_camera(bag, *topics.color_info, topic, found.warnings);
+  // Registered depth is a picture of the colour camera, so its info is that of colour.
+  if (error.code == ErrorCode::kNotFound && topics.depth_info && is_registered(bag, topics)) {
+    std::vector<std::string> warnings;
+    auto lens = read_lens(bag, *topics.depth_info, topics.color, warnings);
+    if (lens) {
+      const std::string& source = topic_of(bag, *topics.depth_info);
+      found.warnings.insert(found.warnings.end(), warnings.begin(), warnings.end());
+      found.warnings.push_back(fmt::format(
+          "{}; the camera info of the registered depth, {}, is taken", error.message, source));
+      found.color = lens->lens;
+      found.color_info = std::move(lens->source);
+      found.color_source = source;
+      return {};
+    }
+  }
+  return tl::unexpected<Error>(std::move(error));
 }
 
 /// "tx,ty,tz,qx,qy,qz,qw" of T_color_depth.
@@ -119,86 +120,86 @@ Result<SE3> parse_extrinsics(const std::string& text) {
   return SE3(q, {n[0], n[1], n[2]});
 }
 
-/// "/device_0/sensor_1/Color_0" of an image topic of RealSense's SDK; empty for other topics.
-std::string sdk_stream(const std::string& topic) {
-  constexpr std::string_view kEnd = "/image/data";
-  if (!topic.starts_with("/device_") || !topic.ends_with(kEnd)) return "";
-  return topic.substr(0, topic.size() - kEnd.size());
-}
-
-/// RealSense's SDK writes, for each stream of a group, the transform from the group's reference
-/// into the stream (librealsense, device::get_extrinsics).
-Result<std::optional<SE3>> sdk_extrinsics(const Bag& bag, const std::string& color,
-                                          const std::string& depth) {
-  const auto type = std::vector<std::string>{"geometry_msgs/Transform"};
-  for (const bag::Channel& channel : bag.channels()) {
-    if (!channel.topic.starts_with(depth + "/tf/")) continue;
-    const std::string group = channel.topic.substr(depth.size());
-    const auto of_depth = find_channel(bag, channel.topic, type);
-    const auto of_color = find_channel(bag, color + group, type);
-    if (!of_depth || !of_color) continue;
-    const auto read = [&](std::size_t at) -> Result<SE3> {
-      SGS_ASSIGN_OR_RETURN(const auto message, first_message(bag, at));
-      if (!message)
-        return fail(ErrorCode::kNotFound, fmt::format("{} is empty", topic_of(bag, at)));
-      return bag::read_plain_transform(*message, bag.channels()[at].encoding);
-    };
-    SGS_ASSIGN_OR_RETURN(const SE3 T_depth_reference, read(*of_depth));
-    SGS_ASSIGN_OR_RETURN(const SE3 T_color_reference, read(*of_color));
-    return std::optional(T_color_reference * T_depth_reference.inverse());
-  }
-  return std::nullopt;
-}
-
-/// The topic of realsense-ros with the extrinsics.
-Result<std::optional<SE3>> published_extrinsics(const Bag& bag) {
+/// A driver's topic with the extrinsics.
+struct Published {
+  SE3 T_color_depth;
+  std::string topic;
+};
+Result<std::optional<Published>> published_extrinsics(const Bag& bag) {
   for (std::size_t i = 0; i < bag.channels().size(); ++i) {
     const bag::Channel& channel = bag.channels()[i];
     if (!channel.topic.ends_with("depth_to_color") || !channel.type.ends_with("/Extrinsics")) {
       continue;
     }
+    // OrbbecSDK_ROS copies its SDK's rotation as it is, by rows; realsense-ros has columns.
+    const bool orbbec = channel.type.starts_with("orbbec");
     SGS_ASSIGN_OR_RETURN(const auto message, first_message(bag, i));
     if (!message) continue;
-    SGS_ASSIGN_OR_RETURN(const SE3 T, bag::read_extrinsics(*message, channel.encoding));
-    return std::optional(T);
+    SGS_ASSIGN_OR_RETURN(const SE3 T, bag::read_extrinsics(*message, channel.encoding,
+                                                           orbbec ? bag::RotationOrder::kRows
+                                                                  : bag::RotationOrder::kColumns));
+    return Published{T, channel.topic};
   }
   return std::nullopt;
 }
 
 /// How depth stands to colour: a transform, or that both are one camera.
 struct Relation {
-  bool registered = false;
+  enum class Kind { kApart, kNamed, kOneFrame, kGiven } kind = Kind::kApart;
   SE3 T_color_depth;
   std::string source;
 };
 
-Result<Relation> find_relation(const Bag& bag, const BagTopics& topics,
-                               const OpenOptions& options) {
+bool one_camera(const Relation& relation) { return relation.kind != Relation::Kind::kApart; }
+
+/// Extrinsics from a topic of the driver or from tf; where both are there they should agree.
+Result<std::optional<Relation>> recorded_relation(const Bag& bag, const BagTopics& topics,
+                                                  std::vector<std::string>& warnings) {
+  constexpr double kSame_m = 0.005, kSame_rad = 0.02;
+  const std::string &from = topics.depth.frame_id, &to = topics.color.frame_id;
+  SGS_ASSIGN_OR_RETURN(const auto published, published_extrinsics(bag));
+  SGS_ASSIGN_OR_RETURN(const auto tree, TransformTree::read(bag, false));
+  warnings.insert(warnings.end(), tree.warnings().begin(), tree.warnings().end());
+  const bool named = !from.empty() && !to.empty();
+  const auto T = named ? tree.fixed(to, from) : std::nullopt;
+  if (published && T) {
+    const SE3 difference = published->T_color_depth.inverse() * *T;
+    const double angle = Eigen::AngleAxisd(difference.R).angle();
+    if (difference.t.norm() > kSame_m || angle > kSame_rad) {
+      warnings.push_back(fmt::format(
+          "{} and tf from {} to {} contradict each other by {:.1f} mm and {:.2f} degrees; the "
+          "topic is believed; --extrinsics says otherwise",
+          published->topic, from, to, 1000 * difference.t.norm(), angle * 180 / M_PI));
+    }
+  }
+  if (published) {
+    return Relation{Relation::Kind::kApart, published->T_color_depth, published->topic};
+  }
+  if (!T) return std::nullopt;
+  return Relation{Relation::Kind::kApart, *T, fmt::format("tf from {} to {}", from, to)};
+}
+
+Result<Relation> find_relation(const Bag& bag, const BagTopics& topics, const OpenOptions& options,
+                               std::vector<std::string>& warnings) {
+  using Kind = Relation::Kind;
   const std::string &color = topic_of(bag, topics.color.channel),
                     &depth = topic_of(bag, topics.depth.channel);
-  if (options.extrinsics == "aligned") return Relation{true, {}, "--extrinsics"};
+  if (options.extrinsics == "aligned") return Relation{Kind::kGiven, {}, "--extrinsics"};
   if (!options.extrinsics.empty()) {
     SGS_ASSIGN_OR_RETURN(const SE3 T, parse_extrinsics(options.extrinsics));
-    return Relation{false, T, "--extrinsics"};
+    return Relation{Kind::kApart, T, "--extrinsics"};
   }
-  if (const std::string stream = sdk_stream(depth); !stream.empty()) {
-    // The SDK gives all its images the same frame name: that says nothing.
-    SGS_ASSIGN_OR_RETURN(const auto T, sdk_extrinsics(bag, sdk_stream(color), stream));
-    if (T) return Relation{false, *T, stream + "/tf"};
-  } else {
-    if (named_as_registered(depth)) return Relation{true, {}, "its name"};
+  SGS_ASSIGN_OR_RETURN(const auto by_sdk, sdk_extrinsics(bag, color, depth));
+  if (by_sdk) return Relation{Kind::kApart, by_sdk->T_color_depth, by_sdk->topic};
+  // SDKs give all their images the same frame name, or none: that says nothing.
+  if (!is_sdk_topic(depth)) {
+    if (named_as_registered(depth)) return Relation{Kind::kNamed, {}, "its name"};
     const std::string& frame = topics.depth.frame_id;
     if (!frame.empty() && frame == topics.color.frame_id) {
-      return Relation{true, {}, fmt::format("frame {}", frame)};
+      return Relation{Kind::kOneFrame, {}, fmt::format("frame {}", frame)};
     }
-    SGS_ASSIGN_OR_RETURN(const auto published, published_extrinsics(bag));
-    if (published) return Relation{false, *published, "the depth_to_color topic"};
-    SGS_ASSIGN_OR_RETURN(const auto tree, TransformTree::read(bag, false));
-    const bool named = !frame.empty() && !topics.color.frame_id.empty();
-    const auto T = named ? tree.fixed(topics.color.frame_id, frame) : std::nullopt;
-    if (T) {
-      return Relation{false, *T, fmt::format("tf from {} to {}", frame, topics.color.frame_id)};
-    }
+    SGS_ASSIGN_OR_RETURN(auto recorded, recorded_relation(bag, topics, warnings));
+    if (recorded) return std::move(*recorded);
   }
   return fail(
       ErrorCode::kInvalidArgument,
@@ -211,30 +212,96 @@ Result<Relation> find_relation(const Bag& bag, const BagTopics& topics,
       "is registered; or record an aligned depth topic");
 }
 
-/// The unit that RealSense's SDK writes beside a sensor's streams, as units per metre.
-Result<std::optional<double>> sdk_units_per_metre(const Bag& bag, const std::string& depth_topic) {
-  const std::string stream = sdk_stream(depth_topic);
-  if (stream.empty()) return std::nullopt;
-  const std::string sensor = stream.substr(0, stream.rfind('/'));
-  for (const char* name : {"Depth Units", "Depth_Units"}) {
-    const auto channel =
-        find_channel(bag, fmt::format("{}/option/{}/value", sensor, name), {"std_msgs/Float32"});
-    if (!channel) continue;
-    SGS_ASSIGN_OR_RETURN(const auto message, first_message(bag, *channel));
-    if (!message) continue;
-    SGS_ASSIGN_OR_RETURN(const float unit_m,
-                         bag::read_float(*message, bag.channels()[*channel].encoding));
-    if (!(unit_m > 0 && std::isfinite(unit_m))) {
-      return fail(ErrorCode::kInvalidFormat,
-                  fmt::format("{}: a depth unit of {} m", topic_of(bag, *channel), unit_m),
-                  "give --depth-scale S (raw units per metre)");
-    }
-    // Written as float: 0.001f is meant as a thousandth.
-    const double units = 1 / static_cast<double>(unit_m);
-    const double whole = std::round(units);
-    return std::optional(std::abs(units - whole) < 1e-5 * units ? whole : units);
+Status find_unit(const Bag& bag, const BagTopics& topics, const OpenOptions& options,
+                 BagCameras& found) {
+  const std::string& topic = topic_of(bag, topics.depth.channel);
+  if (options.depth_scale) {
+    found.unit.units_per_metre = *options.depth_scale;
+    found.unit.scale_floats = true;
+    found.unit_source = "--depth-scale";
+    return {};
   }
-  return std::nullopt;
+  SGS_ASSIGN_OR_RETURN(const auto unit, sdk_depth_unit(bag, topic));
+  if (unit) {
+    found.unit.units_per_metre = unit->units_per_metre;
+    found.unit_source = unit->topic;
+    return {};
+  }
+  const bool floats = topics.depth.encoding.find("32FC1") != std::string::npos;
+  found.unit_source = floats ? "32FC1 is in metres, REP 118" : "integers are millimetres, REP 118";
+  if (floats || !is_sdk_topic(topic)) return {};
+  constexpr const char* kAsk =
+      "--depth-scale S, raw units per metre: 1000 for millimetres, 10000 for tenths of them, 4000 "
+      "for quarters";
+  if (sdk_stream(topic).empty()) {
+    return fail(ErrorCode::kNotFound,
+                fmt::format("{}: the recording does not say the unit of depth, which is a setting "
+                            "of this camera",
+                            topic),
+                fmt::format("give {}", kAsk));
+  }
+  found.unit_source = "the default of RealSense's cameras";
+  found.warnings.push_back(fmt::format(
+      "{}: the recording does not say the unit of depth; millimetres are taken, {}; else give {}",
+      topic, found.unit_source, kAsk));
+  return {};
+}
+
+tl::unexpected<Error> two_lenses(const std::string& color, const LensCamera& a,
+                                 const std::string& depth, const LensCamera& b,
+                                 const Relation& relation) {
+  return fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("{} ({}x{} fx {:.1f} cx {:.1f}) and {} ({}x{} fx {:.1f} cx {:.1f}) contradict "
+                  "each other: by {} they are one camera, by their lenses they are two",
+                  color, a.camera.width, a.camera.height, a.camera.fx, a.camera.cx, depth,
+                  b.camera.width, b.camera.height, b.camera.fx, b.camera.cx, relation.source),
+      fmt::format("give --extrinsics {} if they are two cameras at one place (a simulator's), "
+                  "--extrinsics tx,ty,tz,qx,qy,qz,qw if they stand apart, --extrinsics aligned if "
+                  "depth is registered and its camera info is wrong",
+                  kSamePlace));
+}
+
+/// Whether depth has a camera of its own, and which.
+Status depth_camera(const Bag& bag, const BagTopics& topics, const OpenOptions& options,
+                    const Relation& relation, BagCameras& found) {
+  const std::string& topic = topic_of(bag, topics.depth.channel);
+  if (one_camera(relation) && (!topics.depth_info || options.camera)) return {};
+  if (!topics.depth_info) {
+    return fail(
+        ErrorCode::kNotFound,
+        fmt::format("{}: no camera info beside it, so depth cannot be registered to colour", topic),
+        "give --topics depth_info=/TOPIC, or record an aligned depth topic");
+  }
+  std::vector<std::string> warnings;
+  auto depth = read_lens(bag, *topics.depth_info, topics.depth, warnings);
+  if (!depth) {
+    if (!one_camera(relation)) return tl::unexpected(depth.error());
+    found.warnings.push_back(
+        fmt::format("{}; registered depth does not need it", depth.error().message));
+    return {};
+  }
+  const PinholeCamera &c = found.color.camera, &d = depth->lens.camera;
+  if (one_camera(relation) && c.width == d.width && c.height == d.height) {
+    const bool agree = same_view(c, d);
+    if (!agree && relation.kind == Relation::Kind::kOneFrame) {
+      return two_lenses(found.color_source, found.color, topic_of(bag, *topics.depth_info),
+                        depth->lens, relation);
+    }
+    if (!agree && relation.kind == Relation::Kind::kNamed) {
+      found.warnings.push_back(fmt::format(
+          "{} is another camera than {}, but depth is registered by its name, which is believed; "
+          "--extrinsics {} takes it for a camera of its own at the same place",
+          topic_of(bag, *topics.depth_info), found.color_source, kSamePlace));
+    }
+    // Registered depth of the same size is the colour camera's, whatever its own info says; of
+    // another size it still has to be brought there.
+    return {};
+  }
+  found.depth = depth->lens;
+  found.depth_info = std::move(depth->source);
+  found.warnings.insert(found.warnings.end(), warnings.begin(), warnings.end());
+  return {};
 }
 
 }  // namespace
@@ -242,35 +309,15 @@ Result<std::optional<double>> sdk_units_per_metre(const Bag& bag, const std::str
 Result<BagCameras> find_bag_cameras(const Bag& bag, const BagTopics& topics,
                                     const OpenOptions& options) {
   BagCameras found;
-  SGS_ASSIGN_OR_RETURN(found.color, color_camera(bag, topics, options, found));
-  const std::string& depth_topic = topic_of(bag, topics.depth.channel);
-  if (options.depth_scale) {
-    found.unit = {*options.depth_scale, true};
-    found.source += " and --depth-scale";
-  } else {
-    SGS_ASSIGN_OR_RETURN(const auto units, sdk_units_per_metre(bag, depth_topic));
-    if (units) found.unit.units_per_metre = *units;
-  }
-  SGS_ASSIGN_OR_RETURN(const Relation relation, find_relation(bag, topics, options));
+  SGS_RETURN_IF_ERROR(color_camera(bag, topics, options, found));
+  SGS_RETURN_IF_ERROR(find_unit(bag, topics, options, found));
+  SGS_ASSIGN_OR_RETURN(const Relation relation,
+                       find_relation(bag, topics, options, found.warnings));
   found.T_color_depth = relation.T_color_depth;
-  found.source += relation.registered
-                      ? fmt::format("; depth is registered, says {}", relation.source)
-                      : fmt::format("; depth is registered with {}", relation.source);
-  if (relation.registered && !topics.depth_info) return found;
-  if (relation.registered && options.camera) return found;
-  if (!topics.depth_info) {
-    return fail(ErrorCode::kNotFound,
-                fmt::format("{}: no camera info beside it, so depth cannot be registered to colour",
-                            depth_topic),
-                "give --topics depth_info=/TOPIC, or record an aligned depth topic");
-  }
-  SGS_ASSIGN_OR_RETURN(const LensCamera depth,
-                       read_camera(bag, *topics.depth_info, depth_topic, found.warnings));
-  // Registered depth of the same size is the colour camera's, whatever its own info says; of
-  // another size it still has to be brought there.
-  const bool same_size = depth.camera.width == found.color.camera.width &&
-                         depth.camera.height == found.color.camera.height;
-  if (!relation.registered || !same_size) found.depth = depth;
+  found.relation_source = one_camera(relation)
+                              ? fmt::format("depth is registered, says {}", relation.source)
+                              : fmt::format("depth is registered with {}", relation.source);
+  SGS_RETURN_IF_ERROR(depth_camera(bag, topics, options, relation, found));
   return found;
 }
 

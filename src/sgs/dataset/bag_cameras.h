@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sgs/bag/bag.h"
+#include "sgs/bag/messages.h"
 #include "sgs/bag/pictures.h"
 #include "sgs/camera/pinhole.h"
 #include "sgs/core/error.h"
@@ -16,6 +17,12 @@
 
 namespace sgs::dataset {
 
+/// A topic of camera info and the message that is believed.
+struct CameraInfoSource {
+  std::size_t channel = 0;
+  bag::CameraInfoMessage info;
+};
+
 /// The cameras of a bag and how they stand to each other.
 struct BagCameras {
   LensCamera color;
@@ -23,15 +30,18 @@ struct BagCameras {
   std::optional<LensCamera> depth;
   SE3 T_color_depth;
   bag::DepthUnit unit;
-  std::string source;  ///< where the calibration comes from, in words
+  /// Where the cameras come from, if from topics: what they say may change on the way.
+  std::optional<CameraInfoSource> color_info, depth_info;
+  // For people: who said so.
+  std::string color_source, relation_source, unit_source;
   std::vector<std::string> warnings;
 };
 
 /// Reads the cameras from camera info messages, the extrinsics from what the recording says of them
-/// (RealSense's topics, frame names, tf) or from `options.extrinsics`. Nothing is guessed: depth
-/// that is not known to be registered and comes without extrinsics is an error that names the way
-/// out. Image sizes that are not known yet (packed images) stay 0 in `color` where --camera gives
-/// the numbers.
+/// (its SDK's topics, frame names, tf) or from `options.extrinsics`. Nothing is guessed: depth that
+/// is not known to be registered and comes without extrinsics is an error that names the way out,
+/// and so are two camera infos of one frame that are not one camera. Image sizes that are not known
+/// (0 in `topics`) stay 0 in `color` where --camera gives the numbers.
 Result<BagCameras> find_bag_cameras(const bag::Bag& bag, const BagTopics& topics,
                                     const OpenOptions& options);
 

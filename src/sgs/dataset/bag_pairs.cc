@@ -5,101 +5,97 @@
 #include <algorithm>
 #include <cstdlib>
 #include <limits>
+#include <utility>
 #include <vector>
 
-#include "sgs/bag/messages.h"
 #include "sgs/dataset/association.h"
 
 namespace sgs::dataset {
 namespace {
 
-/// Messages read ahead of each topic: recorders interleave topics within a fraction of a second.
-constexpr std::size_t kAhead = 8;
-/// Images further back in time than this are of another pass of the clock, not late.
-constexpr std::int64_t kLatest_ns = 1'000'000'000;
+/// Images a second are at least so many: a longer step between two of them is a gap.
+constexpr std::int64_t kLongestStep_ns = 1'000'000'000;
+
+/// Times relative to the first one: seconds since 1970 have too few digits.
+std::vector<double> seconds_after(const std::deque<MessageOrder::Waiting>& waiting,
+                                  std::int64_t origin) {
+  std::vector<double> times;
+  for (const auto& w : waiting) times.push_back(1e-9 * static_cast<double>(w.time_ns - origin));
+  return times;
+}
 
 }  // namespace
 
 BagPairs::BagPairs(const bag::Bag& bag, std::size_t color, std::size_t depth, BagClock clock,
                    double max_difference_s)
-    : clock_(clock), max_difference_s_(max_difference_s) {
-  color_.cursor = bag.read({color});
-  color_.encoding = bag.channels()[color].encoding;
-  depth_.cursor = bag.read({depth});
-  depth_.encoding = bag.channels()[depth].encoding;
-}
+    : color_(bag, color, clock),
+      depth_(bag, depth, clock),
+      clock_(clock),
+      max_difference_s_(max_difference_s) {}
 
-/// Puts a message in its place. What comes before something already taken is an error.
-std::optional<Error> BagPairs::take_in(Stream& stream, bag::Message message) {
-  std::int64_t time_ns = message.record_time_ns;
-  if (clock_ == BagClock::kStamp) {
-    const auto header = bag::read_header(message, stream.encoding);
-    if (!header) return header.error();
-    time_ns = header->stamp_ns;
-  }
-  const bool taken_already = stream.last_ns && time_ns <= *stream.last_ns;
-  const bool far_back =
-      !stream.waiting.empty() && time_ns < stream.waiting.back().time_ns - kLatest_ns;
-  const auto place = std::lower_bound(
-      stream.waiting.begin(), stream.waiting.end(), time_ns,
-      [](const Waiting& waiting, std::int64_t time) { return waiting.time_ns < time; });
-  const bool twice = place != stream.waiting.end() && place->time_ns == time_ns;
-  if (taken_already || far_back || twice) {
-    ++stream.backwards;
-    return Error{ErrorCode::kInvalidFormat,
-                 fmt::format("the image at {:.6f} s does not come after the one before it",
-                             1e-9 * static_cast<double>(time_ns)),
-                 "the recording repeats time stamps, or its clock was set back"};
-  }
-  stream.waiting.insert(place, {time_ns, std::move(message)});
-  return std::nullopt;
-}
-
-/// Reads on until enough messages wait. Damaged depth needs no word of its own: it shows as colour
-/// without depth.
-void BagPairs::fill(Stream& stream, std::deque<Problem>* problems) {
-  const auto note = [&](Error error) {
-    const std::int64_t after_ns =
-        stream.waiting.empty() ? stream.last_ns.value_or(0) : stream.waiting.back().time_ns;
-    if (problems != nullptr) problems->push_back({after_ns, std::move(error)});
-  };
-  while (!stream.ended && stream.waiting.size() < kAhead) {
-    auto message = stream.cursor->next();
-    if (!message) {
-      note(std::move(message.error()));
-    } else if (!*message) {
-      stream.ended = true;
-    } else if (auto problem = take_in(stream, std::move(**message))) {
-      note(std::move(*problem));
-    }
-  }
-}
-
-/// Fills `event` with a problem that was met before `time_ns`.
-bool BagPairs::problem_before(std::int64_t time_ns, Event& event) {
-  if (problems_.empty() || problems_.front().after_ns >= time_ns) return false;
+/// The first problem of colour that was met before a time. Damaged depth needs no word of its own:
+/// it shows as colour without depth.
+std::optional<BagPairs::Event> BagPairs::problem_before(int stretch, std::int64_t time_ns) {
+  auto& problems = color_.problems();
+  if (problems.empty()) return std::nullopt;
+  MessageOrder::Problem& problem = problems.front();
+  const bool later =
+      problem.stretch > stretch || (problem.stretch == stretch && problem.after_ns >= time_ns);
+  if (later) return std::nullopt;
+  Event event;
   event.kind = Event::Kind::kBad;
-  event.time_ns = problems_.front().after_ns;
-  event.error = std::move(problems_.front().error);
-  problems_.pop_front();
-  return true;
+  event.stamp_ns = problem.after_ns;
+  event.time_ns = problem.after_ns + moved_ns_;
+  event.moved = moved_ns_ != 0;
+  event.error = std::move(problem.error);
+  problems.pop_front();
+  return event;
 }
 
-BagPairs::Waiting BagPairs::take(Stream& stream) {
-  Waiting front = std::move(stream.waiting.front());
-  stream.waiting.pop_front();
-  stream.last_ns = front.time_ns;
-  return front;
+/// Lets the times of a new stretch of colour follow those of the old one.
+std::optional<BagPairs::Event> BagPairs::begin_stretch() {
+  if (color_.stretch() == stretch_) return std::nullopt;
+  stretch_ = color_.stretch();
+  const std::int64_t front_ns = color_.waiting().front().time_ns;
+  const std::int64_t before_ns = last_ns_.value_or(front_ns) - moved_ns_;
+  moved_ns_ = last_ns_.value_or(front_ns) + step_ns_ - front_ns;
+  Event event;
+  event.kind = Event::Kind::kBack;
+  event.time_ns = front_ns + moved_ns_;
+  event.stamp_ns = front_ns;
+  event.moved = true;
+  event.error = {ErrorCode::kInvalidFormat,
+                 fmt::format("the clock of the recording was set back by {:.3f} s at {:.3f} s; the "
+                             "images go on as a new stretch, moved to follow the one before",
+                             1e-9 * static_cast<double>(before_ns + step_ns_ - front_ns),
+                             1e-9 * static_cast<double>(before_ns)),
+                 ""};
+  return event;
 }
 
-void BagPairs::drop(Stream& stream, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) take(stream);
-  stream.unpaired += count;
+void BagPairs::drop_color(std::size_t count) {
+  if (count > 0) last_ns_ = color_.waiting()[count - 1].time_ns + moved_ns_;
+  color_.drop(count);
+  color_unpaired_ += count;
+}
+
+void BagPairs::drop_depth(std::size_t count) {
+  depth_.drop(count);
+  depth_unpaired_ += count;
+}
+
+/// Images of two passes of the clock do not belong together, whatever their times.
+void BagPairs::drop_earlier_stretch() {
+  if (color_.stretch() < depth_.stretch()) {
+    drop_color(color_.waiting().size());
+  } else {
+    drop_depth(depth_.waiting().size());
+  }
 }
 
 void BagPairs::note_distance() {
-  for (const Waiting& c : color_.waiting) {
-    for (const Waiting& d : depth_.waiting) {
+  for (const auto& c : color_.waiting()) {
+    for (const auto& d : depth_.waiting()) {
       const std::int64_t distance = std::llabs(c.time_ns - d.time_ns);
       nearest_ns_ = std::min(nearest_ns_.value_or(distance), distance);
     }
@@ -107,45 +103,51 @@ void BagPairs::note_distance() {
 }
 
 BagPairs::Event BagPairs::next() {
-  Event event;
+  constexpr auto kWhenever = std::numeric_limits<std::int64_t>::max();
   for (std::size_t alone = 0; alone < patience_; ++alone) {
-    fill(color_, &problems_);
-    fill(depth_, nullptr);
-    if (color_.waiting.empty() || depth_.waiting.empty()) {
-      drop(color_, color_.waiting.size());
-      drop(depth_, depth_.waiting.size());
-      problem_before(std::numeric_limits<std::int64_t>::max(), event);
-      return event;
+    color_.fill();
+    depth_.fill();
+    if (color_.waiting().empty() || depth_.waiting().empty()) {
+      drop_color(color_.waiting().size());
+      drop_depth(depth_.waiting().size());
+      return problem_before(std::numeric_limits<int>::max(), kWhenever).value_or(Event{});
     }
-    if (problem_before(color_.waiting.front().time_ns, event)) return event;
-    note_distance();
-    // Times relative to the first one: seconds since 1970 have too few digits.
-    const std::int64_t origin = color_.waiting.front().time_ns;
-    const auto seconds = [&](const std::deque<Waiting>& waiting) {
-      std::vector<double> times;
-      for (const Waiting& w : waiting) {
-        times.push_back(1e-9 * static_cast<double>(w.time_ns - origin));
-      }
-      return times;
-    };
-    const auto pairs =
-        associate(seconds(color_.waiting), seconds(depth_.waiting), max_difference_s_);
-    if (pairs.empty()) {
-      drop(color_.waiting.front().time_ns < depth_.waiting.front().time_ns ? color_ : depth_, 1);
+    if (auto problem = problem_before(stretch_, color_.waiting().front().time_ns)) return *problem;
+    if (auto back = begin_stretch()) return *back;
+    if (color_.stretch() != depth_.stretch()) {
+      drop_earlier_stretch();
       continue;
     }
-    drop(color_, pairs.front().first);
-    drop(depth_, pairs.front().second);
-    Waiting color = take(color_), depth = take(depth_);
+    note_distance();
+    const std::int64_t origin = color_.waiting().front().time_ns;
+    const auto pairs = associate(seconds_after(color_.waiting(), origin),
+                                 seconds_after(depth_.waiting(), origin), max_difference_s_);
+    if (pairs.empty()) {
+      if (origin < depth_.waiting().front().time_ns) {
+        drop_color(1);
+      } else {
+        drop_depth(1);
+      }
+      continue;
+    }
+    drop_color(pairs.front().first);
+    drop_depth(pairs.front().second);
+    auto color = color_.take(), depth = depth_.take();
+    Event event;
     event.kind = Event::Kind::kPair;
-    event.time_ns = color.time_ns;
+    event.stamp_ns = color.time_ns;
+    event.time_ns = color.time_ns + moved_ns_;
+    event.moved = stretch_ > 0;
     // Times of recording tell when messages arrived, not when they were measured.
     if (clock_ == BagClock::kStamp) event.depth_delay_ns = depth.time_ns - color.time_ns;
     event.color = std::move(color.message);
     event.depth = std::move(depth.message);
+    const std::int64_t step_ns = event.time_ns - last_ns_.value_or(event.time_ns);
+    if (step_ns > 0 && step_ns < kLongestStep_ns) step_ns_ = step_ns;
+    last_ns_ = event.time_ns;
     return event;
   }
-  return event;
+  return {};
 }
 
 }  // namespace sgs::dataset

@@ -3,25 +3,18 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <limits>
-#include <memory>
 #include <optional>
 
 #include "sgs/bag/bag.h"
 #include "sgs/core/error.h"
+#include "sgs/dataset/bag_order.h"
 
 namespace sgs::dataset {
 
-/// Whose clock orders the images of a bag.
-enum class BagClock {
-  kStamp,   ///< header.stamp: when the camera saw it
-  kRecord,  ///< when it was recorded; for recordings whose stamps are all zero
-};
-
-/// Colour and depth messages of a bag that belong together, in order of time. Both topics are read
-/// with cursors of their own, a few messages ahead, so that the order in the file hardly matters
-/// and memory stays small.
+/// Colour and depth messages of a bag that belong together, in order of time (bag_order.h). Where
+/// the clock of the recording was set back, time goes on all the same: the new stretch is moved to
+/// follow the old one.
 class BagPairs {
  public:
   BagPairs(const bag::Bag& bag, std::size_t color, std::size_t depth, BagClock clock,
@@ -33,54 +26,43 @@ class BagPairs {
   struct Event {
     enum class Kind {
       kPair,
-      kBad,  ///< a damaged stretch, or a colour image whose time runs backwards; `error` says it
+      kBad,   ///< a damaged stretch, or a colour image whose time runs backwards; `error` says it
+      kBack,  ///< the clock was set back; `error` says by how much
       kEnd,
     } kind = Kind::kEnd;
     std::int64_t time_ns = 0;         ///< of colour
+    std::int64_t stamp_ns = 0;        ///< the same on the recording's clock, as it stood then
+    bool moved = false;               ///< the clock was set back before: both differ
     std::int64_t depth_delay_ns = 0;  ///< by how much later depth was stamped; 0 where none was
     bag::Message color, depth;
     Error error;
   };
   Event next();
 
-  std::size_t color_without_depth() const { return color_.unpaired; }
-  std::size_t depth_without_color() const { return depth_.unpaired; }
-  std::size_t depth_running_backwards() const { return depth_.backwards; }
+  std::size_t color_without_depth() const { return color_unpaired_; }
+  std::size_t depth_without_color() const { return depth_unpaired_; }
+  std::size_t depth_running_backwards() const { return depth_.out_of_order(); }
   /// Smallest distance in time of colour and depth images that were seen together; empty before.
   std::optional<std::int64_t> nearest_ns() const { return nearest_ns_; }
 
  private:
-  struct Waiting {
-    std::int64_t time_ns = 0;
-    bag::Message message;
-  };
-  struct Stream {
-    std::unique_ptr<bag::Cursor> cursor;
-    bag::Encoding encoding = bag::Encoding::kOther;
-    std::deque<Waiting> waiting;          ///< in order of time
-    std::optional<std::int64_t> last_ns;  ///< of what has been taken
-    bool ended = false;
-    std::size_t unpaired = 0, backwards = 0;
-  };
-  /// Something wrong with colour, and the time after which it was met.
-  struct Problem {
-    std::int64_t after_ns = 0;
-    Error error;
-  };
-
-  void fill(Stream& stream, std::deque<Problem>* problems);
-  std::optional<Error> take_in(Stream& stream, bag::Message message);
-  bool problem_before(std::int64_t time_ns, Event& event);
-  static void drop(Stream& stream, std::size_t count);
-  static Waiting take(Stream& stream);
+  std::optional<Event> problem_before(int stretch, std::int64_t time_ns);
+  std::optional<Event> begin_stretch();
+  void drop_color(std::size_t count);
+  void drop_depth(std::size_t count);
+  void drop_earlier_stretch();
   void note_distance();
 
-  Stream color_, depth_;
-  std::deque<Problem> problems_;  ///< not yet told
+  MessageOrder color_, depth_;
   BagClock clock_;
   double max_difference_s_;
   std::size_t patience_ = std::numeric_limits<std::size_t>::max();
   std::optional<std::int64_t> nearest_ns_;
+  std::size_t color_unpaired_ = 0, depth_unpaired_ = 0;
+  int stretch_ = 0;                      ///< of colour, that the events are in
+  std::int64_t moved_ns_ = 0;            ///< what is added to the stamps of this stretch
+  std::optional<std::int64_t> last_ns_;  ///< of the last colour image, moved
+  std::int64_t step_ns_ = 33'333'333;    ///< from image to image
 };
 
 }  // namespace sgs::dataset

@@ -6,16 +6,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "sgs/bag/bag.h"
 #include "sgs/dataset/bag_pairs.h"
 #include "sgs/dataset/bag_time.h"
 #include "sgs/dataset/bag_transforms.h"
 #include "sgs/dataset/imu.h"
+#include "sgs/dataset/test_bag.h"
 
 namespace sgs::dataset {
 namespace {
@@ -23,57 +21,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-template <class T>
-std::string packed(T value) {
-  std::string bytes(sizeof(T), '\0');
-  std::memcpy(bytes.data(), &value, sizeof(T));
-  return bytes;
-}
-
-std::string packed_text(const std::string& text) {
-  return packed(static_cast<std::uint32_t>(text.size())) + text;
-}
-
-std::string packed_header(std::int64_t stamp_ns, const std::string& frame) {
-  return packed(0u) + packed(static_cast<std::uint32_t>(stamp_ns / 1'000'000'000)) +
-         packed(static_cast<std::uint32_t>(stamp_ns % 1'000'000'000)) + packed_text(frame);
-}
-
 constexpr std::int64_t kMs = 1'000'000;
-
-/// Messages in memory.
-class MemoryBag : public bag::Bag {
- public:
-  std::size_t topic(const std::string& name, const std::string& type) {
-    return channel_of(name, type, bag::Encoding::kRos1);
-  }
-  void add(std::size_t channel, std::string data, std::int64_t record_ns = 0) {
-    messages_.push_back({channel, record_ns, std::move(data)});
-  }
-  void stamp(std::size_t channel, std::int64_t ms) { add(channel, packed_header(ms * kMs, "c")); }
-  void damage() { messages_.push_back({kDamage, 0, ""}); }
-
-  std::unique_ptr<bag::Cursor> read(const std::vector<std::size_t>& channels) const override {
-    return std::make_unique<MemoryCursor>(*this, channels.front());
-  }
-
- private:
-  static constexpr std::size_t kDamage = 99;
-  struct MemoryCursor : bag::Cursor {
-    MemoryCursor(const MemoryBag& b, std::size_t c) : bag(b), channel(c) {}
-    Result<std::optional<bag::Message>> next() override {
-      while (at < bag.messages_.size()) {
-        const bag::Message& message = bag.messages_[at++];
-        if (message.channel == kDamage) return fail(ErrorCode::kInvalidFormat, "damaged");
-        if (message.channel == channel) return message;
-      }
-      return std::nullopt;
-    }
-    const MemoryBag& bag;
-    std::size_t channel, at = 0;
-  };
-  std::vector<bag::Message> messages_;
-};
 
 struct TwoStreams {
   MemoryBag bag;
@@ -132,6 +80,45 @@ TEST(BagPairs, ColourThatRepeatsOrGoesBackIsSaid) {
   times.erase(std::remove(times.begin(), times.end(), -1), times.end());
   EXPECT_THAT(times, ElementsAre(5000, 5033, 5066, 5100));
   EXPECT_THAT(s.problem, HasSubstr("1.000000 s"));
+}
+
+TEST(BagPairs, AClockThatIsSetBackBeginsANewStretch) {
+  TwoStreams s;
+  for (const int start : {20'000, 10'000, 10'200}) {
+    // Ten seconds are set back once: nothing is lost.
+    for (int i = 0; i < 5; ++i) {
+      s.bag.stamp(s.color, start + 40 * i);
+      s.bag.stamp(s.depth, start + 40 * i + 5);
+    }
+  }
+  BagPairs pairs(s.bag, s.color, s.depth, BagClock::kStamp, 0.02);
+  std::vector<std::int64_t> times, stamps;
+  int back = 0;
+  for (auto event = pairs.next(); event.kind != BagPairs::Event::Kind::kEnd; event = pairs.next()) {
+    if (event.kind == BagPairs::Event::Kind::kBack) {
+      ++back;
+      EXPECT_THAT(event.error.message, HasSubstr("set back by 10.200 s"));
+      continue;
+    }
+    ASSERT_EQ(event.kind, BagPairs::Event::Kind::kPair);
+    times.push_back(event.time_ns / kMs);
+    stamps.push_back(event.stamp_ns / kMs);
+    EXPECT_EQ(event.moved, event.stamp_ns < 20'000 * kMs);
+  }
+  EXPECT_EQ(back, 1);
+  EXPECT_THAT(stamps, ElementsAre(20000, 20040, 20080, 20120, 20160, 10000, 10040, 10080, 10120,
+                                  10160, 10200, 10240, 10280, 10320, 10360));
+  for (std::size_t i = 1; i < times.size(); ++i) EXPECT_EQ(times[i] - times[i - 1], 40) << i;
+}
+
+TEST(BagPairs, OneStampFarAheadCostsOneImage) {
+  TwoStreams s;
+  for (const int ms : {5000, 5033, 900'000, 5066, 5100, 5133}) s.bag.stamp(s.color, ms);
+  for (const int ms : {5000, 5033, 5066, 5100, 5133}) s.bag.stamp(s.depth, ms);
+  auto times = s.run();
+  EXPECT_EQ(std::count(times.begin(), times.end(), -1), 1);
+  times.erase(std::remove(times.begin(), times.end(), -1), times.end());
+  EXPECT_THAT(times, ElementsAre(5000, 5033, 5066, 5100, 5133));
 }
 
 TEST(BagPairs, DamageIsOneBadFrameAndReadingGoesOn) {
@@ -195,6 +182,25 @@ TEST(TransformTree, JoinsFramesThroughTheirCommonParent) {
   EXPECT_FALSE(tree->fixed("color", "other"));
   EXPECT_FALSE(tree->fixed("color", "nowhere"));
   EXPECT_THAT(tree->frames(), HasSubstr("elsewhere"));
+}
+
+TEST(TransformTree, NamespacesCountAndWhatIsNoTransformIsLeftOut) {
+  MemoryBag bag;
+  const auto fixed = bag.topic("/robot0/tf_static", "tf2_msgs/TFMessage");
+  bag.add(fixed, "damaged");
+  bag.add(fixed, packed_transform(0, "link", "color", at(0.05)));
+  std::string none = packed_transform(0, "link", "accelerometer", at(0));
+  for (std::size_t i = none.size() - 32; i < none.size(); ++i) none[i] = '\0';  // its quaternion
+  bag.add(fixed, none);
+  bag.add(fixed, packed_transform(0, "link", "depth", at(-0.01)));
+  const auto tree = TransformTree::read(bag, false);
+  ASSERT_TRUE(tree) << tree.error().text();
+  const auto T = tree->fixed("color", "depth");
+  ASSERT_TRUE(T);
+  EXPECT_NEAR(T->t.x(), -0.06, 1e-12);
+  ASSERT_EQ(tree->warnings().size(), 2u);
+  EXPECT_THAT(tree->warnings()[0], HasSubstr("1 messages left out"));
+  EXPECT_THAT(tree->warnings()[1], HasSubstr("accelerometer"));
 }
 
 TEST(TransformTree, MovingFramesAreFollowedAndCyclesEnd) {

@@ -3,10 +3,12 @@
 #include "sgs/dataset/bag_topics.h"
 
 #include <algorithm>
-#include <cctype>
+#include <set>
 
 #include "sgs/bag/messages.h"
 #include "sgs/bag/pictures.h"
+#include "sgs/dataset/sdk_calibration.h"
+#include "sgs/io/text.h"
 
 namespace sgs::dataset {
 namespace {
@@ -17,12 +19,6 @@ using Kind = ImageTopic::Kind;
 constexpr const char* kImageType = "sensor_msgs/Image";
 constexpr const char* kCompressedImageType = "sensor_msgs/CompressedImage";
 constexpr const char* kCameraInfoType = "sensor_msgs/CameraInfo";
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 bool has(const std::string& text, const char* part) { return text.find(part) != std::string::npos; }
 
@@ -40,7 +36,7 @@ std::string base_topic(const std::string& topic) {
 }
 
 Kind kind_of(const std::string& topic, const ImageTopic& image) {
-  const std::string name = lower(topic);
+  const std::string name = io::lower_case(topic);
   for (const char* other : {"infra", "/ir/", "/ir_", "confidence", "fisheye", "disparity"}) {
     if (has(name, other)) return Kind::kOther;
   }
@@ -136,14 +132,32 @@ std::vector<ImageTopic> without_packed_twins(const Bag& bag, std::vector<ImageTo
 
 constexpr const char* kTopicsForm = "--topics color=/TOPIC,depth=/TOPIC";
 
+/// The types of a recording without images: they say what was recorded in their place.
+std::string types_of(const Bag& bag) {
+  std::set<std::string> types;
+  for (const bag::Channel& channel : bag.channels()) types.insert(channel.type);
+  return types.empty() ? "nothing" : fmt::format("{}", fmt::join(types, ", "));
+}
+
+tl::unexpected<Error> none_of(const Bag& bag, const std::vector<ImageTopic>& all,
+                              const char* what) {
+  const std::string message =
+      fmt::format("no {} topic was recognised; image topics: {}", what, listed(bag, all));
+  if (all.empty()) {
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}; there are messages of {}", message, types_of(bag)),
+                "record colour and depth as sensor_msgs/Image or CompressedImage (JPEG, PNG); "
+                "videos (H.264, theora) and point clouds are not read");
+  }
+  return fail(ErrorCode::kInvalidArgument, message,
+              fmt::format("choose with {}; if none of these is {}, record that topic, too",
+                          kTopicsForm, what));
+}
+
 Result<ImageTopic> the_only(const Bag& bag, const std::vector<ImageTopic>& candidates,
                             const std::vector<ImageTopic>& all, const char* what) {
   if (candidates.size() == 1) return candidates.front();
-  if (candidates.empty()) {
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("no {} topic was recognised; image topics: {}", what, listed(bag, all)),
-                fmt::format("choose with {}", kTopicsForm));
-  }
+  if (candidates.empty()) return none_of(bag, all, what);
   return fail(ErrorCode::kInvalidArgument,
               fmt::format("{} {} topics: {}", candidates.size(), what, listed(bag, candidates)),
               fmt::format("choose one with {}", kTopicsForm));
@@ -199,32 +213,52 @@ Result<ImageTopic> named_image(const Bag& bag, const std::vector<ImageTopic>& al
   if (found != all.end()) return *found;
   return fail(ErrorCode::kInvalidArgument,
               fmt::format("--topics: '{}' is no image topic with messages; there are {}", topic,
-                          listed(bag, all)));
+                          listed(bag, all)),
+              "name one of these");
 }
 
 Result<std::size_t> named_info(const Bag& bag, const std::string& topic) {
   const auto found = find_channel(bag, topic, {kCameraInfoType});
   if (found) return *found;
+  std::string there;
+  for (const bag::Channel& channel : bag.channels()) {
+    if (channel.type == kCameraInfoType) there += (there.empty() ? "" : ", ") + channel.topic;
+  }
   return fail(ErrorCode::kInvalidArgument,
-              fmt::format("--topics: there is no {} with the name '{}'", kCameraInfoType, topic));
+              fmt::format("--topics: there is no {} with the name '{}'; there are: {}",
+                          kCameraInfoType, topic, there.empty() ? "none" : there),
+              there.empty() ? "give --camera fx,fy,cx,cy" : "name one of these");
 }
 
-/// The camera info beside an image topic; RealSense's SDK puts it into a folder of its own.
+/// The camera info beside an image topic, or where an SDK puts it.
 std::optional<std::size_t> info_beside(const Bag& bag, const std::string& image_topic) {
   const std::string base = base_topic(image_topic);
   const std::string parent = base.substr(0, base.rfind('/'));
   if (const auto found = find_channel(bag, parent + "/camera_info", {kCameraInfoType})) {
     return found;
   }
-  if (!base.ends_with("/image/data")) return std::nullopt;
-  const std::string stream = parent.substr(0, parent.rfind('/'));
-  return find_channel(bag, stream + "/info/camera_info", {kCameraInfoType});
+  return sdk_info_channel(bag, base);
+}
+
+/// The only camera info of a recording, where it names the frame of these images.
+std::optional<std::size_t> only_info_of(const Bag& bag, const std::string& frame_id) {
+  std::optional<std::size_t> found;
+  for (std::size_t i = 0; i < bag.channels().size(); ++i) {
+    if (bag.channels()[i].type != kCameraInfoType) continue;
+    if (found) return std::nullopt;
+    found = i;
+  }
+  if (!found || frame_id.empty()) return std::nullopt;
+  const auto message = first_message(bag, *found);
+  if (!message || !*message) return std::nullopt;
+  const auto header = bag::read_header(**message, bag.channels()[*found].encoding);
+  return header && header->frame_id == frame_id ? found : std::nullopt;
 }
 
 }  // namespace
 
 bool named_as_registered(const std::string& topic) {
-  const std::string name = lower(topic);
+  const std::string name = io::lower_case(topic);
   return has(name, "aligned_depth_to_color") || has(name, "registered") ||
          has(name, "depth_to_color") || has(name, "depth_to_rgb");
 }
@@ -255,6 +289,9 @@ Result<BagTopics> choose_topics(const Bag& bag, const std::string& option) {
                                                          : named_image(bag, all, named.depth));
   topics.color_info = info_beside(bag, name_of(bag, topics.color));
   topics.depth_info = info_beside(bag, name_of(bag, topics.depth));
+  if (!topics.color_info && !topics.depth_info) {
+    topics.color_info = only_info_of(bag, topics.color.frame_id);
+  }
   if (!named.color_info.empty()) {
     SGS_ASSIGN_OR_RETURN(topics.color_info, named_info(bag, named.color_info));
   }

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "sgs/bag/messages.h"
-#include "sgs/dataset/bag_topics.h"
 
 namespace sgs::dataset {
 namespace {
@@ -15,13 +14,30 @@ namespace {
 /// Drivers publish the frames of a camera many times a second.
 constexpr std::size_t kFirstMessages = 500;
 
+/// The channels of a tf topic in any namespace; the global one last, which has the last word.
+std::vector<std::size_t> tf_channels(const bag::Bag& bag, const std::string& name) {
+  std::vector<std::size_t> found;
+  for (const bool global : {false, true}) {
+    for (std::size_t i = 0; i < bag.channels().size(); ++i) {
+      const bag::Channel& channel = bag.channels()[i];
+      const bool is_tf = channel.type == "tf2_msgs/TFMessage" || channel.type == "tf/tfMessage";
+      const bool is_global = channel.topic == "/" + name || channel.topic == name;
+      if (is_tf && channel.topic.ends_with("/" + name) && is_global == global) found.push_back(i);
+    }
+  }
+  return found;
+}
+
 }  // namespace
 
 Result<TransformTree> TransformTree::read(const bag::Bag& bag, bool moving) {
   constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
   TransformTree tree;
-  SGS_RETURN_IF_ERROR(tree.add(bag, "/tf_static", true, kAll));
-  SGS_RETURN_IF_ERROR(tree.add(bag, "/tf", false, moving ? kAll : kFirstMessages));
+  for (const bool fixed : {true, false}) {
+    for (const std::size_t channel : tf_channels(bag, fixed ? "tf_static" : "tf")) {
+      tree.add(bag, channel, fixed, fixed || moving ? kAll : kFirstMessages);
+    }
+  }
   for (auto& [child, edge] : tree.edges_) {
     edge.trajectory = Trajectory(edge.poses);
     edge.fixed = edge.fixed || edge.trajectory.size() == 1;
@@ -30,28 +46,43 @@ Result<TransformTree> TransformTree::read(const bag::Bag& bag, bool moving) {
   return tree;
 }
 
-Status TransformTree::add(const bag::Bag& bag, const std::string& topic, bool fixed,
-                          std::size_t limit) {
-  const auto channel = find_channel(bag, topic, {"tf2_msgs/TFMessage", "tf/tfMessage"});
-  if (!channel) return {};
-  const auto cursor = bag.read({*channel});
+void TransformTree::add(const bag::TransformMessage& transform, bool fixed) {
+  if (transform.child.empty() || transform.child == transform.header.frame_id) return;
+  Edge& edge = edges_[transform.child];
+  // A frame that is fixed somewhere does not move; a new parent begins anew.
+  if (edge.fixed && !fixed) return;
+  if (edge.parent != transform.header.frame_id) edge = {transform.header.frame_id, fixed, {}, {}};
+  edge.poses.push_back(
+      {1e-9 * static_cast<double>(transform.header.stamp_ns), transform.T_parent_child});
+}
+
+void TransformTree::add(const bag::Bag& bag, std::size_t channel, bool fixed, std::size_t limit) {
+  const bag::Channel& about = bag.channels()[channel];
+  const auto cursor = bag.read({channel});
+  std::set<std::string> unusable;
+  std::size_t unreadable = 0;
+  Error first_error;
   for (std::size_t count = 0; count < limit; ++count) {
-    SGS_ASSIGN_OR_RETURN(const auto message, cursor->next());
-    if (!message) break;
-    SGS_ASSIGN_OR_RETURN(const auto transforms,
-                         bag::read_transforms(*message, bag.channels()[*channel].encoding));
-    for (const auto& transform : transforms) {
-      if (transform.child.empty() || transform.child == transform.header.frame_id) continue;
-      Edge& edge = edges_[transform.child];
-      // A frame that is fixed somewhere does not move; a new parent begins anew.
-      if (edge.fixed && !fixed) continue;
-      if (edge.parent != transform.header.frame_id)
-        edge = {transform.header.frame_id, fixed, {}, {}};
-      edge.poses.push_back(
-          {1e-9 * static_cast<double>(transform.header.stamp_ns), transform.T_parent_child});
+    const auto message = cursor->next();
+    if (message && !*message) break;
+    const auto read = message ? bag::read_transforms(**message, about.encoding)
+                              : Result<bag::TransformMessages>(tl::unexpected(message.error()));
+    if (!read) {
+      if (unreadable++ == 0) first_error = read.error();
+      continue;
     }
+    for (const auto& transform : read->transforms) add(transform, fixed);
+    unusable.insert(read->unusable.begin(), read->unusable.end());
   }
-  return {};
+  if (unreadable > 0) {
+    warnings_.push_back(fmt::format("{}: {} messages left out; the first: {}", about.topic,
+                                    unreadable, first_error.message));
+  }
+  if (!unusable.empty()) {
+    warnings_.push_back(
+        fmt::format("{}: transforms that are none (NaN, or no unit quaternion) left out, to {}",
+                    about.topic, fmt::join(unusable, ", ")));
+  }
 }
 
 std::string TransformTree::frames() const {

@@ -37,36 +37,63 @@ std::optional<std::size_t> topic_named_truth(const bag::Bag& bag) {
   return found;
 }
 
-Result<Trajectory> read_poses(const bag::Bag& bag, std::size_t channel,
-                              const std::string& camera_frame) {
+/// T_body_camera, as far as tf knows it.
+SE3 camera_in(const bag::Bag& bag, const std::string& body, const std::string& camera_frame) {
+  if (body.empty() || body == camera_frame) return {};
+  const auto tree = TransformTree::read(bag, false);
+  return tree ? tree->fixed(body, camera_frame).value_or(SE3{}) : SE3{};
+}
+
+BagTruth read_poses(const bag::Bag& bag, std::size_t channel, const std::string& camera_frame) {
+  constexpr std::int64_t kSetBack_ns = 1'000'000'000;
   const bag::Channel& about = bag.channels()[channel];
   const bool odometry = about.type == kOdometryType;
   const auto cursor = bag.read({channel});
+  BagTruth truth;
   std::vector<StampedPose> poses;
   std::optional<SE3> T_body_camera;
+  std::size_t unusable = 0;
+  Error first_error;
+  std::optional<std::int64_t> last_ns;
   while (true) {
-    SGS_ASSIGN_OR_RETURN(const auto message, cursor->next());
-    if (!message) break;
-    SGS_ASSIGN_OR_RETURN(const auto pose, odometry ? bag::read_odometry(*message, about.encoding)
-                                                   : bag::read_pose(*message, about.encoding));
-    if (!T_body_camera) {
-      SGS_ASSIGN_OR_RETURN(const auto tree, TransformTree::read(bag, false));
-      const bool other_body = !pose.child.empty() && pose.child != camera_frame;
-      T_body_camera = other_body ? tree.fixed(pose.child, camera_frame).value_or(SE3{}) : SE3{};
+    const auto message = cursor->next();
+    if (message && !*message) break;
+    const auto pose = !message   ? Result<bag::PoseMessage>(tl::unexpected(message.error()))
+                      : odometry ? bag::read_odometry(**message, about.encoding)
+                                 : bag::read_pose(**message, about.encoding);
+    if (!pose) {
+      if (unusable++ == 0) first_error = pose.error();
+      continue;
     }
-    poses.push_back({seconds_of(pose.header.stamp_ns), pose.pose * *T_body_camera});
+    const std::int64_t time_ns = pose->header.stamp_ns;
+    if (last_ns && time_ns < *last_ns - kSetBack_ns) {
+      truth.warnings.push_back(
+          fmt::format("{}: the clock was set back by {:.3f} s; ground truth ends there",
+                      about.topic, 1e-9 * static_cast<double>(*last_ns - time_ns)));
+      break;
+    }
+    last_ns = time_ns;
+    if (!T_body_camera) T_body_camera = camera_in(bag, pose->child, camera_frame);
+    poses.push_back({seconds_of(time_ns), pose->pose * *T_body_camera});
   }
-  return Trajectory(std::move(poses));
+  if (unusable > 0) {
+    truth.warnings.push_back(
+        fmt::format("{}: {} messages are no poses and were left out; the "
+                    "first: {}",
+                    about.topic, unusable, first_error.message));
+  }
+  truth.poses = Trajectory(std::move(poses));
+  return truth;
 }
 
 }  // namespace
 
-Result<Trajectory> read_bag_truth(const bag::Bag& bag, const std::string& option,
-                                  const std::string& camera_frame) {
+Result<BagTruth> read_bag_truth(const bag::Bag& bag, const std::string& option,
+                                const std::string& camera_frame) {
   constexpr double kLargestGap_s = 0.1;
   if (option.empty()) {
     const auto channel = topic_named_truth(bag);
-    return channel ? read_poses(bag, *channel, camera_frame) : Result<Trajectory>(Trajectory{});
+    return channel ? read_poses(bag, *channel, camera_frame) : BagTruth{};
   }
   if (const auto colon = option.find(':'); colon != std::string::npos) {
     SGS_ASSIGN_OR_RETURN(const auto tree, TransformTree::read(bag, true));
@@ -75,10 +102,11 @@ Result<Trajectory> read_bag_truth(const bag::Bag& bag, const std::string& option
     };
     auto truth =
         tree.moving(frame(option.substr(0, colon)), frame(option.substr(colon + 1)), kLargestGap_s);
-    if (!truth.empty()) return truth;
+    if (!truth.empty()) return BagTruth{std::move(truth), tree.warnings()};
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("--truth-topic {}: tf does not join these frames; it has {}", option,
-                            tree.empty() ? "none" : tree.frames()));
+                            tree.empty() ? "none" : tree.frames()),
+                "name two of them that tf joins, or a topic of poses, or leave the option out");
   }
   for (const char* type : {kPoseType, kOdometryType}) {
     if (const auto channel = find_channel(bag, option, {type})) {

@@ -7,14 +7,11 @@
 #include <cctype>
 #include <cmath>
 
+#include "sgs/io/text.h"
+
 namespace sgs::dataset {
 namespace fs = std::filesystem;
 namespace {
-
-std::string lower_case(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 /// Number of the TUM camera in a sequence name ("..._freiburg2_desk", "fr1_xyz"), or 0.
 int tum_camera_number(const std::string& name) {
@@ -36,7 +33,7 @@ int tum_camera_number(const std::string& name) {
 /// dynamic sequences (Palazzolo et al., IROS 2019).
 std::optional<FoundCalibration> known_sequence(const std::string& folder) {
   constexpr double kTumDepthScale = 5000;
-  const std::string name = lower_case(folder);
+  const std::string name = io::lower_case(folder);
   if (name.find("rgbd_bonn") != std::string::npos) {
     FoundCalibration bonn{{}, "known sequence rgbd_bonn", false};
     bonn.calibration.camera = {640, 480, 542.822841, 542.576870, 315.593520, 237.756098};
@@ -69,7 +66,7 @@ std::optional<FoundCalibration> known_sequence(const std::string& folder) {
 std::optional<FoundCalibration> known_replica_scene(const FrameList& list) {
   constexpr std::array kScenes = {"room0",   "room1",   "room2",   "office0",
                                   "office1", "office2", "office3", "office4"};
-  const std::string name = lower_case(folder_name(list.folder));
+  const std::string name = io::lower_case(folder_name(list.folder));
   const bool known = std::find(kScenes.begin(), kScenes.end(), name) != kScenes.end();
   if (list.layout != "replica" || !known) return std::nullopt;
   FoundCalibration found{{}, "known Replica scene " + name, false};
@@ -81,19 +78,19 @@ std::optional<FoundCalibration> known_replica_scene(const FrameList& list) {
 Result<std::optional<FoundCalibration>> from_files(const std::vector<fs::path>& folders) {
   using Found = std::optional<FoundCalibration>;
   for (const fs::path& folder : folders) {
-    const fs::path path = folder / "sgs.toml";
+    const fs::path path = entry_of(folder, "sgs.toml");
     if (!fs::exists(path)) continue;
     SGS_ASSIGN_OR_RETURN(const auto toml, io::load_sequence_toml(path));
     if (toml.calibration) return Found{{*toml.calibration, path.string(), false}};
   }
   for (const fs::path& folder : folders) {
-    const fs::path path = folder / "camera.txt";
+    const fs::path path = entry_of(folder, "camera.txt");
     if (!fs::exists(path)) continue;
     SGS_ASSIGN_OR_RETURN(const auto calibration, io::load_camera_txt(path));
     return Found{{calibration, path.string(), false}};
   }
   for (const fs::path& folder : folders) {
-    const fs::path path = folder / "cam_params.json";
+    const fs::path path = entry_of(folder, "cam_params.json");
     if (!fs::exists(path)) continue;
     SGS_ASSIGN_OR_RETURN(const auto calibration, io::load_cam_params_json(path));
     return Found{{calibration, path.string(), false}};
@@ -141,6 +138,7 @@ Result<FoundCalibration> find_calibration(const std::vector<fs::path>& folders,
   }
   if (!found && !options.camera) return nothing_found(folders, list, "camera calibration");
   FoundCalibration result = found.value_or(FoundCalibration{});
+  result.unit_source = result.source;
   if (options.camera) {
     const io::CameraOption& camera = *options.camera;
     result.calibration.camera = {0, 0, camera.fx, camera.fy, camera.cx, camera.cy};
@@ -152,6 +150,7 @@ Result<FoundCalibration> find_calibration(const std::vector<fs::path>& folders,
   if (options.depth_scale) {
     result.calibration.depth_scale = *options.depth_scale;
     result.source += " and --depth-scale";
+    result.unit_source = "--depth-scale";
   }
   if (result.calibration.depth_scale == 0 && !options.depth_scale) {
     return nothing_found(folders, list, "depth scale");

@@ -18,7 +18,8 @@ namespace sgs::dataset {
 struct FoundCalibration {
   Calibration calibration;
   std::string source;
-  bool of_layout = false;  ///< what the layout says of its cameras applies
+  bool of_layout = false;        ///< what the layout says of its cameras applies
+  std::string unit_source = {};  ///< of the depth's unit
 };
 
 /// Looks for the calibration of a sequence: the options, then `sgs.toml`, `camera.txt`,

@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/dataset/file_sequence.h"
 
-#include <cmath>
+#include <utility>
 
 #include "sgs/camera/resample.h"
+#include "sgs/core/log.h"
 #include "sgs/io/image_io.h"
 
 namespace sgs::dataset {
@@ -56,19 +57,17 @@ Result<DepthImage> read_depth(const FrameEntry& entry, const StoredFormat& forma
   return depth;
 }
 
-/// The same view in two sizes: equal shapes, up to a pixel of rounding.
-bool same_shape(const ColorImage& color, const DepthImage& depth) {
-  const double height = static_cast<double>(color.height()) * depth.width() / color.width();
-  return std::abs(height - depth.height()) <= 1;
-}
-
-/// A camera that does not know its size takes that of the image.
+/// A camera that does not know its size takes that of the image; one that is for another size of
+/// the same view is scaled.
 template <class T>
 PinholeCamera sized(PinholeCamera camera, const Image<T>& image) {
-  if (camera.width != 0) return camera;
-  camera.width = image.width();
-  camera.height = image.height();
-  return camera;
+  if (camera.width == 0) {
+    camera.width = image.width();
+    camera.height = image.height();
+    return camera;
+  }
+  const ImageSize own{camera.width, camera.height}, size{image.width(), image.height()};
+  return own != size && same_shape(own, size) ? scaled_to(camera, size.width, size.height) : camera;
 }
 
 }  // namespace
@@ -80,13 +79,16 @@ Result<StoredFrame> read_stored(const FrameEntry& entry, const StoredFormat& for
   if (!depth) return from_list(depth.error(), entry.depth_origin);
   const bool equal = color->width() == depth->width() && color->height() == depth->height();
   const bool own_camera = format.depth_camera.fx > 0;
-  if (!equal && !own_camera && !(format.depth_size_differs && same_shape(*color, *depth))) {
+  const bool same_view =
+      same_shape({color->width(), color->height()}, {depth->width(), depth->height()});
+  if (!own_camera && !same_view) {
     return fail(ErrorCode::kUnsupported,
-                fmt::format("{} is {}x{} but {} is {}x{}", entry.color.string(), color->width(),
-                            color->height(), entry.depth.string(), depth->width(), depth->height()),
-                format.depth_size_differs
-                    ? "depth must show the same view as colour"
-                    : "depth must be registered to colour and of the same size");
+                fmt::format("{} is {}x{} but {} is {}x{}, which is another shape and so another "
+                            "view",
+                            entry.color.string(), color->width(), color->height(),
+                            entry.depth.string(), depth->width(), depth->height()),
+                "depth must be registered to colour: export it again as aligned to colour, or give "
+                "the original recording (a bag knows both cameras)");
   }
   StoredCameras cameras;
   cameras.color = sized(entry.camera.value_or(format.calibration.camera), *color);
@@ -109,8 +111,20 @@ FileSequence::FileSequence(std::string name, std::vector<FrameEntry> frames, Tra
 
 Status FileSequence::read(const FrameEntry& entry, RgbdFrame& frame) const {
   SGS_ASSIGN_OR_RETURN(StoredFrame stored, read_stored(entry, format_));
+  note_size(entry, {stored.color.width(), stored.color.height()});
   return fit_.fit(std::move(stored.color), std::move(stored.depth), stored.cameras,
                   entry.color.string(), entry.depth.string(), frame);
+}
+
+/// Says once that images come in several sizes.
+void FileSequence::note_size(const FrameEntry& entry, ImageSize size) const {
+  if (!size_) size_ = size;
+  if (size == *size_ || std::exchange(sizes_told_, true)) return;
+  log().warn(
+      "{} is {}x{}, images before it {}x{}: the images have several sizes; all are brought "
+      "to {}x{}",
+      entry.color.string(), size.width, size.height, size_->width, size_->height,
+      fit_.camera().width, fit_.camera().height);
 }
 
 FrameRead FileSequence::next(RgbdFrame& frame, Error& error) {

@@ -10,6 +10,7 @@
 #include "sgs/dataset/frame_fit.h"
 #include "sgs/dataset/frame_list.h"
 #include "sgs/dataset/frame_source.h"
+#include "sgs/dataset/image_size.h"
 
 namespace sgs::dataset {
 
@@ -18,7 +19,7 @@ struct StoredFormat {
   Calibration calibration;  ///< of the colour images, or of a typical one where they differ
   /// Of the depth images, registered to colour; without it (fx 0) the same view as colour.
   PinholeCamera depth_camera;
-  bool depth_size_differs = false;  ///< depth may have a size of its own
+  bool depth_size_differs = false;  ///< depth is known to have a size of its own
   DepthCoding depth_coding = DepthCoding::kPlain;
   double max_depth_m = std::numeric_limits<double>::infinity();  ///< farther ones are guesses
   int min_confidence = 0;  ///< depths of lower confidence are no measurements
@@ -52,6 +53,7 @@ class FileSequence : public FrameSource {
 
  private:
   Status read(const FrameEntry& entry, RgbdFrame& frame) const;
+  void note_size(const FrameEntry& entry, ImageSize size) const;
 
   std::string name_;
   std::vector<FrameEntry> frames_;
@@ -59,6 +61,8 @@ class FileSequence : public FrameSource {
   StoredFormat format_;
   FrameFit fit_;
   std::size_t position_ = 0;
+  mutable std::optional<ImageSize> size_;  ///< of the first colour image
+  mutable bool sizes_told_ = false;
 };
 
 }  // namespace sgs::dataset

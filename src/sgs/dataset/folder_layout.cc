@@ -1,18 +1,38 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <map>
+#include <optional>
 
 #include "sgs/dataset/frame_list.h"
-#include "sgs/io/trajectory_io.h"
+#include "sgs/io/text.h"
 
 namespace sgs::dataset {
 namespace fs = std::filesystem;
 namespace {
 
+/// Puts images in the order that their names mean: of the numbers that they are, times perhaps, or
+/// with numbers in them counting as numbers.
+void order_by_name(std::vector<fs::path>& files) {
+  const auto number = [](const fs::path& file) -> std::optional<double> {
+    const std::string stem = file.stem().string();
+    if (stem.find_first_not_of("0123456789.") != std::string::npos) return std::nullopt;
+    return io::parse_double(stem);
+  };
+  const bool numbers = std::all_of(files.begin(), files.end(), number);
+  std::stable_sort(files.begin(), files.end(), [&](const fs::path& a, const fs::path& b) {
+    if (numbers) return *number(a) < *number(b);
+    return natural_less(a.filename().string(), b.filename().string());
+  });
+}
+
 std::vector<fs::path> images_named(const fs::path& folder, const std::string& pattern) {
   const fs::path path = folder / pattern;
-  if (pattern.find('*') == std::string::npos) return image_files(path);
-  return files_matching(path.parent_path(), path.filename().string());
+  auto files = pattern.find('*') == std::string::npos
+                   ? image_files(entry_of(folder, pattern))
+                   : files_matching(path.parent_path(), path.filename().string());
+  order_by_name(files);
+  return files;
 }
 
 using Pairs = std::vector<std::pair<fs::path, fs::path>>;
@@ -57,6 +77,8 @@ Result<FrameList> list_folder(const fs::path& folder, const io::SequenceToml& to
                 "sequence.color and sequence.depth are folders or patterns such as color/*.png");
   }
   Pairs pairs;
+  out.paired = toml.match == io::FrameMatching::kStem ? "of equal name" : "in order";
+  out.times_source = fmt::format("sequence.fps of {}, {:g} a second", toml_path.string(), toml.fps);
   if (toml.match == io::FrameMatching::kStem) {
     pairs = pair_by_stem(color, depth);
   } else {
@@ -74,9 +96,7 @@ Result<FrameList> list_folder(const fs::path& folder, const io::SequenceToml& to
   out.color_without_depth = color.size() - pairs.size();
   out.depth_without_color = depth.size() - pairs.size();
   if (!toml.trajectory.empty()) {
-    SGS_ASSIGN_OR_RETURN(auto truth, io::load_trajectory(folder / toml.trajectory));
-    out.truth = std::move(truth.trajectory);
-    if (!truth.warning.empty()) out.warnings.push_back(truth.warning);
+    take_truth(folder / toml.trajectory, out);
   }
   return out;
 }

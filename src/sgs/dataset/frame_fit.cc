@@ -14,7 +14,9 @@ Status check_size(std::string_view name, int width, int height, const PinholeCam
   if (width == camera.width && height == camera.height) return {};
   return fail(ErrorCode::kUnsupported,
               fmt::format("{} is {}x{} but the calibration is for {}x{}", name, width, height,
-                          camera.width, camera.height));
+                          camera.width, camera.height),
+              "such frames are left out; if it is most of them, give the calibration of that size: "
+              "--camera fx,fy,cx,cy and --depth-scale S");
 }
 
 }  // namespace
@@ -49,20 +51,35 @@ Status FrameFit::fit(ColorImage color, DepthImage depth, const StoredCameras& st
   return {};
 }
 
-Status check_depth_unit(const DepthImage& depth, double depth_scale, std::string_view source) {
-  constexpr float kNearest_m = 0.05f, kFarthest_m = 20;
+double median_depth_m(const DepthImage& depth) {
   std::vector<float> measured;
   std::copy_if(depth.data(), depth.data() + depth.size(), std::back_inserter(measured),
                [](float z) { return z > 0; });
-  if (measured.empty()) return {};
+  if (measured.empty()) return 0;
   const auto middle = measured.begin() + static_cast<std::ptrdiff_t>(measured.size() / 2);
   std::nth_element(measured.begin(), middle, measured.end());
-  if (*middle >= kNearest_m && *middle <= kFarthest_m) return {};
+  return static_cast<double>(*middle);
+}
+
+void warn_of_doubtful_unit(double median_m, std::vector<std::string>& warnings) {
+  constexpr double kNear_m = 0.25, kFar_m = 6;
+  if (median_m == 0 || (median_m >= kNear_m && median_m <= kFar_m)) return;
+  warnings.push_back(fmt::format(
+      "the median depth of the first frame is {:.3g} m, which is {} for a room: if the unit of "
+      "depth is another one, everything comes out in the wrong size; --depth-scale S says it, raw "
+      "units per metre",
+      median_m, median_m < kNear_m ? "near" : "far"));
+}
+
+Status check_depth_unit(const DepthImage& depth, double depth_scale, std::string_view source) {
+  constexpr double kNearest_m = 0.05, kFarthest_m = 20;
+  const double median_m = median_depth_m(depth);
+  if (median_m == 0 || (median_m >= kNearest_m && median_m <= kFarthest_m)) return {};
   return fail(
       ErrorCode::kInvalidFormat,
       fmt::format("the median depth is {:.3g} m with {} raw units per metre (from {}); cameras "
                   "measure {} to {} m, so the unit is another one",
-                  *middle, depth_scale, source, kNearest_m, kFarthest_m),
+                  median_m, depth_scale, source, kNearest_m, kFarthest_m),
       "give the unit: --depth-scale 1000 for millimetres, 5000 for TUM recordings");
 }
 

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "sgs/camera/pinhole.h"
 #include "sgs/camera/rgbd_frame.h"
@@ -47,5 +49,12 @@ class FrameFit {
 /// `depth_scale` and `source` say in the message which unit was assumed and who said so. An image
 /// without any depth passes.
 Status check_depth_unit(const DepthImage& depth, double depth_scale, std::string_view source);
+
+/// Warns of a median depth, in metres, that is possible but not usual for a room: the unit may be
+/// another one. 0 = nothing was measured.
+void warn_of_doubtful_unit(double median_m, std::vector<std::string>& warnings);
+
+/// The median of what was measured, in metres; 0 where nothing was.
+double median_depth_m(const DepthImage& depth);
 
 }  // namespace sgs::dataset

@@ -3,10 +3,12 @@
 #include "sgs/dataset/frame_list.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <string_view>
 #include <system_error>
+
+#include "sgs/io/text.h"
+#include "sgs/io/trajectory_io.h"
 
 namespace sgs::dataset {
 namespace fs = std::filesystem;
@@ -17,13 +19,58 @@ std::vector<fs::path> files_where(const fs::path& folder, Predicate wanted) {
   std::vector<fs::path> files;
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    if (!it->is_directory(error) && wanted(it->path())) files.push_back(it->path());
+    if (is_left_behind(it->path()) || it->is_directory(error)) continue;
+    if (wanted(it->path())) files.push_back(it->path());
   }
   std::sort(files.begin(), files.end());
   return files;
 }
 
 }  // namespace
+
+fs::path entry_of(const fs::path& folder, const fs::path& name) {
+  // Folders with more in them hold the images themselves: they are not searched for each name.
+  constexpr int kMostEntries = 2000;
+  std::error_code error;
+  if (fs::exists(folder / name, error)) return folder / name;
+  fs::path found = folder;
+  for (const fs::path& part : name) {
+    fs::path next = found / part;
+    if (!fs::exists(next, error)) {
+      const std::string wanted = io::lower_case(part.string());
+      std::vector<fs::path> alike;
+      int entries = 0;
+      for (fs::directory_iterator it(found, error), end; !error && it != end; it.increment(error)) {
+        const bool same = io::lower_case(it->path().filename().string()) == wanted;
+        if (same) alike.push_back(it->path());
+        if (++entries > kMostEntries) break;
+      }
+      if (alike.empty()) return folder / name;
+      next = *std::min_element(alike.begin(), alike.end());
+    }
+    found = std::move(next);
+  }
+  return found;
+}
+
+bool is_left_behind(const fs::path& file) {
+  const std::string name = io::lower_case(file.filename().string());
+  return name.starts_with('.') || name == "thumbs.db" || name == "desktop.ini" ||
+         name == "__macosx" || name == "@eadir";
+}
+
+void truth_or_warning(const Status& status, FrameList& list) {
+  if (status) return;
+  list.truth = {};
+  list.warnings.push_back(fmt::format("no ground truth: {}", status.error().text()));
+}
+
+void take_truth(const fs::path& file, FrameList& list) {
+  auto truth = io::load_trajectory(file);
+  if (!truth) return truth_or_warning(tl::unexpected(truth.error()), list);
+  list.truth = std::move(truth->trajectory);
+  if (!truth->warning.empty()) list.warnings.push_back(truth->warning);
+}
 
 std::vector<fs::path> files_matching(const fs::path& folder, const std::string& pattern) {
   const auto star = pattern.find('*');
@@ -39,9 +86,7 @@ std::vector<fs::path> files_matching(const fs::path& folder, const std::string& 
 
 std::vector<fs::path> image_files(const fs::path& folder) {
   return files_where(folder, [](const fs::path& path) {
-    std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string extension = io::lower_case(path.extension().string());
     return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
   });
 }

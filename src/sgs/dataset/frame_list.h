@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "sgs/core/error.h"
+#include "sgs/dataset/time_unit.h"
 #include "sgs/geometry/trajectory.h"
 #include "sgs/io/calibration_io.h"
 
@@ -46,6 +47,10 @@ struct FrameList {
   std::vector<FrameEntry> frames;  ///< in order of time
   Trajectory truth;
   std::size_t color_without_depth = 0, depth_without_color = 0;
+  const char* paired = "near in time";  ///< what made pairs of the images, for messages
+  std::size_t color_images = 0;         ///< that were there, usable or not; 0 = those counted here
+  std::string times_source = {};        ///< for people: what the times are
+  bool clock_set_back = false;          ///< while it was recorded: times were moved
   std::vector<std::string> warnings;
   std::optional<LayoutCalibration> calibration = {};
   std::optional<PinholeCamera> depth_camera = {};  ///< where it is not simply that of colour
@@ -69,6 +74,7 @@ Result<FrameList> list_sun3d(const std::filesystem::path& folder);
 Result<FrameList> list_transforms(const std::filesystem::path& folder);
 Result<FrameList> list_polycam(const std::filesystem::path& folder);
 Result<FrameList> list_arkit_scenes(const std::filesystem::path& folder);
+Result<FrameList> list_bare(const std::filesystem::path& folder);
 
 /// Whether a folder has the files that mark a layout.
 bool looks_like_tum(const std::filesystem::path& folder);
@@ -81,12 +87,30 @@ bool looks_like_sun3d(const std::filesystem::path& folder);
 bool looks_like_transforms(const std::filesystem::path& folder);
 bool looks_like_polycam(const std::filesystem::path& folder);
 bool looks_like_arkit_scenes(const std::filesystem::path& folder);
+bool looks_like_bare(const std::filesystem::path& folder);
 
-/// Reads `associations.txt` ("time colour time depth", either first) into `out.frames`.
-Status read_associations(const std::filesystem::path& list, FrameList& out);
+/// Takes the poses of a file as ground truth. Truth is optional: what cannot be read is a warning.
+void take_truth(const std::filesystem::path& file, FrameList& list);
+/// The same of a reader's result: an error becomes a warning.
+void truth_or_warning(const Status& status, FrameList& list);
+
+/// Reads `associations.txt` ("time colour time depth", either first) into `out.frames`, as
+/// read_image_list() does its rows; times that are `frame_numbers` stay what they are. Returns the
+/// unit of the times.
+Result<TimeUnit> read_associations(const std::filesystem::path& list, bool frame_numbers,
+                                   FrameList& out);
+
+/// What is called `name` in a folder ("a/b" below it): as written or, where there is no such thing,
+/// in letters of another case. The plain path where there is neither.
+std::filesystem::path entry_of(const std::filesystem::path& folder,
+                               const std::filesystem::path& name);
+
+/// Whether a file is none of a recording but of the system that copied it: "._NAME" and .DS_Store
+/// (macOS), Thumbs.db, desktop.ini (Windows), __MACOSX, and anything hidden.
+bool is_left_behind(const std::filesystem::path& file);
 
 /// Files of a folder whose name matches `pattern` (one '*' at most stands for anything), sorted by
-/// name. A missing folder has no files.
+/// name. A missing folder has no files; what is_left_behind() counts as none.
 std::vector<std::filesystem::path> files_matching(const std::filesystem::path& folder,
                                                   const std::string& pattern);
 /// PNG and JPEG files of a folder, sorted by name.

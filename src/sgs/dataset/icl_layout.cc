@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <utility>
 
 #include "sgs/dataset/frame_list.h"
 #include "sgs/dataset/rigid.h"
-#include "sgs/io/trajectory_io.h"
 
 namespace sgs::dataset {
 namespace fs = std::filesystem;
@@ -31,15 +31,16 @@ Result<FrameList> list_icl(const fs::path& folder) {
   out.layout = "icl-nuim";
   out.name = folder_name(folder);
   out.folder = folder;
-  SGS_RETURN_IF_ERROR(read_associations(folder / "associations.txt", out));
+  SGS_RETURN_IF_ERROR(read_associations(folder / "associations.txt", true, out));
+  out.times_source = fmt::format("frame numbers, {:g} a second", kIclFps);
   for (FrameEntry& frame : out.frames) frame.timestamp_s /= kIclFps;
   out.calibration = {{{640, 480, 481.2, 480, 319.5, 239.5}, {}, 5000},
                      "the values published with ICL-NUIM"};
-  SGS_ASSIGN_OR_RETURN(auto truth, io::load_trajectory(icl_truth(folder)));
-  for (const StampedPose& pose : truth.trajectory.poses()) {
+  take_truth(icl_truth(folder), out);
+  const Trajectory counted = std::exchange(out.truth, {});
+  for (const StampedPose& pose : counted.poses()) {
     out.truth.push_back({pose.timestamp_s / kIclFps, from_left_handed(pose.T_world_camera)});
   }
-  if (!truth.warning.empty()) out.warnings.push_back(truth.warning);
   return out;
 }
 

@@ -3,12 +3,13 @@
 #include "sgs/dataset/json_file.h"
 
 #include "sgs/io/atomic_file.h"
+#include "sgs/io/text.h"
 
 namespace sgs::dataset {
 
 Result<nlohmann::json> load_json(const std::filesystem::path& path) {
   constexpr std::int64_t kLargest_bytes = std::int64_t{64} << 20;
-  SGS_ASSIGN_OR_RETURN(const std::string content, io::read_file(path, kLargest_bytes));
+  SGS_ASSIGN_OR_RETURN(const std::string content, io::read_text(path, kLargest_bytes));
   return parse_json(content, path.string());
 }
 

@@ -3,7 +3,6 @@
 #include "sgs/dataset/open.h"
 
 #include <algorithm>
-#include <array>
 
 #include "sgs/bag/bag.h"
 #include "sgs/camera/resample.h"
@@ -12,78 +11,17 @@
 #include "sgs/dataset/calibration_lookup.h"
 #include "sgs/dataset/file_sequence.h"
 #include "sgs/dataset/frame_list.h"
+#include "sgs/dataset/locate.h"
 #include "sgs/dataset/prefetch.h"
 #include "sgs/dataset/reduced_source.h"
 #include "sgs/dataset/sens_source.h"
 #include "sgs/dataset/sparse_capture.h"
+#include "sgs/io/archive.h"
+#include "sgs/io/text.h"
 
 namespace sgs::dataset {
 namespace fs = std::filesystem;
 namespace {
-
-/// The only folder below `parent` that holds a Replica scene; empty if there is none or several.
-Result<fs::path> single_scene(const fs::path& parent) {
-  std::vector<fs::path> scenes;
-  std::error_code error;
-  for (fs::directory_iterator it(parent, error), end; !error && it != end; it.increment(error)) {
-    if (it->is_directory(error) && looks_like_replica(it->path())) scenes.push_back(it->path());
-  }
-  if (scenes.size() == 1) return scenes.front();
-  if (scenes.empty()) {
-    return fail(ErrorCode::kInvalidFormat,
-                fmt::format("{}: no known sequence layout; looked for rgb.txt with depth.txt, or "
-                            "associations.txt (TUM), results/frame*.jpg with results/depth*.png, "
-                            "or images/ with depth_images/ (Replica, NICE-SLAM), sgs.toml with "
-                            "sequence.color and sequence.depth, and what marks ScanNet, 7-Scenes, "
-                            "Open3D, SUN3D, ICL-NUIM, nerfstudio, Polycam and ARKitScenes",
-                            parent.string()),
-                "give the folder that holds one of these; an sgs.toml describes any folder of "
-                "images");
-  }
-  std::sort(scenes.begin(), scenes.end());
-  return fail(ErrorCode::kInvalidArgument,
-              fmt::format("{}: holds {} scenes", parent.string(), scenes.size()),
-              fmt::format("give one of them, for example {}", scenes.front().string()));
-}
-
-/// How a layout is known and read.
-struct Layout {
-  bool (*looks_like)(const fs::path& folder);
-  Result<FrameList> (*list)(const fs::path& folder);
-};
-
-/// In the order in which they are tried: the surest marks first. TUM and Replica need more to be
-/// told and come apart.
-constexpr std::array kLayouts = {
-    Layout{looks_like_icl, list_icl},
-    Layout{looks_like_polycam, list_polycam},
-    Layout{looks_like_transforms, list_transforms},
-    Layout{looks_like_scannet, list_scannet},
-    Layout{looks_like_seven_scenes, list_seven_scenes},
-    Layout{looks_like_arkit_scenes, list_arkit_scenes},
-    Layout{looks_like_sun3d, list_sun3d},
-    Layout{looks_like_open3d, list_open3d},
-};
-
-Result<FrameList> list_frames(const fs::path& folder, const OpenOptions& options) {
-  io::SequenceToml toml;
-  if (fs::exists(folder / "sgs.toml")) {
-    SGS_ASSIGN_OR_RETURN(toml, io::load_sequence_toml(folder / "sgs.toml"));
-  }
-  const auto list = [&]() -> Result<FrameList> {
-    if (!toml.color.empty()) return list_folder(folder, toml);
-    for (const Layout& layout : kLayouts) {
-      if (layout.looks_like(folder)) return layout.list(folder);
-    }
-    if (looks_like_tum(folder)) return list_tum(folder, options.max_time_difference_s);
-    if (looks_like_replica(folder)) return list_replica(folder);
-    SGS_ASSIGN_OR_RETURN(const fs::path scene, single_scene(folder));
-    return list_replica(scene);
-  };
-  SGS_ASSIGN_OR_RETURN(FrameList frames, list());
-  if (!toml.name.empty()) frames.name = toml.name;
-  return frames;
-}
 
 Status cut_range(FrameList& list, const OpenOptions& options) {
   const auto count = static_cast<std::int64_t>(list.frames.size());
@@ -105,12 +43,33 @@ std::size_t count_missing(const std::vector<FrameEntry>& frames) {
 struct Probe {
   StoredCameras cameras;
   DepthImage depth;
+  ImageSize color;
 };
+
+/// Whether the images of a frame have the sizes that the calibration is for.
+Status check_sizes(const FrameEntry& entry, const StoredFrame& stored, const std::string& source,
+                   const StoredFormat& format) {
+  const auto check = [&](const fs::path& file, ImageSize size, const PinholeCamera& c) -> Status {
+    if (c.width == 0 || size == ImageSize{c.width, c.height}) return {};
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} is {}x{} but the calibration from {} is for {}x{}", file.string(),
+                            size.width, size.height, source, c.width, c.height),
+                "give the calibration of images of this size: --camera fx,fy,cx,cy and "
+                "--depth-scale S");
+  };
+  SGS_RETURN_IF_ERROR(check(entry.color, {stored.color.width(), stored.color.height()},
+                            entry.camera.value_or(format.calibration.camera)));
+  if (!(format.depth_camera.fx > 0)) return {};
+  return check(entry.depth, {stored.depth.width(), stored.depth.height()}, format.depth_camera);
+}
 
 /// Decodes frames until one can be read and fits the calibration to its size. Damaged and missing
 /// images are passed over; images of the wrong kind are an error of the whole sequence.
 Result<Probe> probe(const FrameList& list, const std::string& source, const StoredFormat& format) {
-  Error first_error;
+  constexpr std::size_t kOtherSizes = 50;
+  Error first_error, first_size;
+  std::size_t other_sizes = 0;
+  std::optional<Probe> fallback;  // depth of another size than colour
   for (const FrameEntry& entry : list.frames) {
     auto stored = read_stored(entry, format);
     if (!stored) {
@@ -118,18 +77,24 @@ Result<Probe> probe(const FrameList& list, const std::string& source, const Stor
       if (first_error.message.empty()) first_error = stored.error();
       continue;
     }
-    const auto check = [&](const fs::path& file, int width, int height, const PinholeCamera& c) {
-      if (c.width == width && c.height == height) return Status{};
-      return Status(fail(ErrorCode::kInvalidArgument,
-                         fmt::format("{} is {}x{} but the calibration from {} is for {}x{}",
-                                     file.string(), width, height, source, c.width, c.height),
-                         "give the calibration of images of this size"));
-    };
     const auto& [color, depth, cameras] = *stored;
-    SGS_RETURN_IF_ERROR(check(entry.color, color.width(), color.height(), cameras.color));
-    SGS_RETURN_IF_ERROR(check(entry.depth, depth.width(), depth.height(), cameras.depth));
-    return Probe{cameras, std::move(stored->depth)};
+    const Status fits = check_sizes(entry, *stored, source, format);
+    if (fits) {
+      const ImageSize color_size{color.width(), color.height()};
+      const ImageSize depth_size{depth.width(), depth.height()};
+      const bool as_expected =
+          format.depth_size_differs || format.depth_camera.fx > 0 || color_size == depth_size;
+      Probe seen{cameras, std::move(stored->depth), color_size};
+      if (as_expected) return seen;
+      if (!fallback) fallback = std::move(seen);
+    } else if (first_size.message.empty()) {
+      first_size = fits.error();
+    }
+    // Cameras may start in another mode than they go on in.
+    if (++other_sizes > kOtherSizes) break;
   }
+  if (fallback) return std::move(*fallback);
+  if (!first_size.message.empty()) return tl::unexpected<Error>(std::move(first_size));
   first_error.message = fmt::format("{}: none of {} frames can be read; the first: {}",
                                     list.folder.string(), list.frames.size(), first_error.message);
   return tl::unexpected<Error>(std::move(first_error));
@@ -150,14 +115,17 @@ void add_warnings(SequenceInfo& info, const FrameList& list) {
   const auto count = [&](std::size_t n, const char* what) {
     if (n > 0) info.warnings.push_back(fmt::format("{}: {} {}", info.folder.string(), n, what));
   };
-  count(info.color_without_depth, "colour images without depth near in time, left out");
-  count(info.depth_without_color, "depth images without colour near in time, left out");
+  count(info.color_without_depth,
+        fmt::format("colour images without depth {}, left out", list.paired).c_str());
+  count(info.depth_without_color,
+        fmt::format("depth images without colour {}, left out", list.paired).c_str());
   count(info.missing_images, "frames name an image that does not exist; they will be skipped");
   const auto covered = [&](const FrameEntry& e) { return list.truth.at(e.timestamp_s, 0.1); };
   if (!list.truth.empty() && std::none_of(list.frames.begin(), list.frames.end(), covered)) {
     info.warnings.push_back(fmt::format(
-        "{}: the ground truth covers {:.6f} .. {:.6f} s, none of the frames", info.folder.string(),
-        list.truth.poses().front().timestamp_s, list.truth.poses().back().timestamp_s));
+        "{}: the ground truth covers {:.6f} .. {:.6f} s, none of the frames ({:.6f} .. {:.6f} s)",
+        info.folder.string(), list.truth.poses().front().timestamp_s,
+        list.truth.poses().back().timestamp_s, info.first_time_s, info.last_time_s));
   }
 }
 
@@ -196,6 +164,11 @@ SequenceInfo describe(const FrameList& list, const FoundCalibration& found) {
   info.color_without_depth = list.color_without_depth;
   info.depth_without_color = list.depth_without_color;
   info.missing_images = count_missing(list.frames);
+  info.color_images = static_cast<std::int64_t>(
+      std::max(list.color_images, list.frames.size() + list.color_without_depth));
+  info.unit_source = found.unit_source;
+  info.relation_source = "depth is registered, as in this layout";
+  info.times_source = list.times_source;
   info.warnings = list.warnings;
   add_warnings(info, list);
   return info;
@@ -213,6 +186,19 @@ std::vector<double> times_of_frames(const FrameList& list) {
   return times_s;
 }
 
+/// What the first frame lets doubt.
+void warn_of_probe(const Probe& seen, const StoredFormat& format, const OpenOptions& options,
+                   std::vector<std::string>& warnings) {
+  const ImageSize depth{seen.depth.width(), seen.depth.height()};
+  const bool own_camera = format.depth_camera.fx > 0;
+  if (!own_camera && !format.depth_size_differs && depth != seen.color) {
+    warnings.push_back(fmt::format(
+        "depth is {}x{}, colour {}x{}: they are taken for the same view, as registered depth is",
+        depth.width, depth.height, seen.color.width, seen.color.height));
+  }
+  if (!options.depth_scale) warn_of_doubtful_unit(median_depth_m(seen.depth), warnings);
+}
+
 Result<Sequence> open_folder(const fs::path& folder, const OpenOptions& options) {
   SGS_ASSIGN_OR_RETURN(FrameList list, list_frames(folder, options));
   std::vector<fs::path> places = {list.folder};
@@ -220,6 +206,7 @@ Result<Sequence> open_folder(const fs::path& folder, const OpenOptions& options)
   SGS_ASSIGN_OR_RETURN(const FoundCalibration found, find_calibration(places, list, options));
   const auto frames_in_folder = static_cast<std::int64_t>(list.frames.size());
   SGS_RETURN_IF_ERROR(cut_range(list, options));
+  const auto images_outside = frames_in_folder - static_cast<std::int64_t>(list.frames.size());
   SGS_ASSIGN_OR_RETURN(StoredFormat format, stored_format(list, found));
   SGS_ASSIGN_OR_RETURN(const Probe seen, probe(list, found.source, format));
   if (format.calibration.camera.width == 0) format.calibration.camera = seen.cameras.color;
@@ -235,7 +222,9 @@ Result<Sequence> open_folder(const fs::path& folder, const OpenOptions& options)
   }
   Sequence sequence;
   sequence.info = describe(list, found);
+  sequence.info.color_images += images_outside;
   sequence.info.frames_in_folder = frames_in_folder;
+  warn_of_probe(seen, format, options, sequence.info.warnings);
   sequence.info.calibration = format.calibration;
   sequence.info.delivered = delivered_camera(typical, options.max_width);
   sequence.info.sparse = is_sparse(times_of_frames(list), list.truth);
@@ -255,17 +244,19 @@ Result<Sequence> open_bag(const fs::path& input, const OpenOptions& options) {
 
 /// What is not a folder: a file that holds a whole recording, or one that marks a folder.
 Result<Sequence> open_file(const fs::path& file, const OpenOptions& options) {
-  if (file.filename() == "transforms.json") return open_folder(file.parent_path(), options);
+  const std::string name = io::lower_case(file.filename().string());
+  if (name == "transforms.json") return open_folder(file.parent_path(), options);
   if (is_sens(file)) return open_sens(file, options);
-  if (file.extension() == ".r3d") {
+  if (name.ends_with(".r3d")) {
     return fail(
         ErrorCode::kUnsupported,
         fmt::format("{}: Record3D compresses depth in a way that this program does not read",
                     file.string()),
         fmt::format("convert it first: `python3 record3d_to_transforms.py {} OUT` (in the "
                     "folder scripts/ of the sources), then `sgs run OUT`",
-                    file.string()));
+                    io::shell_quoted(file)));
   }
+  if (const auto unpacking = io::unpacking_of(file)) return io::packed_as_a_whole(file, *unpacking);
   return fail(ErrorCode::kUnsupported,
               fmt::format("{}: not a folder, and no recording that is known", file.string()),
               "give the folder of an RGB-D sequence, a bag (.bag, .mcap, .db3), or a ScanNet .sens "
@@ -299,17 +290,6 @@ Status add_given_poses(Sequence& sequence, const OpenOptions& options, const fs:
 
 }  // namespace
 
-bool looks_like_sequence(const fs::path& folder) {
-  try {
-    return fs::exists(folder / "sgs.toml") || looks_like_tum(folder) ||
-           looks_like_replica(folder) || bag::looks_like_bag(folder) ||
-           std::any_of(kLayouts.begin(), kLayouts.end(),
-                       [&](const Layout& layout) { return layout.looks_like(folder); });
-  } catch (const fs::filesystem_error&) {
-    return false;
-  }
-}
-
 Result<std::pair<std::int64_t, std::int64_t>> frame_range(const OpenOptions& options,
                                                           const fs::path& input,
                                                           std::int64_t count) {
@@ -326,13 +306,17 @@ Result<std::pair<std::int64_t, std::int64_t>> frame_range(const OpenOptions& opt
 
 Result<Sequence> open_sequence(const fs::path& input, const OpenOptions& options) {
   SGS_RETURN_IF_ERROR(check_options(options));
-  std::error_code error;
-  if (!fs::exists(input, error)) {
-    return fail(ErrorCode::kNotFound, fmt::format("{}: no such file or folder", input.string()),
-                "give the folder of an RGB-D sequence, a bag, or synth:NAME");
+  SGS_ASSIGN_OR_RETURN(const Location found, locate_recording(input));
+  for (const fs::path& file : options.more_files) {
+    if (found.is_bag && bag::looks_like_bag(file)) continue;
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} and {}: only bags can be given in several files", input.string(),
+                            file.string()),
+                "give one recording at a time");
   }
-  SGS_ASSIGN_OR_RETURN(Sequence sequence, bag::looks_like_bag(input) ? open_bag(input, options)
-                                                                     : open_images(input, options));
+  if (found.path != input) log().info("{}: read from {}", input.string(), found.path.string());
+  SGS_ASSIGN_OR_RETURN(Sequence sequence, found.is_bag ? open_bag(found.path, options)
+                                                       : open_images(found.path, options));
   if (!options.poses.empty()) SGS_RETURN_IF_ERROR(add_given_poses(sequence, options, input));
   return sequence;
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "sgs/camera/pinhole.h"
+#include "sgs/core/enum_names.h"
 #include "sgs/core/error.h"
 #include "sgs/dataset/depth_stamps.h"
 #include "sgs/dataset/frame_source.h"
@@ -23,6 +24,17 @@ namespace sgs::dataset {
 
 /// Images are delivered no wider than this unless asked for: what time is known for.
 inline constexpr int kDefaultMaxWidth_px = 640;
+
+/// Whose times the images of a bag have.
+enum class Stamps {
+  kCamera,    ///< header.stamp
+  kReceived,  ///< when they were recorded; for device clocks that are of no use
+};
+
+constexpr auto enum_names(Stamps) {
+  using enum Stamps;
+  return std::to_array<EnumName<Stamps>>({{kCamera, "camera"}, {kReceived, "received"}});
+}
 
 /// How to open a recording.
 struct OpenOptions {
@@ -37,6 +49,8 @@ struct OpenOptions {
       extrinsics;  ///< T_color_depth as "tx,ty,tz,qx,qy,qz,qw", or "aligned"; empty = recorded
   std::string
       truth_topic;  ///< of poses, or "world:camera" of tf; empty = one that says it is the truth
+  Stamps stamps = Stamps::kCamera;
+  std::vector<std::filesystem::path> more_files;  ///< of the same recording, beside the input
   /// Poses to deliver with the frames (given_poses.h): kRecordedPoses, a file, or none (empty).
   std::string poses;
   std::size_t prefetch = 8;             ///< frames decoded ahead on a thread of their own; 0 = none
@@ -54,8 +68,12 @@ struct SequenceInfo {
   double last_time_s = 0;
   Calibration calibration;         ///< of the images as stored, distortion included
   std::string calibration_source;  ///< "sgs.toml", "--camera", "known sequence freiburg1", ...
-  PinholeCamera delivered;         ///< of the frames as delivered
-  bool sparse = false;             ///< single views, too far apart to be tracked
+  /// Who says what a unit of depth is, how depth stands to colour, and what the times are; in
+  /// words.
+  std::string unit_source, relation_source, times_source;
+  std::int64_t color_images = 0;  ///< that the whole recording has, usable or not; 0 = not known
+  PinholeCamera delivered;        ///< of the frames as delivered
+  bool sparse = false;            ///< single views, too far apart to be tracked
   std::string color_topic, depth_topic;     ///< of a bag
   std::optional<DepthDelays> depth_delays;  ///< empty: depth has no stamps of its own, or a bag
   std::size_t truth_rows = 0;               ///< usable ground-truth poses
@@ -82,6 +100,14 @@ struct Sequence {
 /// RgbdFrame::index counts from 0 at the first frame of the opened range. A frame with a missing,
 /// damaged or unfitting image is a bad frame; a sequence without any usable frame does not open.
 Result<Sequence> open_sequence(const std::filesystem::path& input, const OpenOptions& options = {});
+
+/// Where the recording is that an input means: the input itself, or the only one at most two
+/// folders below it.
+struct Location {
+  std::filesystem::path path;
+  bool is_bag = false;  ///< of messages (bag_source.h); else of images
+};
+Result<Location> locate_recording(const std::filesystem::path& input);
 
 /// Whether a folder has the marks of a layout that open_sequence() reads, by the names of its files
 /// alone; what cannot be looked at has none.

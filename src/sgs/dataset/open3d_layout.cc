@@ -21,7 +21,8 @@ constexpr double kOpen3dDepthScale = 1000;
 
 fs::path first_there(const fs::path& folder, std::span<const char* const> names) {
   for (const char* name : names) {
-    if (fs::exists(folder / name)) return folder / name;
+    const fs::path entry = entry_of(folder, name);
+    if (fs::exists(entry)) return entry;
   }
   return {};
 }
@@ -67,7 +68,7 @@ Result<Open3dIntrinsics> read_open3d_intrinsics(const fs::path& path) {
 /// Open3D's log: "i j k", then the 4x4 of frame i, camera to world.
 Result<std::map<long, std::optional<SE3>>> read_open3d_log(const fs::path& path) {
   constexpr std::size_t kNumbers = 3 + 16;
-  SGS_ASSIGN_OR_RETURN(const std::string content, io::read_file(path));
+  SGS_ASSIGN_OR_RETURN(const std::string content, io::read_text(path));
   const auto numbers = io::parse_doubles(content);
   if (!numbers || numbers->size() % kNumbers != 0) {
     return fail(ErrorCode::kInvalidFormat,
@@ -84,7 +85,7 @@ Result<std::map<long, std::optional<SE3>>> read_open3d_log(const fs::path& path)
 
 Status pair_open3d_images(const fs::path& color_folder, double fps, FrameList& out) {
   constexpr double kMaxDifference_s = 0.02;
-  const auto color = image_files(color_folder), depth = image_files(out.folder / "depth");
+  const auto color = image_files(color_folder), depth = image_files(entry_of(out.folder, "depth"));
   const auto timed_color = files_with_microseconds(color);
   const auto timed_depth = files_with_microseconds(depth);
   if (timed_color && timed_depth) {
@@ -104,7 +105,7 @@ Status pair_open3d_images(const fs::path& color_folder, double fps, FrameList& o
 }  // namespace
 
 bool looks_like_open3d(const fs::path& folder) {
-  return !open3d_color(folder).empty() && fs::is_directory(folder / "depth") &&
+  return !open3d_color(folder).empty() && fs::is_directory(entry_of(folder, "depth")) &&
          (!open3d_intrinsics(folder).empty() || !open3d_trajectory(folder).empty());
 }
 
@@ -127,11 +128,15 @@ Result<FrameList> list_open3d(const fs::path& folder) {
   SGS_RETURN_IF_ERROR(pair_open3d_images(open3d_color(folder), intrinsics.fps, out));
   const fs::path log = open3d_trajectory(folder);
   if (log.empty()) return out;
-  SGS_ASSIGN_OR_RETURN(const auto poses, read_open3d_log(log));
+  const auto poses = read_open3d_log(log);
+  if (!poses) {
+    truth_or_warning(tl::unexpected(poses.error()), out);
+    return out;
+  }
   // The log counts frames from 0, whatever the numbers of their files.
   SGS_RETURN_IF_ERROR(add_frame_poses(out, [&](std::size_t i) -> Result<std::optional<SE3>> {
-    const auto pose = poses.find(static_cast<long>(i));
-    return pose == poses.end() ? std::optional<SE3>{} : pose->second;
+    const auto pose = poses->find(static_cast<long>(i));
+    return pose == poses->end() ? std::optional<SE3>{} : pose->second;
   }));
   return out;
 }

@@ -277,15 +277,55 @@ TEST_F(TumFolder, DifferentSizesAndEightBitDepth) {
   write(3);
   const fs::path first = folder() / image("depth", 0), later = folder() / image("depth", 1);
   const std::string good = get(image("depth", 0));
-  ASSERT_TRUE(io::save_depth(first, DepthImage(16, 12, 1.0f), 5000));
-  EXPECT_THAT(open_error(), HasSubstr("16x12"));
+  ASSERT_TRUE(io::save_depth(first, DepthImage(16, 16, 1.0f), 5000));
+  EXPECT_THAT(open_error(), HasSubstr("16x16"));
   cv::imwrite(first.string(), cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(9)));
   EXPECT_THAT(open_error(), HasSubstr("8-bit"));
   put(image("depth", 0), good);
-  ASSERT_TRUE(io::save_depth(later, DepthImage(16, 12, 1.0f), 5000));
+  ASSERT_TRUE(io::save_depth(later, DepthImage(16, 16, 1.0f), 5000));
   cv::imwrite((folder() / image("depth", 2)).string(),
               cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(9)));
   EXPECT_EQ(read_all(), "oxx");
+}
+
+TEST_F(TumFolder, DepthOfTheSameShapeIsTheSameView) {
+  write(3);
+  // Of one frame: it is brought to the others. Of all: frames come on the coarser grid.
+  ASSERT_TRUE(io::save_depth(folder() / image("depth", 0), DepthImage(16, 12, 1.0f), 5000));
+  EXPECT_EQ(read_all(), "ooo");
+  EXPECT_EQ(info.delivered.width, kWidth);
+  for (int i = 1; i < 3; ++i) {
+    ASSERT_TRUE(io::save_depth(folder() / image("depth", i), DepthImage(16, 12, 1.0f), 5000));
+  }
+  EXPECT_EQ(read_all(), "ooo");
+  EXPECT_EQ(info.delivered.width, 16);
+  EXPECT_THAT(info.warnings, Contains(HasSubstr("taken for the same view")));
+}
+
+TEST_F(TumFolder, RepeatedTimesThatAreNearlyAllAreRefused) {
+  write(8);
+  for (const char* list : {"rgb.txt", "depth.txt"}) {
+    std::string text;
+    for (int i = 0; i < 8; ++i) {
+      text += fmt::format(
+          "100 {}\n", image(std::string(list).starts_with("rgb") ? "rgb" : "depth", i).string());
+    }
+    put(list, text);
+  }
+  EXPECT_THAT(open_error(), HasSubstr("lost their digits"));
+  EXPECT_THAT(open_error(), HasSubstr("sgs.toml"));
+}
+
+TEST_F(TumFolder, WhatSystemsLeaveBehindIsIgnoredAndOneFolderDeeperIsFound) {
+  write(3);
+  put("._rgb.txt", "x");
+  put(".DS_Store", "x");
+  put("rgb/._100.000000.png", "x");
+  put("rgb.txt", "0 rgb/._100.000000.png\n" + get("rgb.txt"));
+  EXPECT_EQ(read_all(), "ooo");
+  const auto found = locate_recording(folder().parent_path());
+  ASSERT_TRUE(found) << found.error().text();
+  EXPECT_FALSE(found->is_bag);
 }
 
 TEST_F(TumFolder, AllZeroDepthIsAFrame) {
@@ -300,6 +340,22 @@ TEST_F(TumFolder, UnsortedAndDuplicateTimes) {
   EXPECT_EQ(read_all(), "ooo");
   EXPECT_THAT(info.warnings, Contains(HasSubstr("sorted")));
   EXPECT_THAT(info.warnings, Contains(HasSubstr("1 rows with a repeated time")));
+}
+
+TEST_F(TumFolder, AClockThatIsSetBackInAListGoesOn) {
+  write(12);
+  for (const char* kind : {"rgb", "depth"}) {
+    std::string text;
+    for (int i = 0; i < 12; ++i) {
+      // Depth is a little later than colour; the clock is set back by two seconds.
+      const double time = 100 + i * 0.5 - (i >= 6 ? 2.0 : 0) + (kind[0] == 'd' ? 0.004 : 0);
+      text += fmt::format("{:.6f} {}\n", time, image(kind, i).string());
+    }
+    put(fmt::format("{}.txt", kind), text);
+  }
+  EXPECT_EQ(read_all(), std::string(12, 'o'));
+  EXPECT_THAT(info.warnings, Contains(HasSubstr("set back by")));
+  EXPECT_NEAR(info.last_time_s - info.first_time_s, 5.5, 1e-6);
 }
 
 TEST_F(TumFolder, GapsAreCountedAndNoOverlapIsAnError) {

@@ -53,16 +53,78 @@ std::optional<TimedFiles> files_with_microseconds(const std::vector<fs::path>& f
   return all ? std::optional(std::move(timed)) : std::nullopt;
 }
 
-void pair_by_number(const std::map<long, fs::path>& color, const std::map<long, fs::path>& depth,
-                    double fps, FrameList& out) {
-  for (const auto& [number, file] : color) {
-    const auto partner = depth.find(number);
-    if (partner == depth.end()) continue;
-    out.frames.push_back({static_cast<double>(number) / fps, file, partner->second,
-                          out.folder.string(), out.folder.string()});
+namespace {
+
+using Numbered = std::map<long, fs::path>;
+
+long first_of(const Numbered& files) { return files.begin()->first; }
+long last_of(const Numbered& files) { return files.rbegin()->first; }
+
+/// Whether nearly every number from the first to the last is there.
+bool without_gaps(const Numbered& files) {
+  constexpr double kFewMissing = 0.05;
+  const auto count = static_cast<double>(files.size());
+  const double numbers =
+      static_cast<double>(last_of(files)) - static_cast<double>(first_of(files)) + 1;
+  return files.size() > 1 && numbers - count <= kFewMissing * count;
+}
+
+enum class Counters { kShared, kDoubtful, kOwn };
+
+/// A shared counter skips what one stream lost; counters of their own begin and end elsewhere.
+Counters counters_of(const Numbered& color, const Numbered& depth) {
+  if (color.empty() || depth.empty()) return Counters::kShared;
+  if (!without_gaps(color) || !without_gaps(depth)) return Counters::kShared;
+  const bool color_earlier = first_of(color) < first_of(depth) && last_of(color) < last_of(depth);
+  const bool depth_earlier = first_of(depth) < first_of(color) && last_of(depth) < last_of(color);
+  if (!color_earlier && !depth_earlier) return Counters::kShared;
+  return color.size() == depth.size() ? Counters::kOwn : Counters::kDoubtful;
+}
+
+void warn_of_counters(const Numbered& color, const Numbered& depth, Counters counters,
+                      FrameList& out) {
+  const std::string both =
+      fmt::format("{}: colour is numbered {} to {}, depth {} to {}", out.folder.string(),
+                  first_of(color), last_of(color), first_of(depth), last_of(depth));
+  constexpr const char* kToml =
+      "an sgs.toml with sequence.color, sequence.depth and match = \"{}\" says otherwise";
+  if (counters == Counters::kOwn) {
+    out.warnings.push_back(
+        fmt::format("{}, equally many: each seems to have a counter of its own, so they are paired "
+                    "in their order, not by number; {}",
+                    both, fmt::format(fmt::runtime(kToml), "stem")));
+  } else {
+    out.warnings.push_back(
+        fmt::format("{}: if each has a counter of its own, equal numbers are not equal times; they "
+                    "are paired by number; {}",
+                    both, fmt::format(fmt::runtime(kToml), "order")));
+  }
+}
+
+}  // namespace
+
+void pair_by_number(const Numbered& color, const Numbered& depth, double fps, FrameList& out) {
+  const auto add = [&](long number, const fs::path& c, const fs::path& d) {
+    out.frames.push_back(
+        {static_cast<double>(number) / fps, c, d, out.folder.string(), out.folder.string()});
+  };
+  const Counters counters = counters_of(color, depth);
+  if (counters != Counters::kShared) warn_of_counters(color, depth, counters, out);
+  if (counters == Counters::kOwn) {
+    auto partner = depth.begin();
+    for (const auto& [number, file] : color) add(number, file, (partner++)->second);
+    out.paired = "in order";
+  } else {
+    for (const auto& [number, file] : color) {
+      if (const auto partner = depth.find(number); partner != depth.end()) {
+        add(number, file, partner->second);
+      }
+    }
+    out.paired = "of equal number";
   }
   out.color_without_depth = color.size() - out.frames.size();
   out.depth_without_color = depth.size() - out.frames.size();
+  out.times_source = fmt::format("the numbers of the files, {:g} a second", fps);
 }
 
 void pair_by_time(const TimedFiles& color, const TimedFiles& depth, double max_difference_s,
@@ -76,6 +138,7 @@ void pair_by_time(const TimedFiles& color, const TimedFiles& depth, double max_d
   drop_implausible_delays(out);
   out.color_without_depth = color.files.size() - out.frames.size();
   out.depth_without_color = depth.files.size() - out.frames.size();
+  out.times_source = "the names of the files";
 }
 
 void drop_implausible_delays(FrameList& list) {
@@ -97,7 +160,9 @@ Status require_frames(const FrameList& list, const char* needed) {
               fmt::format("{}: {} layout, but no colour image has a depth image ({} and {} alone)",
                           list.folder.string(), list.layout, list.color_without_depth,
                           list.depth_without_color),
-              fmt::format("needed: {}", needed));
+              fmt::format("needed: {}; or an sgs.toml that says how they belong together "
+                          "(sequence.color, sequence.depth, match = \"order\" or \"stem\")",
+                          needed));
 }
 
 Status add_frame_poses(

@@ -31,7 +31,9 @@ void add_confidence(const std::filesystem::path& folder, FrameList& list);
 /// Files named FRAME-MICROSECONDS (SUN3D, Redwood); empty where any name has another form.
 std::optional<TimedFiles> files_with_microseconds(const std::vector<std::filesystem::path>& files);
 
-/// Makes frames of colour and depth files with equal numbers, frame n at n / `fps` seconds.
+/// Makes frames of colour and depth files with equal numbers, frame n at n / `fps` seconds. Where
+/// both are counted without gaps, equally many but from different numbers on, each has a counter of
+/// its own, and they are paired in their order, with a warning.
 void pair_by_number(const std::map<long, std::filesystem::path>& color,
                     const std::map<long, std::filesystem::path>& depth, double fps, FrameList& out);
 

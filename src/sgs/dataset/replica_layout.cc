@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "sgs/dataset/frame_list.h"
+#include "sgs/dataset/pairing.h"
 #include "sgs/dataset/rigid.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/text.h"
@@ -21,11 +22,13 @@ struct ImageFolders {
 };
 
 ImageFolders find_images(const fs::path& scene) {
-  if (fs::is_directory(scene / "results")) {
-    return {by_number(files_matching(scene / "results", "frame*")),
-            by_number(files_matching(scene / "results", "depth*"))};
+  const fs::path results = entry_of(scene, "results");
+  if (fs::is_directory(results)) {
+    return {by_number(files_matching(results, "frame*")),
+            by_number(files_matching(results, "depth*"))};
   }
-  return {by_number(image_files(scene / "images")), by_number(image_files(scene / "depth_images"))};
+  return {by_number(image_files(entry_of(scene, "images"))),
+          by_number(image_files(entry_of(scene, "depth_images")))};
 }
 
 /// A row of traj.txt; empty for one that holds NaN or no rotation.
@@ -47,7 +50,7 @@ Result<std::optional<SE3>> parse_pose(const fs::path& path, const io::TextLine& 
 }
 
 Result<std::vector<std::optional<SE3>>> read_poses(const fs::path& path) {
-  SGS_ASSIGN_OR_RETURN(const std::string content, io::read_file(path));
+  SGS_ASSIGN_OR_RETURN(const std::string content, io::read_text(path));
   std::vector<std::optional<SE3>> poses;
   for (const io::TextLine& line : io::content_lines(content)) {
     SGS_ASSIGN_OR_RETURN(auto pose, parse_pose(path, line));
@@ -84,10 +87,10 @@ Status add_truth(const fs::path& path, const std::vector<long>& numbers, FrameLi
 }  // namespace
 
 bool looks_like_replica(const fs::path& scene) {
-  const bool nice_slam =
-      fs::is_directory(scene / "results") && !files_matching(scene / "results", "frame*").empty();
-  return nice_slam ||
-         (fs::is_directory(scene / "images") && fs::is_directory(scene / "depth_images"));
+  const fs::path results = entry_of(scene, "results");
+  const bool nice_slam = fs::is_directory(results) && !files_matching(results, "frame*").empty();
+  return nice_slam || (fs::is_directory(entry_of(scene, "images")) &&
+                       fs::is_directory(entry_of(scene, "depth_images")));
 }
 
 Result<FrameList> list_replica(const fs::path& scene) {
@@ -96,16 +99,11 @@ Result<FrameList> list_replica(const fs::path& scene) {
   out.name = folder_name(scene);
   out.folder = scene;
   const ImageFolders images = find_images(scene);
+  pair_by_number(images.color, images.depth, kFramesPerSecond, out);
   std::vector<long> numbers;
-  for (const auto& [number, color] : images.color) {
-    const auto depth = images.depth.find(number);
-    if (depth == images.depth.end()) continue;
-    numbers.push_back(number);
-    out.frames.push_back({static_cast<double>(number) / kFramesPerSecond, color, depth->second,
-                          scene.string(), scene.string()});
+  for (const FrameEntry& frame : out.frames) {
+    numbers.push_back(trailing_number(frame.color).value_or(0));
   }
-  out.color_without_depth = images.color.size() - numbers.size();
-  out.depth_without_color = images.depth.size() - numbers.size();
   if (out.frames.empty()) {
     return fail(ErrorCode::kInvalidFormat,
                 fmt::format("{}: {} colour and {} depth images, none with equal numbers",
@@ -113,9 +111,8 @@ Result<FrameList> list_replica(const fs::path& scene) {
                 "needed: results/frame000000.jpg with results/depth000000.png, or the same in "
                 "images/ and depth_images/");
   }
-  if (fs::exists(scene / "traj.txt")) {
-    SGS_RETURN_IF_ERROR(add_truth(scene / "traj.txt", numbers, out));
-  }
+  const fs::path truth = entry_of(scene, "traj.txt");
+  if (fs::exists(truth)) truth_or_warning(add_truth(truth, numbers, out), out);
   return out;
 }
 

@@ -17,7 +17,7 @@ constexpr std::int64_t kLargestMatrixFile_bytes = 1 << 16;
 
 /// All numbers of a small file; NaN and infinity are among them.
 Result<std::vector<double>> load_numbers(const fs::path& path) {
-  SGS_ASSIGN_OR_RETURN(const std::string content, io::read_file(path, kLargestMatrixFile_bytes));
+  SGS_ASSIGN_OR_RETURN(const std::string content, io::read_text(path, kLargestMatrixFile_bytes));
   std::vector<double> numbers;
   for (const io::TextLine& line : io::content_lines(content)) {
     for (const auto field : io::split_fields(line.text, ",")) {

@@ -15,8 +15,10 @@ constexpr double kScanNetDepthScale = 1000;
 
 bool looks_like_scannet(const fs::path& folder) {
   std::error_code error;
-  return fs::is_directory(folder / "color", error) && fs::is_directory(folder / "depth", error) &&
-         fs::is_directory(folder / "intrinsic", error);
+  const auto has = [&](const char* name) {
+    return fs::is_directory(entry_of(folder, name), error);
+  };
+  return has("color") && has("depth") && has("intrinsic");
 }
 
 // What ScanNet's reader exports from a .sens file: color/N.jpg, depth/N.png, pose/N.txt and
@@ -26,21 +28,22 @@ Result<FrameList> list_scannet(const fs::path& folder) {
   out.layout = "scannet";
   out.name = folder_name(folder);
   out.folder = folder;
-  pair_by_number(by_number(image_files(folder / "color")), by_number(image_files(folder / "depth")),
-                 kScanNetFps, out);
+  pair_by_number(by_number(image_files(entry_of(folder, "color"))),
+                 by_number(image_files(entry_of(folder, "depth"))), kScanNetFps, out);
   SGS_RETURN_IF_ERROR(require_frames(out, "color/N.jpg with depth/N.png"));
-  const fs::path intrinsics = folder / "intrinsic" / "intrinsic_color.txt";
+  const fs::path intrinsics = entry_of(folder, "intrinsic/intrinsic_color.txt");
   SGS_ASSIGN_OR_RETURN(const PinholeCamera color, load_intrinsic_matrix(intrinsics));
   out.calibration = {{color, {}, kScanNetDepthScale}, intrinsics.string()};
   SGS_ASSIGN_OR_RETURN(out.depth_camera,
-                       load_intrinsic_matrix(folder / "intrinsic" / "intrinsic_depth.txt"));
+                       load_intrinsic_matrix(entry_of(folder, "intrinsic/intrinsic_depth.txt")));
   std::error_code error;
   if (!fs::is_directory(folder / "pose", error)) return out;
-  SGS_RETURN_IF_ERROR(add_frame_poses(out, [&](std::size_t i) -> Result<std::optional<SE3>> {
+  const Status truth = add_frame_poses(out, [&](std::size_t i) -> Result<std::optional<SE3>> {
     const fs::path pose = folder / "pose" / out.frames[i].color.stem().concat(".txt");
     if (!fs::exists(pose)) return std::optional<SE3>{};
     return load_pose_matrix(pose);
-  }));
+  });
+  truth_or_warning(truth, out);
   return out;
 }
 

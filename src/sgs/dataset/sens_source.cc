@@ -9,6 +9,7 @@
 #include "sgs/dataset/frame_fit.h"
 #include "sgs/dataset/sens_file.h"
 #include "sgs/dataset/sparse_capture.h"
+#include "sgs/io/text.h"
 
 namespace sgs::dataset {
 namespace fs = std::filesystem;
@@ -166,7 +167,7 @@ void add_sens_warnings(const SensFile& file, const fs::path& path, SequenceInfo&
 
 }  // namespace
 
-bool is_sens(const fs::path& file) { return file.extension() == ".sens"; }
+bool is_sens(const fs::path& file) { return io::lower_case(file.extension().string()) == ".sens"; }
 
 Result<Sequence> open_sens(const fs::path& path, const OpenOptions& options) {
   SGS_ASSIGN_OR_RETURN(SensFile file, SensFile::open(path));
@@ -188,6 +189,9 @@ Result<Sequence> open_sens(const fs::path& path, const OpenOptions& options) {
   info.last_time_s = times_s[static_cast<std::size_t>(range.second - 1)];
   info.calibration = calibration.color;
   info.calibration_source = calibration.source;
+  info.unit_source = options.depth_scale ? "--depth-scale" : path.string();
+  info.relation_source = "depth is registered, as ScanNet records it";
+  info.times_source = "the times of the colour images in the file";
   info.delivered = delivered_camera(calibration.cameras, options.max_width);
   add_sens_warnings(file, path, info);
   auto source =

@@ -43,11 +43,12 @@ Result<FrameList> list_seven_scenes(const fs::path& folder) {
       "{}: 7-Scenes does not register depth to colour; they are some pixels apart at their edges "
       "(`sgs calibrate` finds how many)",
       folder.string()));
-  SGS_RETURN_IF_ERROR(add_frame_poses(out, [&](std::size_t i) -> Result<std::optional<SE3>> {
+  const Status truth = add_frame_poses(out, [&](std::size_t i) -> Result<std::optional<SE3>> {
     const fs::path pose = folder / out.frames[i].color.filename().stem().stem().concat(".pose.txt");
     if (!fs::exists(pose)) return std::optional<SE3>{};
     return load_pose_matrix(pose);
-  }));
+  });
+  truth_or_warning(truth, out);
   return out;
 }
 

@@ -15,7 +15,7 @@ namespace {
 /// The poses of all colour images, 3x4 row by row, one below the other.
 Result<std::vector<std::optional<SE3>>> sun3d_poses(const fs::path& path) {
   constexpr std::size_t kNumbers = 12;
-  SGS_ASSIGN_OR_RETURN(const std::string content, io::read_file(path));
+  SGS_ASSIGN_OR_RETURN(const std::string content, io::read_text(path));
   const auto numbers = io::parse_doubles(content);
   if (!numbers || numbers->empty() || numbers->size() % kNumbers != 0) {
     return fail(ErrorCode::kInvalidFormat,
@@ -38,8 +38,9 @@ fs::path sun3d_truth(const fs::path& folder) {
 }  // namespace
 
 bool looks_like_sun3d(const fs::path& folder) {
-  return fs::is_directory(folder / "image") && fs::is_directory(folder / "depth") &&
-         fs::exists(folder / "intrinsics.txt");
+  return fs::is_directory(entry_of(folder, "image")) &&
+         fs::is_directory(entry_of(folder, "depth")) &&
+         fs::exists(entry_of(folder, "intrinsics.txt"));
 }
 
 // SUN3D (Xiao et al., ICCV 2013): image/FRAME-MICROSECONDS.jpg, depth/FRAME-MICROSECONDS.png in
@@ -50,8 +51,8 @@ Result<FrameList> list_sun3d(const fs::path& folder) {
   out.layout = "sun3d";
   out.name = folder_name(folder);
   out.folder = folder;
-  const auto color = files_with_microseconds(image_files(folder / "image"));
-  const auto depth = files_with_microseconds(image_files(folder / "depth"));
+  const auto color = files_with_microseconds(image_files(entry_of(folder, "image")));
+  const auto depth = files_with_microseconds(image_files(entry_of(folder, "depth")));
   if (!color || !depth) {
     return fail(
         ErrorCode::kInvalidFormat,
@@ -62,12 +63,17 @@ Result<FrameList> list_sun3d(const fs::path& folder) {
   pair_by_time(*color, *depth, kMaxDifference_s, out);
   SGS_RETURN_IF_ERROR(require_frames(out, "image/*.jpg with depth/*.png near in time"));
   out.depth_coding = DepthCoding::kTurnedBits;
-  const fs::path intrinsics = folder / "intrinsics.txt";
+  const fs::path intrinsics = entry_of(folder, "intrinsics.txt");
   SGS_ASSIGN_OR_RETURN(const PinholeCamera camera, load_intrinsic_matrix(intrinsics));
   out.calibration = {{camera, {}, 1000}, intrinsics.string()};
   const fs::path truth = sun3d_truth(folder);
   if (truth.empty()) return out;
-  SGS_ASSIGN_OR_RETURN(const auto poses, sun3d_poses(truth));
+  const auto read = sun3d_poses(truth);
+  if (!read) {
+    truth_or_warning(tl::unexpected(read.error()), out);
+    return out;
+  }
+  const auto& poses = *read;
   std::map<fs::path, std::size_t> rows;
   for (std::size_t i = 0; i < color->files.size(); ++i) rows.emplace(color->files[i], i);
   SGS_RETURN_IF_ERROR(add_frame_poses(out, [&](std::size_t i) -> Result<std::optional<SE3>> {

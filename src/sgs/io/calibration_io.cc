@@ -23,7 +23,7 @@ constexpr const char* kCameraTxtForm =
 std::optional<std::vector<double>> finite_numbers(const std::vector<std::string_view>& fields) {
   std::vector<double> numbers;
   for (const auto field : fields) {
-    const auto value = parse_double(field);
+    const auto value = parse_decimal(field);
     if (!value || !std::isfinite(*value)) return std::nullopt;
     numbers.push_back(*value);
   }
@@ -88,7 +88,7 @@ Status check_calibration(const Calibration& c, std::string_view source) {
 }
 
 Result<Calibration> load_camera_txt(const fs::path& path) {
-  SGS_ASSIGN_OR_RETURN(const std::string content, read_file(path));
+  SGS_ASSIGN_OR_RETURN(const std::string content, read_text(path));
   const auto lines = content_lines(content);
   if (lines.size() != 1) {
     return fail(
@@ -97,7 +97,13 @@ Result<Calibration> load_camera_txt(const fs::path& path) {
                     lines.size() > 1 ? fmt::format(":{}", lines[1].number) : "", lines.size()),
         fmt::format("write {}", kCameraTxtForm));
   }
-  const auto n = finite_numbers(split_fields(lines[0].text, ","));
+  auto fields = split_fields(lines[0].text, ",;");
+  // With decimal commas there are twice as many.
+  for (const std::size_t count : {7, 12, 15}) {
+    const auto row = split_row(lines[0].text, count);
+    if (row.size() == count) fields = row;
+  }
+  const auto n = finite_numbers(fields);
   const auto distortion = n ? distortion_after(*n, 7) : std::nullopt;
   if (!distortion || !whole((*n)[4]) || !whole((*n)[5])) {
     return fail(ErrorCode::kInvalidFormat,
@@ -125,7 +131,7 @@ Status save_camera_txt(const fs::path& path, const Calibration& c) {
 }
 
 Result<Calibration> load_cam_params_json(const fs::path& path) {
-  SGS_ASSIGN_OR_RETURN(const std::string content, read_file(path));
+  SGS_ASSIGN_OR_RETURN(const std::string content, read_text(path));
   Calibration c;
   try {
     const auto json = nlohmann::json::parse(content);

@@ -76,7 +76,7 @@ Result<std::vector<std::int64_t>> points_of(std::string_view line, const std::st
 
 // Rows come in pairs, and the second one may be empty: blank lines count.
 Result<std::vector<ColmapImage>> load_colmap_images(const std::filesystem::path& path) {
-  SGS_ASSIGN_OR_RETURN(const std::string content, read_file(path));
+  SGS_ASSIGN_OR_RETURN(const std::string content, read_text(path));
   std::vector<ColmapImage> images;
   bool points = false;
   int number = 0;
@@ -107,7 +107,7 @@ Result<std::unordered_map<std::int64_t, Eigen::Vector3d>> load_colmap_points(
     const std::filesystem::path& path) {
   constexpr std::size_t kPointColumns = 4;  // POINT3D_ID X Y Z; colour, error and track follow
   constexpr double kLargestNumber = 1e15;
-  SGS_ASSIGN_OR_RETURN(const std::string content, read_file(path));
+  SGS_ASSIGN_OR_RETURN(const std::string content, read_text(path));
   std::unordered_map<std::int64_t, Eigen::Vector3d> points;
   for (const TextLine& line : content_lines(content)) {
     const auto fields = split_fields(line.text);

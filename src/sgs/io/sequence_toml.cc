@@ -7,6 +7,7 @@
 #include "sgs/core/text.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/calibration_io.h"
+#include "sgs/io/text.h"
 #include "sgs/io/toml_library.h"
 
 namespace sgs::io {
@@ -56,7 +57,7 @@ Result<Distortion> read_distortion(const toml::node& node, std::string_view sour
 }  // namespace
 
 Result<SequenceToml> load_sequence_toml(const fs::path& path) {
-  SGS_ASSIGN_OR_RETURN(const std::string text, read_file(path));
+  SGS_ASSIGN_OR_RETURN(const std::string text, read_text(path));
   const std::string source = path.string();
   SGS_ASSIGN_OR_RETURN(toml::table table, parse_toml(text, source));
   SequenceToml content;

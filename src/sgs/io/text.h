@@ -2,11 +2,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include "sgs/core/error.h"
+#include "sgs/io/atomic_file.h"
+
 namespace sgs::io {
+
+/// The content of a text file as UTF-8. What other systems write is converted: UTF-16 with a byte
+/// order mark (PowerShell's ">" writes it).
+Result<std::string> read_text(const std::filesystem::path& path,
+                              std::int64_t limit_bytes = kLargestFile_bytes);
+/// The same of text in memory.
+std::string utf8_text(std::string content);
+
+/// Latin letters in their small form; other bytes as they are.
+std::string lower_case(std::string text);
 
 /// One line of a text file that holds something.
 struct TextLine {
@@ -22,6 +37,14 @@ std::vector<std::string_view> split_fields(std::string_view text, std::string_vi
 
 /// A number in any usual spelling ("1", "-2.5e3", "+1", "nan"); empty if anything else is there.
 std::optional<double> parse_double(std::string_view text);
+
+/// As parse_double(), or with a decimal comma instead of a point: programs write what the locale of
+/// their user says.
+std::optional<double> parse_decimal(std::string_view text);
+
+/// The fields of a row that should have `count` of them: separated by white space or semicolons,
+/// and then commas are decimal ones; else by white space, commas and semicolons.
+std::vector<std::string_view> split_row(std::string_view text, std::size_t count);
 
 /// All numbers of a text, '#' comments cut off; empty if anything else is there or one is not
 /// finite.

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "sgs/io/atomic_file.h"
+#include "sgs/io/text.h"
 #include "sgs/io/toml_library.h"
 
 namespace sgs::io {
@@ -125,7 +126,7 @@ Status apply_toml_text(std::string_view text, std::string_view source,
 }
 
 Status apply_toml_file(const std::filesystem::path& path, const ParameterList& parameters) {
-  SGS_ASSIGN_OR_RETURN(const std::string text, read_file(path));
+  SGS_ASSIGN_OR_RETURN(const std::string text, read_text(path));
   return apply_toml_text(text, path.string(), parameters);
 }
 

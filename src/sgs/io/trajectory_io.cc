@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sgs/core/log.h"
+#include "sgs/core/text.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/text.h"
 
@@ -18,24 +19,76 @@ namespace {
 
 constexpr std::size_t kColumns = 8;
 constexpr double kMaxQuaternionError = 1e-2;
+constexpr const char* kExpected =
+    "expected are rows of eight numbers: time in seconds, position in metres, quaternion: "
+    "'time tx ty tz qx qy qz qw'; a first line that names its columns so may say another order";
 
-Result<std::array<double, kColumns>> parse_row(const fs::path& path, const TextLine& line) {
-  const auto fields = split_fields(line.text, ",");
-  std::array<double, kColumns> row{};
-  bool good = fields.size() == kColumns;
+using PoseRow = std::array<double, kColumns>;
+
+/// Which fields of a row are the columns of a pose, and how many fields there are.
+struct PoseColumns {
+  std::array<std::size_t, kColumns> at = {0, 1, 2, 3, 4, 5, 6, 7};
+  std::size_t count = kColumns;
+};
+
+/// Names under which programs write the columns, in our order.
+constexpr std::array<std::array<std::string_view, 7>, kColumns> kColumnNames = {{
+    {"t", "time", "timestamp", "timestamp_s", "stamp", "sec", "time_s"},
+    {"tx", "x", "px", "p_x", "pos_x", "position_x", "t_x"},
+    {"ty", "y", "py", "p_y", "pos_y", "position_y", "t_y"},
+    {"tz", "z", "pz", "p_z", "pos_z", "position_z", "t_z"},
+    {"qx", "q_x", "rot_x", "quat_x", "orientation_x", "rx", "r_x"},
+    {"qy", "q_y", "rot_y", "quat_y", "orientation_y", "ry", "r_y"},
+    {"qz", "q_z", "rot_z", "quat_z", "orientation_z", "rz", "r_z"},
+    {"qw", "q_w", "rot_w", "quat_w", "orientation_w", "rw", "r_w"},
+}};
+
+tl::unexpected<Error> no_pose(const fs::path& path, const TextLine& line, const char* what) {
+  constexpr std::size_t kLongest = 240;
+  const std::string_view shown = line.text.substr(0, kLongest);
+  return fail(ErrorCode::kInvalidFormat,
+              fmt::format("{}:{}: {}: '{}'{}", path.string(), line.number, what, printable(shown),
+                          shown.size() < line.text.size() ? " and so on" : ""),
+              kExpected);
+}
+
+/// The columns as a heading names them; an error where it does not name all of a pose.
+Result<PoseColumns> columns_of(const fs::path& path, const TextLine& heading) {
+  const auto names = split_fields(heading.text, ",;");
+  PoseColumns columns;
+  columns.count = names.size();
+  for (std::size_t i = 0; i < kColumns; ++i) {
+    const auto is_column = [&](std::string_view name) {
+      const auto& known = kColumnNames[i];
+      return std::find(known.begin(), known.end(), lower_case(std::string(name))) != known.end();
+    };
+    const auto found = std::find_if(names.begin(), names.end(), is_column);
+    if (found == names.end())
+      return no_pose(path, heading, "neither a pose nor names of its columns");
+    columns.at[i] = static_cast<std::size_t>(found - names.begin());
+  }
+  return columns;
+}
+
+bool is_heading(const TextLine& line) {
+  const auto fields = split_fields(line.text, ",;");
+  return !fields.empty() && !parse_decimal(fields[0]);
+}
+
+Result<PoseRow> parse_row(const fs::path& path, const TextLine& line, const PoseColumns& columns) {
+  const auto fields = split_row(line.text, columns.count);
+  PoseRow row{};
+  bool good = fields.size() == columns.count;
   for (std::size_t i = 0; good && i < kColumns; ++i) {
-    const auto value = parse_double(fields[i]);
+    const auto value = parse_decimal(fields[columns.at[i]]);
     good = value.has_value();
     if (good) row[i] = *value;
   }
   if (good) return row;
-  return fail(
-      ErrorCode::kInvalidFormat,
-      fmt::format("{}:{}: not a pose: '{}'", path.string(), line.number, line.text.substr(0, 80)),
-      "each row must be 'timestamp tx ty tz qx qy qz qw'");
+  return no_pose(path, line, "not a pose");
 }
 
-bool usable(const std::array<double, kColumns>& row) {
+bool usable(const PoseRow& row) {
   const bool finite =
       std::all_of(row.begin(), row.end(), [](double v) { return std::isfinite(v); });
   const double norm = std::hypot(std::hypot(row[4], row[5]), std::hypot(row[6], row[7]));
@@ -58,7 +111,7 @@ std::string warning_text(const fs::path& path, const LoadedTrajectory& loaded) {
 }  // namespace
 
 Result<LoadedTrajectory> load_trajectory(const fs::path& path) {
-  SGS_ASSIGN_OR_RETURN(const std::string content, read_file(path));
+  SGS_ASSIGN_OR_RETURN(const std::string content, read_text(path));
   return trajectory_from_text(content, path);
 }
 
@@ -66,8 +119,14 @@ Result<LoadedTrajectory> trajectory_from_text(std::string_view content, const fs
   LoadedTrajectory loaded;
   std::vector<StampedPose> poses;
   double last_time_s = -std::numeric_limits<double>::infinity();
-  for (const TextLine& line : content_lines(content)) {
-    SGS_ASSIGN_OR_RETURN(const auto row, parse_row(path, line));
+  auto lines = content_lines(content);
+  PoseColumns columns;
+  if (lines.size() > 1 && is_heading(lines.front())) {
+    SGS_ASSIGN_OR_RETURN(columns, columns_of(path, lines.front()));
+    lines.erase(lines.begin());
+  }
+  for (const TextLine& line : lines) {
+    SGS_ASSIGN_OR_RETURN(const auto row, parse_row(path, line, columns));
     ++loaded.rows;
     if (!usable(row)) {
       ++loaded.skipped;

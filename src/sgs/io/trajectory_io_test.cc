@@ -84,5 +84,26 @@ TEST(TrajectoryIo, FullDiskIsReported) {
   EXPECT_FALSE(save_trajectory("/dev/full", trajectory));
 }
 
+TEST(TrajectoryIo, AHeadingSaysTheOrderOfTheColumns) {
+  const auto named = trajectory_from_text(
+      "num,t,x,y,z,qw,qx,qy,qz\n0,1.5,1,2,3,1,0,0,0\n1,2.5,4,5,6,1,0,0,0\n", "a.csv");
+  ASSERT_TRUE(named) << named.error().text();
+  ASSERT_EQ(named->trajectory.size(), 2u);
+  EXPECT_EQ(named->trajectory.poses()[1].timestamp_s, 2.5);
+  EXPECT_EQ(named->trajectory.poses()[1].T_world_camera.t, Eigen::Vector3d(4, 5, 6));
+  EXPECT_TRUE(named->trajectory.poses()[1].T_world_camera.R.isIdentity());
+  const auto commas = trajectory_from_text("1,5 1,0 2,0 3,0 0,0 0,0 0,0 1,0\n", "a.txt");
+  ASSERT_TRUE(commas) << commas.error().text();
+  EXPECT_EQ(commas->trajectory.poses()[0].timestamp_s, 1.5);
+}
+
+TEST(TrajectoryIo, WhatIsNoPoseIsShownWhole) {
+  const std::string kitti = "1 0 0 0.5 0 1 0 0.25 0 0 1 0.125";
+  const auto read = trajectory_from_text(kitti + "\n", "poses.txt");
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().message.find(kitti), std::string::npos);
+  EXPECT_NE(read.error().remedy.find("eight numbers"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace sgs::io

@@ -13,6 +13,7 @@
 #include "sgs/io/ply.h"
 #include "sgs/io/trajectory_io.h"
 #include "sgs/run/convert.h"
+#include "sgs/run/input_doubts.h"
 #include "sgs/run/journal.h"
 #include "sgs/run/machine.h"
 #include "sgs/run/map_checkpoints.h"
@@ -267,6 +268,9 @@ Result<Outcome> run_in(Input& input, const InputSpec& spec, const slam::SessionC
   if (run.upright) run.metrics.upright = to_string(run.upright->by);
   if (clock) run.frames_total = clock->frames_in;
   outcome.lost = tracking_was_lost(run.frames);
+  // Live frames are dropped for want of time, and given poses choose theirs.
+  const bool chosen = live || outcome.stopped || !spec.poses.empty();
+  if (!chosen) outcome.too_few = too_few_frames(run.frames, spec, input.info).value_or("");
   run.state = state_of(outcome);
   run.metrics.state = run.state.word();
   write_end(run, folder);

@@ -34,9 +34,10 @@ struct Spectator {
 /// What came of a run that could start.
 struct Outcome {
   Run run;
-  Status input;          ///< why it ended early, other than by request
-  bool stopped = false;  ///< by request
-  bool lost = false;     ///< at the end, or for more than half of the frames
+  Status input;              ///< why it ended early, other than by request
+  bool stopped = false;      ///< by request
+  bool lost = false;         ///< at the end, or for more than half of the frames
+  std::string too_few = {};  ///< why hardly any frame could be used; else empty
 };
 
 /// SLAM on an open input: tracks, maps, and writes everything but scores into `folder`: frames and

@@ -9,7 +9,9 @@ enum ExitCode : int {
   kExitDone = 0,
   kExitFailed = 1,  ///< something went wrong while running
   kExitUsage = 2,   ///< the command line or a config value makes no sense
-  kExitLost = 3,    ///< finished, but tracking was lost at the end or for most of the run
+  /// Finished, but tracking was lost at the end or for most of the run, or hardly any frame was
+  /// used.
+  kExitLost = 3,
   kExitInterrupted = 130,
 };
 

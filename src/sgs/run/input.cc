@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/run/input.h"
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 
@@ -101,6 +102,8 @@ Result<Input> open_recorded(const InputSpec& spec, const FrameRange& range) {
   options.topics = spec.topics;
   options.extrinsics = spec.extrinsics;
   options.truth_topic = spec.truth_topic;
+  SGS_ASSIGN_OR_RETURN(options.stamps, from_string<dataset::Stamps>("--stamps", spec.stamps));
+  options.more_files = more_files_of(spec);
   options.max_width = spec.max_width;
   options.poses = spec.poses;
   options.first = range.first;
@@ -115,7 +118,8 @@ Status check_stream_options(const InputSpec& spec) {
        {set("--frames", !spec.frames.empty()), set("--camera", !spec.camera.empty()),
         set("--depth-scale", spec.depth_scale > 0), set("--topics", !spec.topics.empty()),
         set("--extrinsics", !spec.extrinsics.empty()),
-        set("--truth-topic", !spec.truth_topic.empty())}) {
+        set("--truth-topic", !spec.truth_topic.empty()),
+        set("--stamps", spec.stamps != InputSpec{}.stamps)}) {
     if (option == nullptr) continue;
     return fail(ErrorCode::kInvalidArgument, fmt::format("{} does not apply to a stream", option),
                 "give it to the sender: `sgs send` takes it");
@@ -151,6 +155,10 @@ Result<Input> open_live(const InputSpec& spec, const std::stop_token& stop) {
   input.info.calibration = {hello.color_camera.camera, hello.color_camera.distortion,
                             hello.depth_scale};
   input.info.calibration_source = "the stream's greeting";
+  input.info.unit_source = input.info.calibration_source;
+  input.info.times_source = "the sender";
+  input.info.relation_source = hello.depth_camera ? "depth is registered with color_from_depth"
+                                                  : "depth is registered, says the sender";
   input.source = dataset::reduced(std::move(source), spec.max_width);
   input.info.delivered = input.source->camera();
   SGS_RETURN_IF_ERROR(add_poses_to_stream(spec, input));
@@ -159,6 +167,12 @@ Result<Input> open_live(const InputSpec& spec, const std::stop_token& stop) {
 
 Result<Input> open_uncalibrated(const InputSpec& spec, int threads, const std::stop_token& stop) {
   SGS_ASSIGN_OR_RETURN(const auto range, parse_frame_range(spec.frames));
+  const bool recorded = !stream::is_stream(spec.input) && !synthetic::is_synth_spec(spec.input);
+  if (!recorded && !spec.more_files.empty()) {
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} is no recording that more files could belong to", spec.input),
+                "give one input at a time");
+  }
   if (stream::is_stream(spec.input)) return open_live(spec, stop);
   if (synthetic::is_synth_spec(spec.input)) return open_synthetic(spec, range, threads);
   if (!spec.trajectory.empty()) {
@@ -191,6 +205,10 @@ void InputSpec::declare(ParameterList& list) {
            {});
   list.add("truth_topic", truth_topic,
            "Bags: ground truth from a topic of poses, or WORLD:CAMERA of tf.", {});
+  list.add("stamps", stamps,
+           "Bags: the images have the times of the camera, or received: when they were recorded.",
+           {});
+  list.add("more_files", more_files, "Bags: further files of the same recording, one a line.", {});
   list.add("poses", poses,
            "Poses for the tracker `given`: a TUM file, images.txt of a COLMAP model or its folder, "
            "or recorded: those of the recording.",
@@ -200,6 +218,17 @@ void InputSpec::declare(ParameterList& list) {
            "Streams: end the run when nobody has sent a frame for so long; 0 = never.", "s",
            {0, 1e9});
   list.add("synth_seed", synth_seed, "Seed of a synthetic scene, its motion and its noise.");
+}
+
+std::vector<std::filesystem::path> more_files_of(const InputSpec& spec) {
+  std::vector<std::filesystem::path> files;
+  std::string_view rest = spec.more_files;
+  while (!rest.empty()) {
+    const auto end = std::min(rest.find('\n'), rest.size());
+    if (end > 0) files.emplace_back(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  return files;
 }
 
 Result<FrameRange> parse_frame_range(const std::string& text) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -29,10 +30,12 @@ struct InputSpec {
   int max_width = dataset::kDefaultMaxWidth_px;  ///< wider images are reduced; 0 = never
   std::string calibration;  ///< file of `sgs calibrate` that corrects the depths, or empty
   std::string topics;  ///< bags: color=/a,depth=/b[,color_info=/c][,depth_info=/d]; empty = guessed
-  std::string extrinsics;   ///< bags: tx,ty,tz,qx,qy,qz,qw of T_color_depth, or "aligned"
-  std::string truth_topic;  ///< bags: a topic of poses, or world:camera of tf
-  std::string poses;        ///< given ones: "recorded", a TUM file, COLMAP's images.txt; or empty
-  std::string trajectory;   ///< synth only: TUM file with the camera's motion
+  std::string extrinsics;         ///< bags: tx,ty,tz,qx,qy,qz,qw of T_color_depth, or "aligned"
+  std::string truth_topic;        ///< bags: a topic of poses, or world:camera of tf
+  std::string stamps = "camera";  ///< bags: whose times the images have, or "received"
+  std::string more_files;         ///< bags: further files of the same recording, one a line
+  std::string poses;       ///< given ones: "recorded", a TUM file, COLMAP's images.txt; or empty
+  std::string trajectory;  ///< synth only: TUM file with the camera's motion
   std::uint64_t synth_seed = 1;
   double wait_s = 30;  ///< live only: how long a sender may be missing or silent; 0 = for ever
 
@@ -58,6 +61,9 @@ Result<Input> open_input(const InputSpec& spec, int threads, const std::stop_tok
 /// (Run::calibration): it is applied unless `spec` names a calibration itself.
 Result<Input> reopen_input(InputSpec spec, int threads,
                            const std::optional<DepthCalibration>& learned = std::nullopt);
+
+/// InputSpec::more_files as paths.
+std::vector<std::filesystem::path> more_files_of(const InputSpec& spec);
 
 /// Parses "a:b" into [first, last); "" is everything.
 struct FrameRange {

@@ -72,6 +72,11 @@ std::string config_text(const InputSpec& input, const slam::SessionConfig& confi
       *path = std::filesystem::absolute(*path, error).lexically_normal().string();
     }
   }
+  input_copy.more_files.clear();
+  for (const auto& file : more_files_of(input)) {
+    if (!input_copy.more_files.empty()) input_copy.more_files += '\n';
+    input_copy.more_files += std::filesystem::absolute(file, error).lexically_normal().string();
+  }
   ParameterList list;
   stamp.declare(list);
   input_copy.declare(list);

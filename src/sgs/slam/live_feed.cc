@@ -4,6 +4,8 @@
 
 #include <chrono>
 
+#include "sgs/core/log.h"
+
 namespace sgs::slam {
 
 LiveFeed::LiveFeed(dataset::FrameSource& source, std::size_t capacity)
@@ -21,6 +23,7 @@ void LiveFeed::stop() {
 
 void LiveFeed::play(dataset::FrameSource& source) {
   using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::seconds kLongestWait(10);
   Clock::time_point start;
   std::optional<double> first_time_s;
   while (!stop_) {
@@ -40,8 +43,16 @@ void LiveFeed::play(dataset::FrameSource& source) {
       first_time_s = item->timestamp_s;
       start = Clock::now();
     }
-    const auto due = start + std::chrono::duration_cast<Clock::duration>(
-                                 std::chrono::duration<double>(item->timestamp_s - *first_time_s));
+    auto due = start + std::chrono::duration_cast<Clock::duration>(
+                           std::chrono::duration<double>(item->timestamp_s - *first_time_s));
+    if (const auto now = Clock::now(); due - now > kLongestWait) {
+      log().warn(
+          "{:.1f} s without a frame before {:.3f} s: this gap is not waited for; are the "
+          "times in seconds?",
+          std::chrono::duration<double>(due - now).count(), item->timestamp_s);
+      start -= due - now;
+      due = now;
+    }
     // Short naps instead of one long sleep: stop() must not wait for a gap in the recording.
     while (!stop_ && Clock::now() < due) {
       std::this_thread::sleep_until(std::min(due, Clock::now() + std::chrono::milliseconds(50)));

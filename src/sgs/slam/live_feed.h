@@ -15,7 +15,8 @@ namespace sgs::slam {
 
 /// Plays a recorded source at the sensor's rate, as a camera would: a thread of its own releases
 /// each frame at its time stamp; when the consumer is late the oldest waiting frame is dropped and
-/// counted. The first frame is released at once. A source that is live sets the pace itself.
+/// counted. The first frame is released at once; a gap of more than ten seconds is
+/// not waited for. A source that is live sets the pace itself.
 class LiveFeed {
  public:
   /// `source` must outlive the feed; `capacity` >= 1 frames may wait.

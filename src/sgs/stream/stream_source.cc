@@ -98,7 +98,8 @@ class Receiver final : public StreamSource {
     delivered_ = true;
     frame = RgbdFrame{};
     frame.index = index_++;
-    const double time_s = packet_->timestamp_s;
+    const double sent_s = packet_->timestamp_s;
+    const double time_s = sent_s + moved_s_;
     frame.timestamp_s = time_s;
     frame.camera = camera();
     const Status decoded = decoder_->decode(std::move(*packet_), frame);
@@ -109,7 +110,7 @@ class Receiver final : public StreamSource {
       if (!std::isfinite(time_s)) frame.timestamp_s = last_time_s_.value_or(0);
       return dataset::FrameRead::kBadFrame;
     }
-    if (last_time_s_ && time_s <= *last_time_s_) {
+    if (last_time_s_ && time_s <= *last_time_s_ && !was_set_back(sent_s)) {
       error = {ErrorCode::kInvalidFormat,
                fmt::format("it came too late: its time is {:.6f} s, that of the frame before "
                            "{:.6f} s",
@@ -117,9 +118,32 @@ class Receiver final : public StreamSource {
                ""};
       return dataset::FrameRead::kBadFrame;
     }
-    last_time_s_ = time_s;
+    frame.timestamp_s = sent_s + moved_s_;
+    behind_ = 0;
+    in_time_ = true;
+    last_time_s_ = frame.timestamp_s;
     drop_implausible_delay(frame);
     return dataset::FrameRead::kOk;
+  }
+
+  /// Whether a late frame shows that the sender's clock was set back: the last of several in a row,
+  /// all a second or more behind, from a sender that was in time before. Its times are then moved
+  /// to follow the others.
+  bool was_set_back(double sent_s) {
+    constexpr double kSetBack_s = 1, kStep_s = 1.0 / 30;
+    constexpr int kSure = 4;
+    const bool far = in_time_ && sent_s + moved_s_ < *last_time_s_ - kSetBack_s;
+    const bool goes_on = behind_ == 0 || sent_s > last_behind_s_;
+    behind_ = !far ? 0 : goes_on ? behind_ + 1 : 1;
+    last_behind_s_ = sent_s;
+    if (behind_ < kSure) return false;
+    const double back_s = *last_time_s_ - (sent_s + moved_s_);
+    moved_s_ += back_s + kStep_s;
+    say(
+        fmt::format("the clock of {} was set back by {:.3f} s; its frames go on, moved to follow "
+                    "those before",
+                    sender_ ? sender_->who() : std::string("the sender"), back_s));
+    return true;
   }
 
   /// Depth that is stamped by another clock is taken as of its colour's time.
@@ -221,6 +245,8 @@ class Receiver final : public StreamSource {
     sender_ = guest.shared_from_this();
     sender_->answer("ok");
     stalled_ = false;
+    in_time_ = false;
+    behind_ = 0;
     last_frame_ = Clock::now();
   }
 
@@ -300,6 +326,10 @@ class Receiver final : public StreamSource {
   bool delivered_ = true;  // the last call of next() gave a frame
   std::int64_t index_ = 0;
   std::optional<double> last_time_s_;
+  double moved_s_ = 0;        // added to the sender's times since its clock was set back
+  int behind_ = 0;            // late frames in a row
+  double last_behind_s_ = 0;  // the time of the last of them
+  bool in_time_ = false;      // the sender that is connected was
   bool told_of_delay_ = false;
   Clock::time_point asked_, last_frame_, gone_;
 };

@@ -141,6 +141,20 @@ TEST_F(Stream, ALateFrameAndADamagedOneAreBadAndTheNextOneIsNot) {
   EXPECT_EQ(next(), "frame 4 4");
 }
 
+TEST_F(Stream, AClockThatIsSetBackCostsAFewFrames) {
+  begin(patient());
+  std::string bytes = bytes_at(100) + bytes_at(101);
+  for (int i = 0; i < 6; ++i) bytes += bytes_at(50 + i);
+  client_->send(bytes);
+  EXPECT_EQ(next(), "frame 0 100");
+  EXPECT_EQ(next(), "frame 1 101");
+  for (int i = 2; i < 5; ++i) EXPECT_THAT(next(), HasSubstr("it came too late"));
+  // Those after it follow the ones before, at their own distances.
+  EXPECT_THAT(next(), HasSubstr("frame 5 101.03"));
+  EXPECT_THAT(next(), HasSubstr("was set back by 48.000 s"));
+  EXPECT_THAT(next(), HasSubstr("frame 6 102.03"));
+}
+
 TEST_F(Stream, SilenceIsSaidOnceAndItsEnd) {
   Patience patience = patient();
   patience.stall_s = 0.02;

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sgs/bag/bag.h"
+#include "sgs/core/error.h"
+#include "sgs/dataset/bag_order.h"
+#include "sgs/dataset/bag_topics.h"
+#include "sgs/dataset/open.h"
+
+namespace sgs::dataset {
+
+/// The clock whose times are taken, and why, in words.
+struct ClockChoice {
+  BagClock clock = BagClock::kStamp;
+  std::string source;
+  std::vector<std::string> warnings;
+};
+
+/// Chooses the clock of a bag's images. Stamps are the cameras' own and are believed, unless the
+/// option says otherwise, or the first images show that they tell nothing: all zero, or nearly all
+/// the same. Stamps that go at another rate than the recorder's clock are believed with a warning.
+ClockChoice choose_clock(const bag::Bag& bag, const BagTopics& topics, Stamps option);
+
+}  // namespace sgs::dataset

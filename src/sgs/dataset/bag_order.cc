@@ -1,0 +1,143 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/dataset/bag_order.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "sgs/bag/messages.h"
+
+namespace sgs::dataset {
+namespace {
+
+/// What lies further back in time than this is of another pass of the clock, not late.
+constexpr std::int64_t kLatest_ns = 1'000'000'000;
+/// So many rising times in a row, all of them far back, are a clock that was set back.
+constexpr std::size_t kSure = 3;
+
+double seconds(std::int64_t time_ns) { return 1e-9 * static_cast<double>(time_ns); }
+
+Error late(std::int64_t time_ns) {
+  return {
+      ErrorCode::kInvalidFormat,
+      fmt::format("the image at {:.6f} s does not come after the one before it", seconds(time_ns)),
+      "where all stamps are so, `--stamps received` takes the recorder's times"};
+}
+
+}  // namespace
+
+Result<std::int64_t> time_of(const bag::Message& message, bag::Encoding encoding, BagClock clock) {
+  // What damage makes of a time must leave room to add to it: 2043 is the last year that is exact.
+  constexpr std::int64_t kFarthest_ns = std::int64_t{1} << 61;
+  if (clock == BagClock::kRecord) {
+    return std::clamp(message.record_time_ns, -kFarthest_ns, kFarthest_ns);
+  }
+  SGS_ASSIGN_OR_RETURN(const bag::Header header, bag::read_header(message, encoding));
+  return std::clamp(header.stamp_ns, -kFarthest_ns, kFarthest_ns);
+}
+
+MessageOrder::MessageOrder(const bag::Bag& bag, std::size_t channel, BagClock clock)
+    : encoding_(bag.channels()[channel].encoding), clock_(clock), cursor_(bag.read({channel})) {}
+
+void MessageOrder::note(Error error) {
+  const std::int64_t after_ns = waiting_.empty() ? last_ns_.value_or(0) : waiting_.back().time_ns;
+  problems_.push_back({stretch_, after_ns, std::move(error)});
+}
+
+/// Messages that turned out to be late ones are left out.
+void MessageOrder::give_up_late() {
+  for (const Waiting& message : behind_) {
+    ++out_of_order_;
+    note(late(message.time_ns));
+  }
+  behind_.clear();
+}
+
+/// Whether the message that came last lies far ahead of the one before it, and `time_ns` does not.
+bool MessageOrder::last_is_stray(std::int64_t time_ns) const {
+  if (waiting_.empty() || time_ns >= waiting_.back().time_ns - kLatest_ns) return false;
+  const auto before_ns =
+      waiting_.size() > 1 ? std::optional(waiting_[waiting_.size() - 2].time_ns) : last_ns_;
+  return before_ns && time_ns > *before_ns && time_ns <= *before_ns + kLatest_ns;
+}
+
+/// Keeps what came before something already taken, until it is clear what that means.
+void MessageOrder::put_behind(Waiting next) {
+  const std::int64_t newest_ns =
+      waiting_.empty() ? last_ns_.value_or(next.time_ns) : waiting_.back().time_ns;
+  const bool far = next.time_ns < newest_ns - kLatest_ns;
+  const bool goes_on = behind_.empty() || next.time_ns > behind_.back().time_ns;
+  if (!far || !goes_on) give_up_late();
+  if (!far) {
+    ++out_of_order_;
+    note(late(next.time_ns));
+    return;
+  }
+  behind_.push_back(std::move(next));
+  next_stretch_ = behind_.size() == kSure;
+}
+
+void MessageOrder::put(Waiting next) {
+  if (last_is_stray(next.time_ns)) {
+    const std::int64_t stray_ns = waiting_.back().time_ns;
+    waiting_.pop_back();
+    ++out_of_order_;
+    note({ErrorCode::kInvalidFormat,
+          fmt::format("the stamp of an image, {:.6f} s, lies {:.1f} s ahead of its neighbours",
+                      seconds(stray_ns), seconds(stray_ns - next.time_ns)),
+          ""});
+  }
+  const bool taken_already = last_ns_ && next.time_ns <= *last_ns_;
+  const bool far_back = !waiting_.empty() && next.time_ns < waiting_.back().time_ns - kLatest_ns;
+  if (taken_already || far_back) return put_behind(std::move(next));
+  give_up_late();
+  const auto place = std::lower_bound(
+      waiting_.begin(), waiting_.end(), next.time_ns,
+      [](const Waiting& waiting, std::int64_t time) { return waiting.time_ns < time; });
+  if (place != waiting_.end() && place->time_ns == next.time_ns) {
+    ++out_of_order_;
+    return note(late(next.time_ns));
+  }
+  waiting_.insert(place, std::move(next));
+}
+
+void MessageOrder::read_one() {
+  auto message = cursor_->next();
+  if (!message) return note(std::move(message.error()));
+  if (!*message) {
+    ended_ = true;
+    return give_up_late();
+  }
+  const auto time_ns = time_of(**message, encoding_, clock_);
+  if (!time_ns) return note(time_ns.error());
+  put({*time_ns, std::move(**message)});
+}
+
+void MessageOrder::begin_stretch() {
+  ++stretch_;
+  next_stretch_ = false;
+  last_ns_.reset();
+  waiting_.assign(std::make_move_iterator(behind_.begin()), std::make_move_iterator(behind_.end()));
+  behind_.clear();
+}
+
+void MessageOrder::fill() {
+  if (next_stretch_ && waiting_.empty()) begin_stretch();
+  while (!ended_ && !next_stretch_ && waiting_.size() < kAhead) {
+    read_one();
+    if (next_stretch_ && waiting_.empty()) begin_stretch();
+  }
+}
+
+MessageOrder::Waiting MessageOrder::take() {
+  Waiting front = std::move(waiting_.front());
+  waiting_.pop_front();
+  last_ns_ = front.time_ns;
+  return front;
+}
+
+void MessageOrder::drop(std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) take();
+}
+
+}  // namespace sgs::dataset

@@ -1,0 +1,299 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/dataset/image_list.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string_view>
+
+#include "sgs/core/text.h"
+#include "sgs/dataset/frame_list.h"
+#include "sgs/io/text.h"
+
+namespace sgs::dataset {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r";
+
+/// A row as it is read: times are not in seconds yet.
+struct Row {
+  double time = 0;
+  bool whole = false;  ///< written without a fraction
+  fs::path path;
+  std::string origin;
+  // In a list of pairs: the partner, and by how much later it was taken.
+  fs::path depth = {};
+  double depth_delay = 0;
+};
+
+tl::unexpected<Error> bad_line(const fs::path& list, const io::TextLine& line, const char* form) {
+  constexpr std::size_t kShown = 120;
+  return fail(ErrorCode::kInvalidFormat,
+              fmt::format("{}:{}: cannot read '{}'", list.string(), line.number,
+                          printable(line.text.substr(0, kShown))),
+              fmt::format("each row must be '{}'", form));
+}
+
+std::string_view trimmed(std::string_view text, std::string_view off) {
+  const auto begin = text.find_first_not_of(off);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(off) - begin + 1);
+}
+
+bool is_number_with_comma(std::string_view text) {
+  const auto comma = text.find(',');
+  return comma != std::string_view::npos && comma > 0 && comma + 1 < text.size() &&
+         text.find_first_not_of("0123456789,-+") == std::string_view::npos &&
+         text.find(',', comma + 1) == std::string_view::npos;
+}
+
+/// The time at the front of a row and what follows it. A comma in the time is a decimal one if a
+/// blank or a semicolon separates the time from the name.
+struct Split {
+  double time = 0;
+  bool whole = false;
+  std::string_view rest;
+};
+std::optional<Split> split_time(std::string_view text) {
+  const auto end = std::min(text.find_first_of(" \t;"), text.size());
+  std::string_view token = text.substr(0, end);
+  std::string_view rest = trimmed(text.substr(end), " \t\r;,");
+  if (rest.empty() || !is_number_with_comma(token)) {
+    const auto comma = token.find(',');
+    if (comma != std::string_view::npos) {
+      rest = trimmed(text.substr(comma), " \t\r;,");
+      token = token.substr(0, comma);
+    }
+  }
+  const auto time = io::parse_decimal(token);
+  if (!time || !std::isfinite(*time) || rest.empty()) return std::nullopt;
+  return Split{*time, token.find_first_of(".,eE") == std::string_view::npos, rest};
+}
+
+/// The file that a list names: as written, or else with the other slash, or in other letters.
+fs::path file_named(const fs::path& folder, std::string_view name) {
+  name = trimmed(name, "\" \t\r");
+  const fs::path plain = folder / name;
+  std::error_code error;
+  if (fs::exists(plain, error)) return plain;
+  std::string slashed(name);
+  std::replace(slashed.begin(), slashed.end(), '\\', '/');
+  const fs::path other = entry_of(folder, slashed);
+  return fs::exists(other, error) ? other : plain;
+}
+
+/// A name is what follows the time up to a blank, unless it is there only with its blanks.
+fs::path named_file(const fs::path& folder, std::string_view rest) {
+  const auto fields = io::split_fields(rest, ",;");
+  const std::string_view first = fields.empty() ? rest : fields.front();
+  if (first.size() == rest.size()) return file_named(folder, first);
+  std::error_code error;
+  const fs::path whole = file_named(folder, rest);
+  return fs::exists(whole, error) ? whole : file_named(folder, first);
+}
+
+/// Times of rows in seconds, with a word about what they were.
+TimeUnit bring_to_seconds(std::vector<Row>& rows, const fs::path& list,
+                          std::vector<std::string>& warnings) {
+  std::vector<double> times;
+  for (const Row& row : rows) times.push_back(row.time);
+  const bool whole = std::all_of(rows.begin(), rows.end(), [](const Row& r) { return r.whole; });
+  const TimeUnit unit = unit_of_times(std::move(times), whole);
+  if (unit.name.empty()) return unit;
+  for (Row& row : rows) {
+    row.time /= unit.per_second;
+    row.depth_delay /= unit.per_second;
+  }
+  warnings.push_back(
+      unit.known
+          ? fmt::format("{}: its times are {}; they are brought to seconds", list.string(),
+                        unit.name)
+          : fmt::format("{}: its times are {}; they are taken as {:g} a second, which is a guess",
+                        list.string(), unit.name, unit.per_second));
+  return unit;
+}
+
+/// The rows at which a clock that was set back begins anew; empty where times go back for another
+/// reason.
+std::vector<std::size_t> set_back_at(const std::vector<Row>& rows) {
+  constexpr double kSetBack_s = 1;
+  constexpr std::size_t kShortest = 3, kMost = 5;
+  std::vector<std::size_t> begins;
+  std::size_t begin = 0;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    if (rows[i].time >= rows[i - 1].time) continue;
+    const bool far = rows[i].time < rows[i - 1].time - kSetBack_s;
+    // Parts in another order do not lie in each other.
+    const bool again = rows[i].time >= rows[begin].time;
+    if (!far || !again || i - begin < kShortest || rows.size() - i < kShortest) return {};
+    begins.push_back(i);
+    begin = i;
+  }
+  return begins.size() <= kMost ? begins : std::vector<std::size_t>{};
+}
+
+/// Moves the stretches after a clock was set back behind those before. Returns by how much, as the
+/// other list of the recording was moved where that has as many stretches.
+std::vector<double> follow_set_back(std::vector<Row>& rows, const std::vector<double>& other_s,
+                                    std::vector<std::string>& warnings) {
+  const auto begins = set_back_at(rows);
+  std::vector<double> times, moved_s;
+  for (const Row& row : rows) times.push_back(row.time);
+  const double step_s = median_step(times);
+  for (std::size_t k = 0; k < begins.size(); ++k) {
+    const std::size_t begin = begins[k];
+    const std::size_t end = k + 1 < begins.size() ? begins[k + 1] : rows.size();
+    const double back_s = times[begin - 1] - times[begin];
+    const double move_s = other_s.size() == begins.size()
+                              ? other_s[k]
+                              : rows[begin - 1].time + step_s - rows[begin].time;
+    for (std::size_t i = begin; i < end; ++i) rows[i].time += move_s;
+    moved_s.push_back(move_s);
+    warnings.push_back(
+        fmt::format("{}: the clock was set back by {:.3f} s; the {} rows after it "
+                    "are a new stretch, moved to follow those before",
+                    rows[begin].origin, back_s, end - begin));
+  }
+  return moved_s;
+}
+
+/// Sorts rows by time and drops repeated times, and says so. Times that lost their digits are an
+/// error: what is left would be no recording.
+Status put_in_order(std::vector<Row>& rows, const fs::path& list,
+                    std::vector<std::string>& warnings) {
+  const auto earlier = [](const Row& a, const Row& b) { return a.time < b.time; };
+  if (!std::is_sorted(rows.begin(), rows.end(), earlier)) {
+    warnings.push_back(fmt::format("{}: rows out of time order were sorted", list.string()));
+    std::stable_sort(rows.begin(), rows.end(), earlier);
+  }
+  const std::size_t all = rows.size();
+  const auto last = std::unique(rows.begin(), rows.end(),
+                                [](const Row& a, const Row& b) { return a.time == b.time; });
+  const auto different = static_cast<std::size_t>(last - rows.begin());
+  constexpr std::size_t kFew = 3;
+  if (all > kFew && 2 * different < all) {
+    return fail(ErrorCode::kInvalidFormat,
+                fmt::format("{}: its {} rows share {} different times: they lost their digits "
+                            "(whole seconds, or single precision)",
+                            list.string(), all, different),
+                "write the times again with all their digits; or, without times, put an sgs.toml "
+                "there with [sequence] color = \"rgb\", depth = \"depth\", match = \"order\", fps "
+                "= 30 (the folders' names, and the camera's rate)");
+  }
+  if (different < all) {
+    warnings.push_back(fmt::format("{}: {} rows with a repeated time were dropped", list.string(),
+                                   all - different));
+    rows.erase(last, rows.end());
+  }
+  return {};
+}
+
+/// Whether a row names a file that macOS left beside the real one.
+bool is_left_behind_row(const Row& row) { return is_left_behind(row.path); }
+
+Result<std::vector<Row>> read_rows(const fs::path& list) {
+  SGS_ASSIGN_OR_RETURN(const std::string content, io::read_text(list));
+  const fs::path folder = list.parent_path();
+  std::vector<Row> rows;
+  for (const io::TextLine& line : io::content_lines(content)) {
+    const auto split = split_time(line.text);
+    if (!split) {
+      // A line of names on top.
+      const bool heading = rows.empty() && line.number == 1 &&
+                           line.text.find_first_of("0123456789") == std::string_view::npos;
+      if (heading) continue;
+      return bad_line(list, line, "timestamp filename");
+    }
+    rows.push_back({split->time, split->whole, named_file(folder, split->rest),
+                    fmt::format("{}:{}", list.string(), line.number)});
+  }
+  std::erase_if(rows, is_left_behind_row);
+  if (rows.empty()) {
+    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: lists no images", list.string()),
+                "each row must be 'timestamp filename'");
+  }
+  return rows;
+}
+
+/// One row of associations.txt.
+struct Association {
+  Split first, second;  ///< what follows the times are the names
+};
+
+/// "time name time name"; names may have blanks, and then the second time is the number that both
+/// files are there with.
+std::optional<Association> split_association(std::string_view text, const fs::path& folder) {
+  const auto first = split_time(text);
+  if (!first) return std::nullopt;
+  std::optional<Association> found;
+  for (std::size_t at = 0; (at = first->rest.find_first_of(" \t;,", at)) != std::string_view::npos;
+       ++at) {
+    const auto second = split_time(trimmed(first->rest.substr(at), " \t;,"));
+    if (!second) continue;
+    Association candidate{*first, *second};
+    candidate.first.rest = trimmed(first->rest.substr(0, at), " \t;,");
+    std::error_code error;
+    if (!found) found = candidate;
+    if (candidate.first.rest.find_first_of(kBlanks) == std::string_view::npos) return candidate;
+    if (fs::exists(file_named(folder, candidate.first.rest), error)) return candidate;
+  }
+  return found;
+}
+
+}  // namespace
+
+Result<ImageList> read_image_list(const fs::path& list, std::vector<std::string>& warnings,
+                                  const std::vector<double>& moved_s) {
+  SGS_ASSIGN_OR_RETURN(auto rows, read_rows(list));
+  ImageList out;
+  out.rows = rows.size();
+  const auto [first, last] = std::minmax_element(
+      rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.time < b.time; });
+  out.first = first->time;
+  out.last = last->time;
+  out.unit = bring_to_seconds(rows, list, warnings);
+  out.moved_s = follow_set_back(rows, moved_s, warnings);
+  SGS_RETURN_IF_ERROR(put_in_order(rows, list, warnings));
+  for (Row& row : rows) {
+    out.images.push_back({row.time, std::move(row.path), std::move(row.origin)});
+  }
+  return out;
+}
+
+// associate.py writes colour first; some tools write depth first, which the folder's name gives
+// away.
+Result<TimeUnit> read_associations(const fs::path& list, bool frame_numbers, FrameList& out) {
+  SGS_ASSIGN_OR_RETURN(const std::string content, io::read_text(list));
+  const fs::path folder = list.parent_path();
+  std::vector<Row> rows;
+  for (const io::TextLine& line : io::content_lines(content)) {
+    const auto both = split_association(line.text, folder);
+    if (!both) return bad_line(list, line, "timestamp color timestamp depth");
+    const bool swapped =
+        both->first.rest.starts_with("depth") && !both->second.rest.starts_with("depth");
+    const Split &color = swapped ? both->second : both->first,
+                &depth = swapped ? both->first : both->second;
+    rows.push_back({color.time, color.whole, named_file(folder, color.rest),
+                    fmt::format("{}:{}", list.string(), line.number),
+                    named_file(folder, depth.rest), depth.time - color.time});
+  }
+  if (rows.empty()) {
+    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: lists no images", list.string()),
+                "each row must be 'timestamp color timestamp depth'");
+  }
+  out.color_images = rows.size();
+  TimeUnit unit;
+  if (!frame_numbers) unit = bring_to_seconds(rows, list, out.warnings);
+  out.clock_set_back = !follow_set_back(rows, {}, out.warnings).empty();
+  SGS_RETURN_IF_ERROR(put_in_order(rows, list, out.warnings));
+  for (Row& row : rows) {
+    FrameEntry& frame = out.frames.emplace_back(
+        FrameEntry{row.time, std::move(row.path), std::move(row.depth), row.origin, row.origin});
+    frame.depth_delay_s = row.depth_delay;
+  }
+  return unit;
+}
+
+}  // namespace sgs::dataset

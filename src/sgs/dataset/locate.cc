@@ -1,0 +1,151 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/dataset/locate.h"
+
+#include <algorithm>
+#include <array>
+
+#include "sgs/bag/bag.h"
+#include "sgs/dataset/sens_source.h"
+#include "sgs/io/archive.h"
+#include "sgs/io/text.h"
+
+namespace sgs::dataset {
+namespace fs = std::filesystem;
+namespace {
+
+/// How a layout is known and read.
+struct Layout {
+  bool (*looks_like)(const fs::path& folder);
+  Result<FrameList> (*list)(const fs::path& folder);
+};
+
+/// In the order in which they are tried: the surest marks first. TUM and Replica need more to be
+/// told and come apart.
+constexpr std::array kLayouts = {
+    Layout{looks_like_icl, list_icl},
+    Layout{looks_like_polycam, list_polycam},
+    Layout{looks_like_transforms, list_transforms},
+    Layout{looks_like_scannet, list_scannet},
+    Layout{looks_like_seven_scenes, list_seven_scenes},
+    Layout{looks_like_arkit_scenes, list_arkit_scenes},
+    Layout{looks_like_sun3d, list_sun3d},
+    Layout{looks_like_open3d, list_open3d},
+};
+
+constexpr Layout kReplica = {looks_like_replica, list_replica},
+                 kBare = {looks_like_bare, list_bare};
+
+Result<io::SequenceToml> toml_of(const fs::path& folder) {
+  const fs::path path = entry_of(folder, "sgs.toml");
+  if (!fs::exists(path)) return io::SequenceToml{};
+  return io::load_sequence_toml(path);
+}
+
+/// Whether a folder has the marks of a layout.
+bool has_layout(const fs::path& folder) {
+  const auto toml = toml_of(folder);
+  if (!toml || !toml->color.empty()) return true;
+  return looks_like_tum(folder) || kReplica.looks_like(folder) || kBare.looks_like(folder) ||
+         std::any_of(kLayouts.begin(), kLayouts.end(),
+                     [&](const Layout& layout) { return layout.looks_like(folder); });
+}
+
+/// Folders and files of a folder, without what systems leave behind, by name.
+std::vector<fs::path> content_of(const fs::path& folder) {
+  std::vector<fs::path> content;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (!is_left_behind(it->path())) content.push_back(it->path());
+  }
+  std::sort(content.begin(), content.end());
+  return content;
+}
+
+/// Whether a folder is a recording of messages, and no layout of images.
+bool is_bag_folder(const fs::path& folder) {
+  return bag::looks_like_bag(folder) || (!has_layout(folder) && !bag::bag_files(folder).empty());
+}
+
+tl::unexpected<Error> no_sequence(const fs::path& folder) {
+  for (const fs::path& file : content_of(folder)) {
+    if (const auto unpacking = io::unpacking_of(file)) {
+      return io::packed_as_a_whole(file, *unpacking);
+    }
+  }
+  return fail(ErrorCode::kInvalidFormat,
+              fmt::format("{}: no known sequence layout; looked for rgb.txt with depth.txt, or "
+                          "associations.txt (TUM), results/frame*.jpg with results/depth*.png, "
+                          "or images/ with depth_images/ (Replica, NICE-SLAM), color/ (rgb/, "
+                          "image/) with depth/, sgs.toml with sequence.color and sequence.depth, "
+                          "what marks ScanNet, 7-Scenes, Open3D, SUN3D, ICL-NUIM, nerfstudio, "
+                          "Polycam and ARKitScenes, and .bag, .mcap or .db3 files",
+                          folder.string()),
+              "give the folder that holds one of these; an sgs.toml describes any folder of "
+              "images");
+}
+
+/// The only recording below a folder that is none itself, at most two folders deep: archives often
+/// hold one folder more than was packed.
+Result<fs::path> only_below(const fs::path& folder, int depth) {
+  std::vector<fs::path> found;
+  std::error_code error;
+  const auto content = content_of(folder);
+  for (const fs::path& path : content) {
+    const bool recording =
+        fs::is_directory(path, error) ? has_layout(path) || is_bag_folder(path) : is_sens(path);
+    if (recording) found.push_back(path);
+  }
+  if (found.size() == 1) return found.front();
+  if (found.size() > 1) {
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("{}: holds {} scenes", folder.string(), found.size()),
+                fmt::format("give one of them, for example {}", io::shell_quoted(found.front())));
+  }
+  if (depth > 0 && content.size() == 1 && fs::is_directory(content.front(), error)) {
+    return only_below(content.front(), depth - 1);
+  }
+  return no_sequence(folder);
+}
+
+}  // namespace
+
+Result<FrameList> list_frames(const fs::path& folder, const OpenOptions& options) {
+  SGS_ASSIGN_OR_RETURN(const io::SequenceToml toml, toml_of(folder));
+  const auto list = [&]() -> Result<FrameList> {
+    if (!toml.color.empty()) return list_folder(folder, toml);
+    for (const Layout& layout : kLayouts) {
+      if (layout.looks_like(folder)) return layout.list(folder);
+    }
+    if (looks_like_tum(folder)) return list_tum(folder, options.max_time_difference_s);
+    return kReplica.looks_like(folder) ? list_replica(folder) : list_bare(folder);
+  };
+  SGS_ASSIGN_OR_RETURN(FrameList frames, list());
+  if (!toml.name.empty()) frames.name = toml.name;
+  return frames;
+}
+
+bool looks_like_sequence(const fs::path& folder) {
+  try {
+    return fs::exists(folder / "sgs.toml") || has_layout(folder) || bag::looks_like_bag(folder);
+  } catch (const fs::filesystem_error&) {
+    return false;
+  }
+}
+
+Result<Location> locate_recording(const fs::path& input) {
+  std::error_code error;
+  if (!fs::exists(input, error)) {
+    return fail(ErrorCode::kNotFound, fmt::format("{}: no such file or folder", input.string()),
+                "give the folder of an RGB-D sequence, a bag, or synth:NAME");
+  }
+  if (!fs::is_directory(input, error)) return Location{input, bag::looks_like_bag(input)};
+  if (is_bag_folder(input)) return Location{input, true};
+  if (has_layout(input)) return Location{input, false};
+  constexpr int kDeeper = 1;
+  SGS_ASSIGN_OR_RETURN(const fs::path below, only_below(input, kDeeper));
+  const bool folder = fs::is_directory(below, error);
+  return Location{below, folder && is_bag_folder(below)};
+}
+
+}  // namespace sgs::dataset

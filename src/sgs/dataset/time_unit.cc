@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/dataset/time_unit.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sgs::dataset {
+namespace {
+
+constexpr double kGuessedFps = 30;
+
+struct Known {
+  const char* name;
+  double per_second;
+};
+constexpr Known kUnits[] = {{"milliseconds", 1e3}, {"microseconds", 1e6}, {"nanoseconds", 1e9}};
+
+}  // namespace
+
+double median_step(const std::vector<double>& sorted) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < sorted.size(); ++i) {
+    if (sorted[i] > sorted[i - 1]) steps.push_back(sorted[i] - sorted[i - 1]);
+  }
+  if (steps.empty()) return 0;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
+TimeUnit unit_of_times(std::vector<double> times, bool whole) {
+  // Cameras deliver between a thousand and one image in two seconds.
+  constexpr double kShortest_s = 0.001, kLongest_s = 2;
+  constexpr double kLatestYear_s = 1e10;   // seconds since 1970: some three centuries
+  constexpr double kEarliestYear_s = 1e8;  // 1973
+  constexpr std::size_t kFewest = 3;
+  if (times.size() < kFewest) return {};
+  std::sort(times.begin(), times.end());
+  const double step = median_step(times), size = std::abs(times.back());
+  if (step == 0) return {};
+  const bool no_seconds = size > kLatestYear_s;
+  if (!no_seconds && whole && step == 1 && size < kEarliestYear_s) {
+    return {kGuessedFps, "frame numbers", false};
+  }
+  for (const Known& unit : kUnits) {
+    const double size_s = size / unit.per_second;
+    const bool since_1970 = no_seconds && size_s > kEarliestYear_s && size_s < kLatestYear_s;
+    if (since_1970) return {unit.per_second, unit.name, true};
+  }
+  // Seconds that are written with their fractions may be far apart: single views.
+  if (!no_seconds && (!whole || step <= kLongest_s)) return {};
+  for (const Known& unit : kUnits) {
+    const double step_s = step / unit.per_second;
+    if (step_s >= kShortest_s && step_s < 1) return {unit.per_second, unit.name, true};
+  }
+  return {};
+}
+
+}  // namespace sgs::dataset
