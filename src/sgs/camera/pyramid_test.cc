@@ -4,9 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <vector>
 
+#include "sgs/camera/compact_view.h"
 #include "sgs/camera/luma_row.h"
 
 namespace sgs {
@@ -96,6 +99,86 @@ TEST(GrayPyramid, TinyImagesGetFewerLevelsAndWrongSizesThrow) {
   EXPECT_EQ(pyramid.levels(), 2);
   EXPECT_THROW(pyramid.build(ColorImage(41, 30), c, 2), ContractViolation);
   EXPECT_THROW(pyramid.build(ColorImage(40, 30), c, 0), ContractViolation);
+}
+
+ColorImage grey_steps(int width, int height) {
+  ColorImage image(width, height);
+  for (std::size_t i = 0; i < image.size(); ++i) {
+    const auto g = static_cast<std::uint8_t>(31 * i % 251);
+    image.data()[i] = {g, g, g};
+  }
+  return image;
+}
+
+TEST(GrayPyramid, PixelsThatWereNotSeenAreInNoMean) {
+  const PinholeCamera c = camera_of(32, 24);
+  const ColorImage image = grey_steps(32, 24);
+  PixelMask seen(32, 24, std::uint8_t{1});
+  seen(4, 6) = 0;                                         // one of four
+  seen(10, 10) = seen(11, 11) = 0;                        // two
+  seen(20, 2) = seen(21, 2) = seen(20, 3) = 0;            // three
+  seen(0, 0) = seen(1, 0) = seen(0, 1) = seen(1, 1) = 0;  // all
+  GrayPyramid all, pyramid;
+  all.build(image, c, 2);
+  pyramid.build(image, c, 2, &seen);
+  const Image<float>&fine = pyramid.level(0).gray, &coarse = pyramid.level(1).gray;
+  for (int v = 0; v < 24; ++v) {
+    for (int u = 0; u < 32; ++u) {
+      ASSERT_EQ(std::isnan(fine(u, v)), seen(u, v) == 0) << u << " " << v;
+      EXPECT_TRUE(seen(u, v) == 0 || fine(u, v) == all.level(0).gray(u, v));
+    }
+  }
+  EXPECT_FLOAT_EQ(coarse(2, 3), (fine(5, 6) + fine(4, 7) + fine(5, 7)) / 3);
+  EXPECT_FLOAT_EQ(coarse(5, 5), (fine(11, 10) + fine(10, 11)) / 2);
+  EXPECT_TRUE(std::isnan(coarse(10, 1)));
+  EXPECT_TRUE(std::isnan(coarse(0, 0)));
+  EXPECT_FLOAT_EQ(coarse(8, 8), all.level(1).gray(8, 8));
+}
+
+TEST(GrayPyramid, LookupThatTouchesAnUnseenPixelIsNone) {
+  const PinholeCamera c = camera_of(32, 24);
+  PixelMask seen(32, 24, std::uint8_t{1});
+  seen(10, 10) = 0;
+  GrayPyramid pyramid;
+  pyramid.build(grey_steps(32, 24), c, 1, &seen);
+  const auto usable = [&](float u, float v) {
+    const GraySample s = pyramid.level(0).interpolate(u, v);
+    return !std::isnan(s.intensity + s.gx + s.gy);
+  };
+  EXPECT_FALSE(usable(10.2f, 10.3f));
+  EXPECT_FALSE(usable(9.5f, 9.5f));
+  EXPECT_FALSE(usable(11.5f, 10.2f));  // by its gradient
+  EXPECT_TRUE(usable(14.5f, 10.2f));
+  EXPECT_TRUE(usable(9.5f, 13.5f));
+}
+
+TEST(GrayPyramid, MaskOfAllChangesNothing) {
+  const PinholeCamera c = camera_of(64, 48);
+  const PixelMask seen(64, 48, std::uint8_t{1});
+  GrayPyramid all, masked;
+  all.build(grey_steps(64, 48), c, 3);
+  masked.build(grey_steps(64, 48), c, 3, &seen);
+  for (int l = 0; l < 3; ++l) {
+    const Image<float>&a = all.level(l).gray, &b = masked.level(l).gray;
+    for (std::size_t i = 0; i < a.size(); ++i) EXPECT_FLOAT_EQ(a.data()[i], b.data()[i]);
+  }
+}
+
+// A view that is kept in bytes knows as well what was not seen; black that was seen stays seen.
+TEST(CompactView, KeepsWhatWasNotSeen) {
+  RgbdFrame frame;
+  frame.camera = camera_of(64, 48);
+  frame.color = ColorImage(64, 48);  // black
+  frame.depth = DepthImage(64, 48, 2.0f);
+  EXPECT_EQ(CompactView(frame, 1).frame().seen, nullptr);
+  PixelMask seen(64, 48, std::uint8_t{1});
+  for (int v = 0; v < 48; ++v) std::fill_n(seen.row(v), 10, std::uint8_t{0});
+  frame.seen = std::make_shared<const PixelMask>(seen);
+  const RgbdFrame kept = CompactView(frame, 1).frame();
+  ASSERT_NE(kept.seen, nullptr);
+  for (int v = 0; v < 24; ++v) {
+    for (int u = 0; u < 32; ++u) ASSERT_EQ(kept.sees(u, v), u >= 5) << u << " " << v;
+  }
 }
 
 }  // namespace

@@ -83,6 +83,28 @@ TEST(Resample, WhatTheDepthCameraDoesNotSeeHasNoDepth) {
   EXPECT_EQ(out(48, 70), 0.0f);
 }
 
+TEST(Resample, SeenAreThePixelsThatTheOtherCameraHas) {
+  EXPECT_EQ(seen_by(kFrom, kFrom), nullptr);
+  EXPECT_EQ(seen_by(kFrom, {48, 36, 45, 45.5, 23.3, 17.55}), nullptr);
+  EXPECT_EQ(seen_by(kFrom, kFrom.halved(1)), nullptr);
+  const PinholeCamera large{1296, 968, 1170, 1171, 647.5, 483.5};
+  EXPECT_EQ(seen_by(large, limited_to_width(large, 640)), nullptr);
+
+  const PinholeCamera wider{96, 72, 60, 61, 47.1, 35.6};
+  const auto seen = seen_by(kFrom, wider);
+  ASSERT_NE(seen, nullptr);
+  int wrong = 0;
+  for (int v = 0; v < wider.height; ++v) {
+    for (int u = 0; u < wider.width; ++u) {
+      const Eigen::Vector2d at = kFrom.project(wider.back_project(u, v, 1));
+      const bool inside = at.x() > -0.5 && at.y() > -0.5 && at.x() < kFrom.width - 0.5 &&
+                          at.y() < kFrom.height - 0.5;
+      wrong += inside != ((*seen)(u, v) != 0);
+    }
+  }
+  EXPECT_EQ(wrong, 0);
+}
+
 TEST(Resample, WidthIsLimitedByWholeFactorsWhereThatLeavesEnough) {
   const auto width = [](int from) {
     return limited_to_width({from, from / 2, 500, 500, 1, 1}, 640).width;

@@ -22,6 +22,7 @@ namespace {
 std::shared_ptr<const PixelMask> pixels_with_source(const PinholeCamera& camera,
                                                     const Distortion& distortion,
                                                     const cv::Mat& xy) {
+  constexpr float kRounding_px = 0.01f;
   const double fold = distortion.fold_radius();
   auto seen = std::make_shared<PixelMask>(camera.width, camera.height, std::uint8_t{0});
   bool all = true;
@@ -29,9 +30,10 @@ std::shared_ptr<const PixelMask> pixels_with_source(const PinholeCamera& camera,
     for (int u = 0; u < camera.width; ++u) {
       const auto& from = xy.at<cv::Vec2f>(v, u);
       const double radius = std::hypot((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy);
-      const bool inside = from[0] >= 0 && from[1] >= 0 &&
-                          from[0] <= static_cast<float>(camera.width - 1) &&
-                          from[1] <= static_cast<float>(camera.height - 1) && radius < fold;
+      const bool inside = from[0] >= -kRounding_px && from[1] >= -kRounding_px &&
+                          from[0] <= static_cast<float>(camera.width - 1) + kRounding_px &&
+                          from[1] <= static_cast<float>(camera.height - 1) + kRounding_px &&
+                          radius < fold;
       (*seen)(u, v) = inside;
       all = all && inside;
     }

@@ -165,5 +165,65 @@ TEST(Images, ClampedIsFiniteAndInRange) {
   EXPECT_EQ(p.b, 0);
 }
 
+/// The same pictures with other values where nothing was seen.
+Pair with_unseen(Pair p, const PixelMask& seen, float truth, float image) {
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (seen.data()[i] != 0) continue;
+    p.truth.data()[i] = {truth, truth, truth};
+    p.image.data()[i] = {image, image, image};
+  }
+  return p;
+}
+
+PixelMask left_unseen(int width, int height, int columns) {
+  PixelMask seen(width, height, std::uint8_t{1});
+  for (int y = 0; y < height; ++y) std::fill_n(seen.row(y), columns, std::uint8_t{0});
+  return seen;
+}
+
+ColorFloatImage right_part(const ColorFloatImage& image, int from) {
+  ColorFloatImage out(image.width() - from, image.height());
+  for (int y = 0; y < image.height(); ++y) {
+    std::copy_n(image.row(y) + from, out.width(), out.row(y));
+  }
+  return out;
+}
+
+TEST(SeenPixelsOnly, PsnrIsThatOfThePartThatWasSeen) {
+  const Pair p = formula_pair(41, 33);
+  const PixelMask seen = left_unseen(41, 33, 7);
+  const double want = psnr_db(right_part(p.truth, 7), right_part(p.image, 7));
+  EXPECT_NEAR(psnr_db(p.truth, p.image, &seen), want, 1e-9);
+  const Pair other = with_unseen(p, seen, 1, 0);
+  EXPECT_EQ(psnr_db(other.truth, other.image, &seen), psnr_db(p.truth, p.image, &seen));
+  const PixelMask none(41, 33, std::uint8_t{0});
+  EXPECT_EQ(psnr_db(p.truth, p.image, &none), 0);
+}
+
+TEST(SeenPixelsOnly, SsimCountsNoBlankWindows) {
+  const Pair p = formula_pair(41, 33);
+  const PixelMask all(41, 33, std::uint8_t{1}), none(41, 33, std::uint8_t{0});
+  EXPECT_NEAR(*ssim(p.truth, p.image, &all), *ssim(p.truth, p.image), 1e-12);
+  EXPECT_FALSE(ssim(p.truth, p.image, &none));
+
+  const PixelMask seen = left_unseen(41, 33, 20);
+  const Pair other = with_unseen(p, seen, 1, 0);
+  EXPECT_EQ(*ssim(other.truth, other.image, &seen), *ssim(p.truth, p.image, &seen));
+  // 31 columns of windows, of which 10 lie wholly in the dark.
+  const Pair black = with_unseen(p, seen, 0, 0);
+  const double mean = *ssim(black.truth, black.image);
+  EXPECT_NEAR(*ssim(p.truth, p.image, &seen), (31 * mean - 10) / 21, 1e-6);
+  EXPECT_LT(*ssim(p.truth, p.image, &seen), mean);
+}
+
+TEST(SeenPixelsOnly, ZeroUnseenIsBlackThere) {
+  const ColorFloatImage image(6, 2, {0.5f, 0.25f, 1});
+  const PixelMask seen = left_unseen(6, 2, 2);
+  const ColorFloatImage out = zero_unseen(image, &seen);
+  EXPECT_EQ(out(1, 1).b, 0);
+  EXPECT_EQ(out(2, 1).b, 1);
+  EXPECT_EQ(zero_unseen(image, nullptr)(0, 0).g, 0.25f);
+}
+
 }  // namespace
 }  // namespace sgs::eval

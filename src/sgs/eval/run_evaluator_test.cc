@@ -141,5 +141,33 @@ TEST(RunEvaluator, ThreadsDoNotChangeABit) {
   EXPECT_EQ(a.pictures.size(), b.pictures.size());
 }
 
+// A black border beside a picture that is rendered as it was seen costs nothing.
+TEST(RunEvaluator, PixelsThatWereNotSeenAreNotScored) {
+  GreyRasterizer rasterizer;
+  const auto evaluated = [&](bool with_mask) {
+    RunInput in = input(6, rasterizer);
+    in.next_frame = [with_mask, next = frames(6)](RgbdFrame& frame) mutable {
+      if (!next(frame)) return false;
+      auto seen = std::make_shared<PixelMask>(kWidth, kHeight, std::uint8_t{1});
+      for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < 6; ++x) {
+          frame.color(x, y) = {0, 0, 0};
+          (*seen)(x, y) = 0;
+        }
+      }
+      if (with_mask) frame.seen = seen;
+      return true;
+    };
+    RunEvaluatorConfig config;
+    config.pictures = 2;
+    return evaluate_run(in, config);
+  };
+  const RunEvaluation masked = evaluated(true), unmasked = evaluated(false);
+  // Frames 0 to 3 and 5 are 0.4 where 0.2 is rendered; frame 4 is held out, and as rendered.
+  EXPECT_NEAR(*masked.train.psnr_db, -20 * std::log10(0.2), 1e-3);
+  EXPECT_EQ(*masked.heldout.psnr_db, kMaxPsnr_db);
+  EXPECT_LT(*unmasked.heldout.psnr_db, 30);
+}
+
 }  // namespace
 }  // namespace sgs::eval

@@ -58,7 +58,8 @@ std::size_t insert_grid(const MapKeyframe& keyframe, int keyframe_index,
   for (int j = 0; j < points.height(); ++j) {
     for (int i = 0; i < points.width(); ++i) {
       const float z = pictures->depth_m(i * step, j * step);
-      if (z > 0) points(i, j) = camera.back_project(i * step, j * step, z).cast<float>();
+      if (z <= 0 || !pictures->sees(i * step, j * step)) continue;
+      points(i, j) = camera.back_project(i * step, j * step, z).cast<float>();
     }
   }
   const SE3& T = keyframe.T_world_camera;

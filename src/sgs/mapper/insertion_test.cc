@@ -110,5 +110,63 @@ TEST(MapKeyframe, HalvesImagesWithoutMixingSurfaces) {
   EXPECT_NEAR(image.depth(1, 0), 2.0f, 1e-3f);
 }
 
+/// Only the right part of the picture was seen; the rest is garish.
+std::shared_ptr<RgbdFrame> half_seen_wall(int first_seen, bool deep) {
+  auto frame = wall_frame(small_camera(), SE3{});
+  auto seen = std::make_shared<PixelMask>(160, 120, std::uint8_t{1});
+  for (int v = 0; v < 120; ++v) {
+    for (int u = 0; u < first_seen; ++u) {
+      (*seen)(u, v) = 0;
+      frame->color(u, v) = {255, 0, 255};
+      if (!deep) frame->depth(u, v) = 0;
+    }
+  }
+  frame->seen = seen;
+  return frame;
+}
+
+TEST(QuadtreeInsertion, NoGaussianIsBornOfWhatWasNotSeen) {
+  for (const bool deep : {false, true}) {
+    const int first_seen = 43;
+    const auto frame = half_seen_wall(first_seen, deep);
+    const MapKeyframe keyframe(*frame, SE3{}, 10);
+    map::GaussianStore store;
+    EXPECT_GT(insert_quadtree(keyframe, 0, nullptr, {}, 3, store), 50u);
+    for (const map::Gaussian& g : store.raw) {
+      const Eigen::Vector3d p(g.mean[0], g.mean[1], g.mean[2]);
+      EXPECT_GE(small_camera().project(p).x(), first_seen);
+      EXPECT_GT(g.rgb[1], 0.05f);  // nothing of the purple
+    }
+  }
+}
+
+TEST(GridInsertion, NoGaussianIsBornOfWhatWasNotSeen) {
+  const auto frame = half_seen_wall(43, true);
+  InsertionConfig config = paper_mapper_config().insertion;
+  config.grid_step_px = 20;
+  map::GaussianStore store;
+  insert_grid(MapKeyframe(*frame, SE3{}, 10), 0, config, store);
+  ASSERT_GT(store.raw.size(), 100u);
+  for (const map::Gaussian& g : store.raw) {
+    EXPECT_GE(small_camera().project({g.mean[0], g.mean[1], g.mean[2]}).x(), 43 - 0.5);
+  }
+}
+
+TEST(MapKeyframe, TrainingImagesSayWhatWasNotSeen) {
+  const auto frame = half_seen_wall(43, true);
+  const MapKeyframe keyframe(*frame, SE3{}, 10);
+  const auto full = keyframe.training_image(0), half = keyframe.training_image(1);
+  for (int v = 0; v < 120; ++v) {
+    for (int u = 0; u < 160; ++u) {
+      ASSERT_EQ(full.depth(u, v) == render::TrainingImage::kUnseen, u < 43) << u << " " << v;
+    }
+  }
+  for (int v = 0; v < 60; ++v) {
+    for (int u = 0; u < 80; ++u) {
+      ASSERT_EQ(half.depth(u, v) == render::TrainingImage::kUnseen, u < 22) << u << " " << v;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sgs::mapper

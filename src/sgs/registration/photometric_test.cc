@@ -9,6 +9,9 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <random>
+
+#include "sgs/camera/rgbd_frame.h"
 
 namespace sgs::registration {
 namespace {
@@ -64,6 +67,20 @@ SE3 world_pose() {
   Vector6d xi;
   xi << 0.1, -0.05, 0.2, 0.3, -0.2, 0.1;
   return SE3::exp(xi);
+}
+
+RgbdFrame textured_frame(const SE3& T) {
+  const View view = render({}, kKeyframeCamera, T, 1);
+  RgbdFrame frame;
+  frame.camera = kKeyframeCamera;
+  frame.color = ColorImage(kKeyframeCamera.width, kKeyframeCamera.height);
+  frame.depth = view.depth;
+  const Image<float>& gray = view.pyramid.level(0).gray;
+  for (std::size_t i = 0; i < gray.size(); ++i) {
+    const auto g = static_cast<std::uint8_t>(std::clamp(std::lround(gray.data()[i]), 0L, 255L));
+    frame.color.data()[i] = {g, g, g};
+  }
+  return frame;
 }
 
 // Coarse to fine Gauss-Newton with photometry alone.
@@ -377,6 +394,73 @@ TEST(PhotometricReference, FollowsDepthThatIsKnownBetter) {
     }
   }
   EXPECT_GT(compared, 100);
+}
+
+// Colours that no camera saw must not count, whatever they are.
+TEST(Photometric, PixelsThatWereNotSeenAreNotUsed) {
+  const PhotometricConfig config;
+  RgbdFrame keyframe = textured_frame(world_pose());
+  PixelMask seen(kKeyframeCamera.width, kKeyframeCamera.height, std::uint8_t{1});
+  for (int v = 0; v < seen.height(); ++v) std::fill_n(seen.row(v), 120, std::uint8_t{0});
+  const auto pyramid_of = [&](RgbdFrame frame, Rgb8 colour, bool masked) {
+    for (int v = 0; v < seen.height(); ++v) std::fill_n(frame.color.row(v), 120, colour);
+    GrayPyramid pyramid;
+    pyramid.build(frame.color, frame.camera, 3, masked ? &seen : nullptr);
+    return pyramid;
+  };
+  const PhotometricReference all(pyramid_of(keyframe, {0, 0, 0}, false), keyframe.depth,
+                                 world_pose(), config);
+  const PhotometricReference reference(pyramid_of(keyframe, {0, 0, 0}, true), keyframe.depth,
+                                       world_pose(), config);
+  Vector6d motion;
+  motion << 0.004, -0.006, 0.003, 0.008, 0.004, -0.005;
+  const SE3 T = world_pose() * SE3::exp(motion);
+  const RgbdFrame frame = textured_frame(T);
+  const GrayPyramid black = pyramid_of(frame, {0, 0, 0}, true);
+  const GrayPyramid white = pyramid_of(frame, {255, 255, 255}, true);
+  for (int level = 0; level < 3; ++level) {
+    ASSERT_GT(reference.points(level).size(), 50u);
+    for (const auto& p : reference.points(level)) {
+      EXPECT_GT(kKeyframeCamera.project(p.p_keyframe.cast<double>()).x(), 120);
+    }
+    // The frame's own mask holds against a keyframe that saw more.
+    const auto a = linearize(all, level, black, frame.depth, T, {}, config);
+    const auto b = linearize(all, level, white, frame.depth, T, {}, config);
+    const auto c = linearize(all, level, pyramid_of(frame, {255, 255, 255}, false), frame.depth, T,
+                             {}, config);
+    EXPECT_EQ(a.H, b.H);
+    EXPECT_EQ(a.b, b.b);
+    EXPECT_EQ(a.used, b.used);
+    EXPECT_LT(a.used, c.used);
+    EXPECT_TRUE(a.H.allFinite() && a.b.allFinite());
+    EXPECT_LT(a.cost / a.used, c.cost / c.used);
+  }
+}
+
+// What VisualTerm does over frames, here on one: sigma times the square root of square_sum / used,
+// until it stands still.
+TEST(Photometric, SquaresTellHowWideTheNoiseIs) {
+  PhotometricConfig config;
+  config.sigma_level_factor = 1;
+  const View kf = render({}, kKeyframeCamera, world_pose(), 1);
+  const PhotometricReference reference(kf.pyramid, kf.depth, world_pose(), config);
+  for (const double true_sigma : {1.5, 6.0, 20.0}) {
+    std::mt19937_64 random(11);
+    std::student_t_distribution<double> noise(config.t_dof);
+    Image<float> gray = kf.pyramid.level(0).gray;
+    for (std::size_t i = 0; i < gray.size(); ++i) {
+      gray.data()[i] += static_cast<float>(true_sigma * noise(random));
+    }
+    GrayPyramid noisy;
+    noisy.build(gray, kKeyframeCamera, 1);
+    double width = 1;
+    for (int step = 0; step < 60; ++step) {
+      const auto l =
+          linearize(reference, 0, noisy, kf.depth, world_pose(), {}, config, {}, true, width);
+      width *= std::sqrt(l.square_sum / l.used);
+    }
+    EXPECT_NEAR(width * config.sigma, true_sigma, 0.12 * true_sigma);
+  }
 }
 
 }  // namespace

@@ -68,7 +68,7 @@ RgbdFrame render(const std::vector<Plane>& planes, bool box, const SE3& T_world_
 }
 
 // Hand-held-like path before a corner of the room: about 1 cm and half a degree per frame.
-SE3 pose_at(int index) {
+SE3 pose_at(double index) {
   const double s = index / 30.0;
   const SE3 into_the_corner(so3_exp({0, 0.78, 0}) * so3_exp({-0.45, 0, 0}), {0, 0, 0});
   const SE3 motion(
@@ -480,6 +480,37 @@ TEST(TrackerConfig, EveryKeyIsDeclaredOnceAndPresetsAreInRange) {
       EXPECT_TRUE(p.set_from_text(p.value_text()).has_value()) << p.key;
       EXPECT_FALSE(p.doc.empty()) << p.key;
     }
+  }
+}
+
+/// The same path from rest, so that the first frame is right in any case.
+SE3 pose_from_rest(double index) {
+  constexpr double kStart = 5, kRamp = 10;
+  const double moving = std::max(0.0, index - kStart);
+  return pose_at(moving < kRamp ? moving * moving / (2 * kRamp) : moving - kRamp / 2);
+}
+
+/// Largest error of position where depth is taken later than its colour, and the frame says so or
+/// not.
+double drift_with_lag(double delay_s, double told_s) {
+  const auto tracker = must_make(gicp_config(), kCamera, pose_from_rest(0));
+  double worst_m = 0;
+  for (int i = 0; i < 60; ++i) {
+    RgbdFrame frame = render(room(), true, pose_from_rest(i + 30 * delay_s), i);
+    frame.depth_delay_s = told_s;
+    const TrackResult r = tracker->track(frame, nullptr);
+    EXPECT_NE(r.status, TrackingStatus::kLost) << i;
+    worst_m = std::max(worst_m, (r.T_world_camera.t - pose_from_rest(i).t).norm());
+  }
+  return worst_m;
+}
+
+TEST(GicpTracker, PosesAreThoseOfTheColourWhereDepthLags) {
+  for (const double delay_s : {0.03, -0.03}) {
+    const double unknown_m = drift_with_lag(delay_s, 0);
+    const double known_m = drift_with_lag(delay_s, delay_s);
+    EXPECT_GT(unknown_m, 0.006);
+    EXPECT_LT(known_m, 0.5 * unknown_m);
   }
 }
 
