@@ -16,8 +16,10 @@
 #include "sgs/dataset/bag_time.h"
 #include "sgs/dataset/bag_topics.h"
 #include "sgs/dataset/bag_truth.h"
+#include "sgs/dataset/frame_fit.h"
 #include "sgs/dataset/frame_list.h"
 #include "sgs/dataset/prefetch.h"
+#include "sgs/io/calibration_io.h"
 
 namespace sgs::dataset {
 namespace fs = std::filesystem;
@@ -303,6 +305,12 @@ Result<Sequence> open_bag_as_sequence(std::unique_ptr<bag::Bag> bag, const fs::p
       plan.cameras.color.camera, plan.cameras.color.distortion,
       floats && !options.depth_scale ? kUnitsForFloats : plan.cameras.unit.units_per_metre};
   info.calibration_source = plan.cameras.source;
+  SGS_RETURN_IF_ERROR(io::check_calibration(info.calibration, info.calibration_source));
+  const PinholeCamera& lens = info.calibration.camera;
+  const auto seen = FrameFit(lens, info.calibration.distortion).seen(lens);
+  if (auto warning = little_is_seen(seen.get(), info.calibration_source)) {
+    info.warnings.push_back(*warning);
+  }
   info.truth_rows = truth.size();
   info.color_topic = bag->channels()[plan.topics.color.channel].topic;
   info.depth_topic = bag->channels()[plan.topics.depth.channel].topic;
