@@ -487,6 +487,9 @@ TEST_F(TumFolder, ALensThatFoldsBackWithinThePictureIsRefused) {
                                                   HasSubstr("from --camera")));
   options.camera->distortion = {-0.2, 0, 0, 0, 0};
   EXPECT_EQ(read_all(options), "o");
+  // Folds at a distance that is pictured 0.633 from the axis, the corners being 0.643 away.
+  options.camera->distortion = {-0.37, 0, 0, 0, 0};
+  EXPECT_EQ(read_all(options), "o");
 }
 
 TEST_F(TumFolder, PlainFolderByOrderAndByStem) {
