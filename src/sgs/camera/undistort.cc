@@ -18,22 +18,32 @@ struct Undistorter::Maps {
 
 namespace {
 
+/// Beyond the fold the formula leads back into the picture, to what is shown elsewhere already:
+/// such pixels get a source outside it.
+void forget_beyond_fold(const PinholeCamera& camera, const Distortion& distortion, cv::Mat& xy) {
+  constexpr float kOutside_px = -10;
+  const double fold = distortion.fold_radius();
+  if (std::isinf(fold)) return;
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const double radius = std::hypot((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy);
+      if (radius >= fold) xy.at<cv::Vec2f>(v, u) = {kOutside_px, kOutside_px};
+    }
+  }
+}
+
 /// Which pixels of `camera` have a source, as `xy` says, in a picture of the same size.
 std::shared_ptr<const PixelMask> pixels_with_source(const PinholeCamera& camera,
-                                                    const Distortion& distortion,
                                                     const cv::Mat& xy) {
   constexpr float kRounding_px = 0.01f;
-  const double fold = distortion.fold_radius();
   auto seen = std::make_shared<PixelMask>(camera.width, camera.height, std::uint8_t{0});
   bool all = true;
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
       const auto& from = xy.at<cv::Vec2f>(v, u);
-      const double radius = std::hypot((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy);
       const bool inside = from[0] >= -kRounding_px && from[1] >= -kRounding_px &&
                           from[0] <= static_cast<float>(camera.width - 1) + kRounding_px &&
-                          from[1] <= static_cast<float>(camera.height - 1) + kRounding_px &&
-                          radius < fold;
+                          from[1] <= static_cast<float>(camera.height - 1) + kRounding_px;
       (*seen)(u, v) = inside;
       all = all && inside;
     }
@@ -52,9 +62,10 @@ Undistorter::Undistorter(const PinholeCamera& camera, const Distortion& d) {
   cv::Mat map_x;
   cv::initUndistortRectifyMap(K, D, cv::noArray(), K, maps->size, CV_32FC2, maps->nearest_xy,
                               map_x);
+  forget_beyond_fold(camera, d, maps->nearest_xy);
   cv::convertMaps(maps->nearest_xy, cv::noArray(), maps->bilinear_xy, maps->bilinear_weights,
                   CV_16SC2);
-  seen_ = pixels_with_source(camera, d, maps->nearest_xy);
+  seen_ = pixels_with_source(camera, maps->nearest_xy);
   maps_ = std::move(maps);
 }
 

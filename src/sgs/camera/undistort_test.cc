@@ -87,6 +87,25 @@ TEST(FoldRadius, IsWhereWhatIsFartherOutStopsBeingPicturedFartherOut) {
   EXPECT_NEAR((Distortion{0, 0, 0, 0, 0, -0.25, 0, 0}.fold_radius()), 2, kStep);
 }
 
+// What the formula leads back to is seen elsewhere: it must not be there twice.
+TEST(SeenPixels, NoDepthComesFromBeyondTheFold) {
+  const Distortion lens{-0.3, 0, 0, 0, 0};
+  const Undistorter undistorter(kWide, lens);
+  const DepthImage flat = undistorter.depth(DepthImage(kWide.width, kWide.height, 2.0f));
+  const ColorImage color =
+      undistorter.color(ColorImage(kWide.width, kWide.height, {200, 200, 200}));
+  ASSERT_NE(undistorter.seen(), nullptr);
+  int wrong = 0;
+  for (int v = 0; v < kWide.height; ++v) {
+    for (int u = 0; u < kWide.width; ++u) {
+      const double radius = kWide.back_project(u, v, 1).head<2>().norm();
+      if (radius < lens.fold_radius()) continue;
+      wrong += flat(u, v) > 0 || color(u, v) != Rgb8{} || (*undistorter.seen())(u, v) != 0;
+    }
+  }
+  EXPECT_EQ(wrong, 0);
+}
+
 // A mask of the distorted picture goes where its pixels go.
 TEST(SeenPixels, MaskOfThePictureIsUndistortedWithIt) {
   const Distortion lens{0.2624, -0.9531, -0.0054, 0.0026, 1.1633};

@@ -19,6 +19,7 @@
 #include "sgs/dataset/frame_fit.h"
 #include "sgs/dataset/frame_list.h"
 #include "sgs/dataset/prefetch.h"
+#include "sgs/io/calibration_io.h"
 
 namespace sgs::dataset {
 namespace fs = std::filesystem;
@@ -156,6 +157,12 @@ Result<Sequence> open_bag_as_sequence(std::unique_ptr<bag::Bag> bag, const fs::p
   SGS_ASSIGN_OR_RETURN(auto truth,
                        read_bag_truth(*bag, options.truth_topic, plan.topics.color.frame_id));
   describe_plan(*bag, plan, options, info);
+  SGS_RETURN_IF_ERROR(io::check_calibration(info.calibration, info.calibration_source));
+  const PinholeCamera& lens = info.calibration.camera;
+  const auto seen = FrameFit(lens, info.calibration.distortion).seen(lens);
+  if (auto warning = little_is_seen(seen.get(), info.calibration_source)) {
+    info.warnings.push_back(*warning);
+  }
   info.truth_rows = truth.poses.size();
   info.warnings.insert(info.warnings.end(), truth.warnings.begin(), truth.warnings.end());
   for (const std::string& warning : info.warnings) log().warn("{}", warning);

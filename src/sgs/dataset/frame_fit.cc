@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sgs/camera/resample.h"
+#include "sgs/camera/seen_area.h"
 
 namespace sgs::dataset {
 namespace {
@@ -32,6 +33,12 @@ FrameFit::FrameFit(const PinholeCamera& delivered, const Distortion& distortion)
   if (!distortion.is_zero()) undistorter_.emplace(delivered, distortion);
 }
 
+std::shared_ptr<const PixelMask> FrameFit::seen(const PinholeCamera& color) const {
+  auto seen = seen_by(color, camera_);
+  if (!undistorter_) return seen;
+  return seen ? std::make_shared<PixelMask>(undistorter_->mask(*seen)) : undistorter_->seen();
+}
+
 Status FrameFit::fit(ColorImage color, DepthImage depth, const StoredCameras& stored,
                      std::string_view color_name, std::string_view depth_name,
                      RgbdFrame& frame) const {
@@ -41,14 +48,21 @@ Status FrameFit::fit(ColorImage color, DepthImage depth, const StoredCameras& st
   if (stored.color != camera_) color = resample_color(color, stored.color, camera_);
   if (stored.depth != camera_) depth = resample_depth(depth, stored.depth, camera_);
   frame.camera = camera_;
-  frame.seen = seen_by(stored.color, camera_);
-  if (undistorter_) {
-    frame.seen = frame.seen ? std::make_shared<PixelMask>(undistorter_->mask(*frame.seen))
-                            : undistorter_->seen();
-  }
+  frame.seen = seen(stored.color);
   frame.color = undistorter_ ? undistorter_->color(color) : std::move(color);
   frame.depth = undistorter_ ? undistorter_->depth(depth) : std::move(depth);
   return {};
+}
+
+std::optional<std::string> little_is_seen(const PixelMask* seen, std::string_view source) {
+  constexpr double kLittle = 1.0 / 3;
+  if (seen == nullptr || seen_share(*seen) >= kLittle) return std::nullopt;
+  return fmt::format(
+      "undistorted by the calibration from {}, the camera has seen {:.0f} % of the picture only, "
+      "and the rest is not used: if the picture does not look like that, its distortion or its "
+      "intrinsics are of another camera or image size; give --camera "
+      "fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]]",
+      source, 100 * seen_share(*seen));
 }
 
 double median_depth_m(const DepthImage& depth) {

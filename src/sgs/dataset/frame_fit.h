@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -35,6 +36,8 @@ class FrameFit {
   FrameFit(const PinholeCamera& delivered, const Distortion& distortion);
 
   const PinholeCamera& camera() const { return camera_; }
+  /// Which pixels of such frames the camera `color` saw; null: all.
+  std::shared_ptr<const PixelMask> seen(const PinholeCamera& color) const;
   /// Sets colour, depth and camera of `frame`. Images that are not of their camera's size are
   /// refused; `color_name` and `depth_name` are what the message calls them.
   Status fit(ColorImage color, DepthImage depth, const StoredCameras& stored,
@@ -44,6 +47,10 @@ class FrameFit {
   PinholeCamera camera_;
   std::optional<Undistorter> undistorter_;
 };
+
+/// A warning with the share where less than a third of the pixels was seen, so that the calibration
+/// is probably of another lens. `source` says where it came from.
+std::optional<std::string> little_is_seen(const PixelMask* seen, std::string_view source);
 
 /// Refuses depths that cannot be metres: a median of the measured ones beyond 0.05 .. 20 m.
 /// `depth_scale` and `source` say in the message which unit was assumed and who said so. An image

@@ -174,6 +174,13 @@ SequenceInfo describe(const FrameList& list, const FoundCalibration& found) {
   return info;
 }
 
+void warn_of_little_seen(SequenceInfo& info, const PinholeCamera& color) {
+  const auto seen = FrameFit(info.delivered, info.calibration.distortion).seen(color);
+  if (auto warning = little_is_seen(seen.get(), info.calibration_source)) {
+    info.warnings.push_back(fmt::format("{}: {}", info.folder.string(), *warning));
+  }
+}
+
 std::vector<NamedFrame> names_of_frames(const FrameList& list) {
   std::vector<NamedFrame> names;
   for (const FrameEntry& frame : list.frames) names.push_back({frame.timestamp_s, frame.color});
@@ -227,6 +234,7 @@ Result<Sequence> open_folder(const fs::path& folder, const OpenOptions& options)
   warn_of_probe(seen, format, options, sequence.info.warnings);
   sequence.info.calibration = format.calibration;
   sequence.info.delivered = delivered_camera(typical, options.max_width);
+  warn_of_little_seen(sequence.info, typical.color);
   sequence.info.sparse = is_sparse(times_of_frames(list), list.truth);
   sequence.images = names_of_frames(list);
   sequence.frames = std::make_unique<FileSequence>(

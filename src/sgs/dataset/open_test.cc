@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <functional>
 #include <opencv2/imgcodecs.hpp>
 
 #include "sgs/dataset/calibration_lookup.h"
@@ -263,6 +264,86 @@ TEST_F(TumFolder, WriterKeepsTheLensAndTheStampsOfDepth) {
   EXPECT_EQ(sequence->info.calibration.distortion, lens);
 }
 
+/// Depth's delays of all frames as delivered.
+std::vector<double> delays_of(const Sequence& sequence) {
+  std::vector<double> delays_s;
+  RgbdFrame frame;
+  Error error;
+  while (sequence.frames->next(frame, error) == FrameRead::kOk) {
+    delays_s.push_back(frame.depth_delay_s);
+  }
+  return delays_s;
+}
+
+TEST_F(TumFolder, DelaysOfDepthSurviveWritingAndReadingToTheBit) {
+  auto writer = TumSequenceWriter::create(folder(), kFolderCamera, {"", 5000, false, 95});
+  ASSERT_TRUE(writer);
+  std::vector<double> sent_s;
+  for (int i = 0; i < 6; ++i) {
+    RgbdFrame frame = make_frame(i);
+    frame.timestamp_s = 1305031102.175304 + i / 30.0;
+    // As two stamps of a camera give it.
+    const double depth_s = 1305031102.160407 + i / 29.97;
+    frame.depth_delay_s = depth_s - frame.timestamp_s;
+    sent_s.push_back(frame.depth_delay_s);
+    ASSERT_TRUE(writer->add(frame));
+  }
+  const auto sequence = open_sequence(folder());
+  ASSERT_TRUE(sequence) << sequence.error().text();
+  ASSERT_TRUE(sequence->info.depth_delays);
+  EXPECT_EQ(sequence->info.depth_delays->least_s, sent_s[0]);
+  EXPECT_EQ(sequence->info.depth_delays->most_s, sent_s[5]);
+  EXPECT_EQ(delays_of(*sequence), sent_s);
+  EXPECT_TRUE(sequence->info.warnings.empty());
+}
+
+TEST_F(TumFolder, DepthWithTheStampsOfItsColourHasNoDelay) {
+  write(3);
+  const auto sequence = open_sequence(folder());
+  ASSERT_TRUE(sequence);
+  EXPECT_FALSE(sequence->info.depth_delays);
+  EXPECT_EQ(delays_of(*sequence), std::vector<double>(3, 0.0));
+}
+
+TEST_F(TumFolder, AssociationsGiveTheDelaysOfDepthInEitherOrder) {
+  write(2);
+  fs::remove(folder() / "depth.txt");
+  put("associations.txt",
+      "100.0 rgb/100.000000.png 100.01 depth/100.000000.png\n"
+      "100.05 depth/100.033333.png 100.03 rgb/100.033333.png\n");
+  const auto sequence = open_sequence(folder());
+  ASSERT_TRUE(sequence) << sequence.error().text();
+  const auto delays_s = delays_of(*sequence);
+  ASSERT_EQ(delays_s.size(), 2u);
+  EXPECT_NEAR(delays_s[0], 0.01, 1e-9);
+  EXPECT_NEAR(delays_s[1], 0.02, 1e-9);
+}
+
+TEST_F(TumFolder, StampsOfDepthThatAreNoneOrOfAnotherClockAreToldAndDropped) {
+  write(4);
+  fs::remove(folder() / "depth.txt");
+  const auto associations = [&](const std::function<double(int)>& depth_s) {
+    std::string text;
+    for (int i = 0; i < 4; ++i) {
+      text += fmt::format("{:.6f} {} {:.6f} {}\n", 100 + i / 30.0, image("rgb", i).string(),
+                          depth_s(i), image("depth", i).string());
+    }
+    put("associations.txt", text);
+  };
+  for (const auto& depth_s :
+       {std::function<double(int)>([](int) { return 0.0; }),
+        std::function<double(int)>([](int i) { return 7 + i / 30.0; }),
+        std::function<double(int)>([](int i) { return 100.08 + i / 30.0; })}) {
+    associations(depth_s);
+    const auto sequence = open_sequence(folder());
+    ASSERT_TRUE(sequence) << sequence.error().text();
+    EXPECT_THAT(sequence->info.warnings, Contains(HasSubstr("not the clock of colour")));
+    EXPECT_THAT(sequence->info.warnings, Contains(HasSubstr(folder().string())));
+    EXPECT_FALSE(sequence->info.depth_delays);
+    EXPECT_EQ(delays_of(*sequence), std::vector<double>(4, 0.0));
+  }
+}
+
 TEST_F(TumFolder, TruncatedJpegIsABadFrame) {
   auto writer = TumSequenceWriter::create(folder(), kFolderCamera, {"", 5000, true, 90});
   ASSERT_TRUE(writer);
@@ -415,6 +496,56 @@ TEST_F(TumFolder, DistortionIsRemoved) {
   ASSERT_EQ(sequence->frames->next(frame, error), FrameRead::kOk);
   EXPECT_EQ(frame.depth(0, 0), 0.0f);  // seen outside the distorted image
   EXPECT_NEAR(frame.depth(16, 12), 1.0f, 1e-4);
+}
+
+TEST_F(TumFolder, FramesSayWhatTheirLensDidNotShow) {
+  write(1);
+  OpenOptions options;
+  options.depth_scale = 5000;
+  options.camera = io::CameraOption{30, 30, 15.5, 11.5, {0.4, 0, 0, 0, 0}};
+  auto sequence = open_sequence(folder(), options);
+  ASSERT_TRUE(sequence);
+  RgbdFrame frame;
+  Error error;
+  ASSERT_EQ(sequence->frames->next(frame, error), FrameRead::kOk);
+  ASSERT_NE(frame.seen, nullptr);
+  EXPECT_FALSE(frame.sees(0, 0));
+  EXPECT_TRUE(frame.sees(16, 12));
+  EXPECT_TRUE(sequence->info.warnings.empty());
+  options.camera->distortion = {};
+  sequence = open_sequence(folder(), options);
+  ASSERT_TRUE(sequence);
+  ASSERT_EQ(sequence->frames->next(frame, error), FrameRead::kOk);
+  EXPECT_EQ(frame.seen, nullptr);
+}
+
+TEST_F(TumFolder, ALensThatLeavesLittleOfThePictureIsTold) {
+  write(2);
+  OpenOptions options;
+  options.depth_scale = 5000;
+  options.camera = io::CameraOption{30, 30, 15.5, 11.5, {14, 0, 0, 0, 0}};
+  EXPECT_EQ(read_all(options), "oo");
+  EXPECT_THAT(info.warnings,
+              Contains(testing::AllOf(HasSubstr("% of the picture only"), HasSubstr("--camera"),
+                                      HasSubstr(folder().string()))));
+}
+
+TEST_F(TumFolder, ALensThatFoldsBackWithinThePictureIsRefused) {
+  write(1);
+  put("camera.txt", "30 30 15.5 11.5 32 24 5000 -1.2 0 0 0 0\n");
+  fs::remove(folder() / "sgs.toml");
+  EXPECT_THAT(open_error(), testing::AllOf(HasSubstr("folds back within the picture"),
+                                           HasSubstr("camera.txt"), HasSubstr("--camera")));
+  OpenOptions options;
+  options.depth_scale = 5000;
+  options.camera = io::CameraOption{30, 30, 15.5, 11.5, {-1.2, 0, 0, 0, 0}};
+  EXPECT_THAT(open_error(options), testing::AllOf(HasSubstr("folds back within the picture"),
+                                                  HasSubstr("from --camera")));
+  options.camera->distortion = {-0.2, 0, 0, 0, 0};
+  EXPECT_EQ(read_all(options), "o");
+  // Folds at a distance that is pictured 0.633 from the axis, the corners being 0.643 away.
+  options.camera->distortion = {-0.37, 0, 0, 0, 0};
+  EXPECT_EQ(read_all(options), "o");
 }
 
 TEST_F(TumFolder, PlainFolderByOrderAndByStem) {

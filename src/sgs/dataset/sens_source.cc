@@ -194,6 +194,11 @@ Result<Sequence> open_sens(const fs::path& path, const OpenOptions& options) {
   info.times_source = "the times of the colour images in the file";
   info.delivered = delivered_camera(calibration.cameras, options.max_width);
   add_sens_warnings(file, path, info);
+  const FrameFit fit(info.delivered, info.calibration.distortion);
+  if (auto warning =
+          little_is_seen(fit.seen(calibration.cameras.color).get(), calibration.source)) {
+    info.warnings.push_back(fmt::format("{}: {}", path.string(), *warning));
+  }
   auto source =
       std::make_unique<SensSource>(info.name, std::move(file), calibration, info.delivered,
                                    std::move(times), range.first, range.second);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/io/calibration_io.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -57,6 +58,33 @@ Result<CameraOption> parse_camera_option(std::string_view text) {
 
 constexpr int kSmallestSide_px = 8;
 
+/// How far from the axis a lens pictures anything at most, normalised; tangential terms left out.
+static double largest_pictured_radius(Distortion lens) {
+  lens.p1 = lens.p2 = 0;
+  const double fold = lens.fold_radius();
+  return std::isinf(fold) ? fold : lens.apply({fold, 0}).x();
+}
+
+/// Refuses a lens that pictures nothing as far from its axis as the corners of the picture are: the
+/// formula folds back before, so that pixels at the rim have no direction. A fit that folds in the
+/// last few pixels of the corners, which its target never reached, does no harm: they are not used.
+static Status check_fold(const PinholeCamera& k, const Distortion& lens, std::string_view source) {
+  constexpr double kCorner = 0.02;  // of the way to it
+  const double corner = std::hypot(std::max(k.cx, k.width - 1 - k.cx) / k.fx,
+                                   std::max(k.cy, k.height - 1 - k.cy) / k.fy);
+  const double largest = largest_pictured_radius(lens);
+  if ((1 - kCorner) * corner <= largest) return {};
+  return fail(
+      ErrorCode::kInvalidFormat,
+      fmt::format("camera calibration from {}: the distortion [{}] folds back within the picture: "
+                  "it shows nothing farther than {:.0f} px from its centre, and the corners are "
+                  "{:.0f} px away",
+                  source, fmt::join(lens.written(), ", "), largest * k.fx, corner * k.fx),
+      "calibrate with a target that reaches the corners, or with fewer coefficients; numbers of "
+      "another model (fisheye) or order (k1 k2 p1 p2 k3) are no distortion of this kind. Give "
+      "them there or as --camera fx,fy,cx,cy,k1,k2,p1,p2,k3[,k4,k5,k6]");
+}
+
 Status check_calibration(const Calibration& c, std::string_view source) {
   const auto bad = [&](std::string what) {
     return fail(ErrorCode::kInvalidFormat,
@@ -81,6 +109,7 @@ Status check_calibration(const Calibration& c, std::string_view source) {
   for (const double value : c.distortion.coefficients()) {
     if (!std::isfinite(value)) return bad("distortion is not finite");
   }
+  SGS_RETURN_IF_ERROR(check_fold(k, c.distortion, source));
   if (!(c.depth_scale > 0 && std::isfinite(c.depth_scale))) {
     return bad(fmt::format("depth scale {} must be positive (raw units per metre)", c.depth_scale));
   }

@@ -23,8 +23,9 @@ struct CameraOption {
 /// numbers, fx and fy > 0.
 Result<CameraOption> parse_camera_option(std::string_view text);
 
-/// Checks a complete calibration: sizes, focal lengths and depth scale positive, everything finite.
-/// `source` says in the message where it came from.
+/// Checks a complete calibration: sizes, focal lengths and depth scale positive, everything finite,
+/// a distortion that does not fold back within the picture. `source` says in the message where it
+/// came from.
 Status check_calibration(const Calibration& calibration, std::string_view source);
 
 /// Reads `camera.txt`: one line `fx fy cx cy width height depth_scale [k1 k2 p1 p2 k3

@@ -165,6 +165,13 @@ TEST(StreamParser, LengthsAreBoundedBeforeAnythingIsReadForThem) {
               HasSubstr("unit quaternion"));
 }
 
+TEST(StreamParser, ALensThatFoldsBackIsRefused) {
+  Hello hello = sent_hello();
+  hello.color_camera.distortion.k1 = -2;
+  EXPECT_THAT(error_of(encode_hello(hello)),
+              testing::AllOf(HasSubstr("from camera"), HasSubstr("folds back")));
+}
+
 TEST(StreamParser, GreetingsThatCannotBeUsedNameTheKey) {
   const auto greeted = [](const std::string& json) { return error_of(part("SGS1", json)); };
   const std::string camera = R"("camera":{"width":12,"height":9,"fx":5,"fy":5,"cx":1,"cy":1})";
@@ -198,6 +205,36 @@ TEST(Address, HasThreeForms) {
                           "live:tcp://a:70000", "live:rtsp://a:1"}) {
     EXPECT_FALSE(parse_address(bad)) << bad;
   }
+}
+
+/// What arrives of a frame that is sent with this delay.
+double delay_received(double time_s, double delay_s) {
+  RgbdFrame frame = some_frame();
+  frame.timestamp_s = time_s;
+  frame.depth_delay_s = delay_s;
+  StreamParser parser;
+  parser.push(encode_hello(sent_hello()) +
+              encode_packet(encode_frame(frame, sent_hello()).value()).value());
+  EXPECT_EQ(parser.next().value(), Part::kHello);
+  EXPECT_EQ(parser.next().value(), Part::kFrame);
+  RgbdFrame back;
+  EXPECT_TRUE(FrameDecoder(parser.hello()).decode(parser.packet(), back));
+  EXPECT_EQ(back.timestamp_s, time_s);
+  return back.depth_delay_s;
+}
+
+TEST(FrameCodec, DepthKeepsItsOwnTime) {
+  for (const double time_s : {0.0, 1.0 / 3, 1305031102.175304}) {
+    for (const double depth_s : {time_s - 0.0171, time_s + 1.0 / 60}) {
+      EXPECT_EQ(delay_received(time_s, depth_s - time_s), depth_s - time_s);
+    }
+    EXPECT_EQ(delay_received(time_s, 0), 0);
+  }
+}
+
+TEST(FrameCodec, WithoutDelayNothingIsSentOfIt) {
+  const std::string bytes = encode_packet(encode_frame(some_frame(), sent_hello()).value()).value();
+  EXPECT_THAT(bytes, testing::Not(HasSubstr("depth_t")));
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "sgs/dataset/frame_fit.h"
 #include "sgs/dataset/source_failure.h"
 #include "sgs/stream/frame_codec.h"
 #include "sgs/stream/link.h"
@@ -67,6 +68,7 @@ class Receiver final : public StreamSource {
       handle();
       if (!hello_ && !ended_) entrance_->run_until(deadline());
     }
+    tell_of_little_seen();
     return {};
   }
 
@@ -89,6 +91,12 @@ class Receiver final : public StreamSource {
 
  private:
   void say(std::string what) { events_.push_back(std::move(what)); }
+
+  void tell_of_little_seen() {
+    const auto& [camera, lens] = hello_->color_camera;
+    const auto seen = dataset::FrameFit(camera, lens).seen(camera);
+    if (auto warning = dataset::little_is_seen(seen.get(), "the greeting")) say(*warning);
+  }
 
   std::string last_refusal() const {
     return events_.empty() ? "" : fmt::format("; {}", events_.back());

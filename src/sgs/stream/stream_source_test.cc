@@ -155,6 +155,32 @@ TEST_F(Stream, AClockThatIsSetBackCostsAFewFrames) {
   EXPECT_THAT(next(), HasSubstr("frame 6 102.03"));
 }
 
+TEST_F(Stream, DepthOfAnotherClockIsToldOnceAndTakenAsOfItsColoursTime) {
+  begin(patient());
+  double time_s = 0;
+  for (const double delay_s : {0.02, 37.5, 37.6, -0.01}) {
+    Packet packet = packet_at(++time_s);
+    packet.depth_delay_s = delay_s;
+    client_->send(encode_packet(packet).value());
+  }
+  client_->send(kEndMark);
+  std::vector<double> delays_s;
+  int told = 0;
+  RgbdFrame frame;
+  Error error;
+  for (auto read = source_->next(frame, error); read != FrameRead::kEnd;
+       read = source_->next(frame, error)) {
+    if (read == FrameRead::kOk) delays_s.push_back(frame.depth_delay_s);
+    told += read == FrameRead::kEvent && error.text().find("same clock") != std::string::npos;
+  }
+  ASSERT_EQ(delays_s.size(), 4u);
+  EXPECT_NEAR(delays_s[0], 0.02, 1e-12);
+  EXPECT_EQ(delays_s[1], 0);
+  EXPECT_EQ(delays_s[2], 0);
+  EXPECT_NEAR(delays_s[3], -0.01, 1e-12);
+  EXPECT_EQ(told, 1);
+}
+
 TEST_F(Stream, SilenceIsSaidOnceAndItsEnd) {
   Patience patience = patient();
   patience.stall_s = 0.02;

@@ -16,6 +16,7 @@ namespace sgs::tracker {
 class RegistrationTracker : public Tracker {
  public:
   TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) final;
+  bool knows_depth_lag() const final { return true; }
   bool follows_map() const final { return geometry_.targets().follows_map(); }
 
  protected:

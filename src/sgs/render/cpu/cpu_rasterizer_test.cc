@@ -207,6 +207,70 @@ TEST_P(EachTarget, AllTermsOfTheLoss) {
   expect_parity(s, loss, 5e-3);
 }
 
+/// The border and a hole were not seen: what stands there is arbitrary.
+void hide_parts(Scene& s, float colour) {
+  for (int y = 0; y < s.camera.height; ++y) {
+    for (int x = 0; x < s.camera.width; ++x) {
+      const bool border = x < 9 || y >= s.camera.height - 7;
+      const bool hole = std::abs(x - 70) < 5 && std::abs(y - 40) < 6;
+      if (!border && !hole) continue;
+      s.training.depth(x, y) = TrainingImage::kUnseen;
+      s.training.color(x, y) = {colour, colour, colour};
+    }
+  }
+}
+
+TEST_P(EachTarget, WhatWasNotSeen) {
+  Scene s = make_scene(130, 97, 200, 5, 8);
+  hide_parts(s, 0.3f);
+  LossConfig loss;
+  loss.gain = {1.1f, 0.9f, 1.0f};
+  expect_parity(s, loss);
+  loss.dssim_weight = 0.2f;
+  expect_parity(s, loss);
+  loss.color_only_where_depth = true;
+  loss.floater_margin_m = 0.1f;
+  loss.depth_form = DepthForm::kAbsolute;
+  expect_parity(s, loss);
+  loss.color_weight = 0;
+  loss.depth_weight = 0;
+  expect_parity(s, loss, 5e-3);
+}
+
+TEST_P(EachTarget, ColoursThatWereNotSeenChangeNothing) {
+  LossConfig loss;
+  loss.dssim_weight = 0.2f;
+  Scene dark = make_scene(130, 97, 200, 5, 8), light = dark;
+  hide_parts(dark, 0);
+  hide_parts(light, 1);
+  const auto fast = make_cpu_rasterizer(nullptr);
+  Gradients a, b;
+  fast->evaluate(dark.gaussians, dark.training, dark.pose, loss, a);
+  fast->evaluate(light.gaussians, light.training, light.pose, loss, b);
+  EXPECT_EQ(a.loss, b.loss);
+  ASSERT_EQ(a.visible, b.visible);
+  for (std::size_t i = 0; i < a.gradient.size(); ++i) {
+    ASSERT_EQ(std::memcmp(&a.gradient[i], &b.gradient[i], sizeof(map::Gaussian)), 0) << i;
+  }
+}
+
+TEST_P(EachTarget, NothingIsLearnedWhereNothingWasSeen) {
+  Scene s = make_scene(64, 48, 60, 4, 9);
+  for (std::size_t i = 0; i < s.training.depth.size(); ++i) {
+    s.training.depth.data()[i] = TrainingImage::kUnseen;
+  }
+  LossConfig loss;
+  loss.dssim_weight = 0.2f;
+  Gradients gradients;
+  make_cpu_rasterizer(nullptr)->evaluate(s.gaussians, s.training, s.pose, loss, gradients);
+  EXPECT_NEAR(gradients.loss, 0, 1e-6);
+  for (const map::Gaussian& g : gradients.gradient) {
+    for (const float value : g.rgb) EXPECT_EQ(value, 0);
+    for (const float value : g.mean) EXPECT_EQ(value, 0);
+    EXPECT_EQ(g.opacity_logit, 0);
+  }
+}
+
 TEST_P(EachTarget, EdgeCases) {
   expect_parity(make_edge_scene(150, 110, 6), {}, 2e-3);
   expect_parity(make_edge_scene(97, 64, 7), {}, 2e-3);

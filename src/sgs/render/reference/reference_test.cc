@@ -141,6 +141,22 @@ TEST(ReferenceGradient, Dssim) {
   expect_twist_matches(s, loss);
 }
 
+TEST(ReferenceGradient, WhatWasNotSeenHasNoPart) {
+  LossConfig loss;
+  loss.dssim_weight = 0.5f;
+  Scene s = make_scene(3, 12);
+  for (int y = 0; y < s.training.depth.height(); ++y) {
+    for (int x = 0; x < 3; ++x) s.training.depth(x, y) = TrainingImage::kUnseen;
+  }
+  expect_gradients_match(s, loss);
+  expect_twist_matches(s, loss);
+  const double before = evaluate(s.gaussians, s.training, s.pose, loss).loss;
+  for (int y = 0; y < s.training.depth.height(); ++y) {
+    for (int x = 0; x < 3; ++x) s.training.color(x, y) = {9, 9, 9};
+  }
+  EXPECT_EQ(evaluate(s.gaussians, s.training, s.pose, loss).loss, before);
+}
+
 TEST(ReferenceGradient, FloatersGetNone) {
   Scene s = make_scene(4);
   for (std::size_t i = 0; i < s.training.depth.size(); ++i) s.training.depth.data()[i] = 10.0f;
