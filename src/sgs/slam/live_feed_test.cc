@@ -20,7 +20,12 @@ class FakeSource : public dataset::FrameSource {
   const Trajectory& ground_truth() const override { return truth_; }
   dataset::FrameRead next(RgbdFrame& frame, Error& error) override {
     if (next_ == count_) return dataset::FrameRead::kEnd;
-    frame = {next_, period_s_ * next_, camera(), ColorImage(2, 2), DepthImage(2, 2), 0, {}};
+    frame = {};
+    frame.index = next_;
+    frame.timestamp_s = period_s_ * next_;
+    frame.camera = camera();
+    frame.color = ColorImage(2, 2);
+    frame.depth = DepthImage(2, 2);
     if (next_++ == 2) {
       error = {ErrorCode::kInvalidFormat, "frame 2 is broken", ""};
       return dataset::FrameRead::kBadFrame;
