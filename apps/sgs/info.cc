@@ -127,6 +127,11 @@ int print_sequence(const InfoOptions& options) {
                            {"depth_without_color", info.depth_without_color},
                            {"missing_images", info.missing_images},
                            {"warnings", info.warnings}};
+    if (info.depth_delays) {
+      json["depth_delay_s"] = {{"least", info.depth_delays->least_s},
+                               {"median", info.depth_delays->median_s},
+                               {"most", info.depth_delays->most_s}};
+    }
     if (bag) {
       json["topics"] = topics_json(*bag);
       json["color_topic"] = info.color_topic;
@@ -160,6 +165,11 @@ int print_sequence(const InfoOptions& options) {
   print("depth scale  {} units per metre{}\n", c.depth_scale, from(info.unit_source));
   if (!info.relation_source.empty()) print("extrinsics   {}\n", info.relation_source);
   if (!info.times_source.empty()) print("times        {}\n", info.times_source);
+  if (info.depth_delays) {
+    const dataset::DepthDelays& d = *info.depth_delays;
+    print("depth stamps {:+.1f} to {:+.1f} ms after colour's, {:+.1f} in the median\n",
+          1e3 * d.least_s, 1e3 * d.most_s, 1e3 * d.median_s);
+  }
   print("ground truth {}\n", info.truth_rows ? fmt::format("{} poses", info.truth_rows) : "none");
   if (const auto file = dataset::accelerometer_file(info.folder); !file.empty()) {
     print("accelerometer {}\n", file.filename().string());
