@@ -470,7 +470,10 @@ class StuckSource : public dataset::FrameSource {
   const Trajectory& ground_truth() const override { return truth_; }
   dataset::FrameRead next(RgbdFrame& frame, Error&) override {
     if (std::exchange(first_, false)) {
-      frame = {0, 0, camera(), ColorImage(64, 48), DepthImage(64, 48, 1.0f), 0, {}};
+      frame = {};
+      frame.camera = camera();
+      frame.color = ColorImage(64, 48);
+      frame.depth = DepthImage(64, 48, 1.0f);
       return dataset::FrameRead::kOk;
     }
     stop_.request_stop();
