@@ -53,7 +53,7 @@ bool has_depth(const RgbdFrame& frame, double max_depth_m) {
 
 struct Mapper::Impl {
   Impl(const MapperConfig& c, const PinholeCamera& cam, std::uint64_t seed, ThreadPool* pool)
-      : config(c),
+      : config(for_focal_length(c, 0.5 * (cam.fx + cam.fy))),
         camera(cam),
         rasterizer(render::make_cpu_rasterizer(pool)),
         training_views(*rasterizer, static_cast<std::size_t>(c.schedule.full_views_kept)),

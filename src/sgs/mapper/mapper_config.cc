@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/mapper/mapper_config.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace sgs::mapper {
 
 MapperConfig paper_mapper_config() {
@@ -41,6 +44,14 @@ MapperConfig paper_mapper_config() {
   c.refinement.pose = false;
   c.merge.enabled = false;
   return c;
+}
+
+MapperConfig for_focal_length(MapperConfig config, double focal_px) {
+  constexpr double kUsual_px = 525;  // a Kinect's at 640 pixels
+  if (!(focal_px * std::sqrt(2.0) < kUsual_px)) return config;
+  config.insertion.leaf_min_px = std::max(1, config.insertion.leaf_min_px / 2);
+  config.schedule.half_resolution_share = 0;
+  return config;
 }
 
 }  // namespace sgs::mapper

@@ -47,7 +47,9 @@ struct InsertionConfig {
     p.add("method", method,
           "How new Gaussians are placed: an image quadtree, or every n-th pixel (the paper).");
     p.add("leaf_max_px", leaf_max_px, "Largest quadtree leaf.", "px", {2, 128});
-    p.add("leaf_min_px", leaf_min_px, "Smallest quadtree leaf.", "px", {1, 64});
+    p.add("leaf_min_px", leaf_min_px,
+          "Smallest quadtree leaf; half of it where pixels are coarse (docs/mapping.md).", "px",
+          {1, 64});
     p.add("split_gray", split_gray, "A cell is split where its grey values (0..1) deviate more.",
           "", {0, 1});
     p.add("split_depth", split_depth, "A cell is split where its depths differ by a larger share.",
@@ -169,7 +171,8 @@ struct ScheduleConfig {
           "Keyframes that are learned from at a time; beyond, of the two that show most alike the "
           "older one is left out. More than three minutes of a live run.",
           "", {2, 1000000});
-    p.add("half_resolution_share", half_resolution_share, "Share of steps at half resolution.", "",
+    p.add("half_resolution_share", half_resolution_share,
+          "Share of steps at half resolution; none where pixels are coarse (docs/mapping.md).", "",
           {0, 1});
     p.add("prune_interval", prune_interval, "Steps between prunings.", "steps", {1, 1000000});
     p.add("prune_opacity", prune_opacity, "Gaussians less opaque than this are removed.", "",
@@ -289,5 +292,10 @@ struct MapperConfig {
 
 /// The recipe of the paper and of GS-ICP SLAM as far as they are published.
 MapperConfig paper_mapper_config();
+
+/// The same for a camera of this focal length in pixels. Sizes in pixels are meant for a depth
+/// camera's 525; where pixels are coarser (below 525 / sqrt 2), half resolution shows no detail:
+/// leaves may be half as large, and all steps are at full resolution.
+MapperConfig for_focal_length(MapperConfig config, double focal_px);
 
 }  // namespace sgs::mapper

@@ -372,5 +372,20 @@ TEST(Mapper, TakesNoDamagedState) {
   EXPECT_GT(refused, 0);
 }
 
+TEST(MapperConfig, SmallLeavesAndFullResolutionWherePixelsAreCoarse) {
+  const MapperConfig usual;
+  for (const double focal_px : {525.0, 600.0, 400.0}) {
+    const MapperConfig same = for_focal_length(usual, focal_px);
+    EXPECT_EQ(same.insertion.leaf_min_px, usual.insertion.leaf_min_px) << focal_px;
+    EXPECT_EQ(same.schedule.half_resolution_share, usual.schedule.half_resolution_share);
+  }
+  const MapperConfig coarse = for_focal_length(usual, 300);
+  EXPECT_EQ(2 * coarse.insertion.leaf_min_px, usual.insertion.leaf_min_px);
+  EXPECT_EQ(coarse.schedule.half_resolution_share, 0);
+  MapperConfig smallest;
+  smallest.insertion.leaf_min_px = 1;
+  EXPECT_EQ(for_focal_length(smallest, 300).insertion.leaf_min_px, 1);
+}
+
 }  // namespace
 }  // namespace sgs::mapper

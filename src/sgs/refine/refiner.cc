@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sgs/core/stopwatch.h"
 #include "sgs/mapper/insertion.h"
@@ -20,9 +21,21 @@
 namespace sgs::refine {
 namespace {
 
-/// The optimiser's settings when `share` of the effort is spent: rates fall exponentially.
-mapper::OptimizerConfig optimizer_config(const RefineConfig& config, double share) {
-  const double left = std::pow(config.rate_end, share);
+/// Share of the rates at the beginning: Adam knows nothing of a Gaussian's gradients yet, and goes
+/// the whole rate after whatever the first picture says. It ends after `config.warmup_steps` or a
+/// tenth of the effort, whichever is first.
+double warmth(const RefineConfig& config, std::int64_t steps, double share) {
+  constexpr double kMostShare = 0.1;  // of the effort
+  if (steps >= config.warmup_steps) return 1;
+  return std::min(
+      1.0, std::max(static_cast<double>(steps + 1) / config.warmup_steps, share / kMostShare));
+}
+
+/// The optimiser's settings after `steps`, when `share` of the effort is spent: rates rise first,
+/// and then fall exponentially.
+mapper::OptimizerConfig optimizer_config(const RefineConfig& config, std::int64_t steps,
+                                         double share) {
+  const double left = std::pow(config.rate_end, share) * warmth(config, steps, share);
   mapper::OptimizerConfig optimizer;
   optimizer.rate_mean_m = left * config.rate_mean_m;
   optimizer.rate_log_scale = left * config.rate_log_scale;
@@ -50,6 +63,24 @@ render::LossConfig refine_loss(const RefineConfig& config) {
   loss.depth_weight = static_cast<float>(config.depth_weight);
   return loss;
 }
+
+/// Whether learning still gets anywhere: some checks in a row without a state better than all that
+/// were learnt before end it. The map that it began with does not count: what is learnt may have to
+/// climb past it from below, and does, as long as it rises.
+class Patience {
+ public:
+  /// `checks`: so many in a row; 0 = without end.
+  explicit Patience(int checks) : checks_(checks) {}
+  bool ends(double psnr_db) {
+    without_gain_ = psnr_db > best_db_ ? 0 : without_gain_ + 1;
+    best_db_ = std::max(best_db_, psnr_db);
+    return checks_ > 0 && without_gain_ >= checks_;
+  }
+
+ private:
+  int checks_, without_gain_ = 0;
+  double best_db_ = -std::numeric_limits<double>::infinity();
+};
 
 std::vector<double> weights_of(const std::vector<RefineFrame>& frames) {
   std::vector<double> weights;
@@ -98,7 +129,7 @@ struct Refiner::Impl {
         rasterizer(render::make_cpu_rasterizer(threads)),
         views(*rasterizer, full_views_within(frames.front().keyframe.camera(),
                                              (static_cast<std::size_t>(c.memory_mb) << 20) / 4)),
-        optimizer(optimizer_config(c, 0)),
+        optimizer(optimizer_config(c, 0, 0)),
         order(weights_of(frames), seed),
         loss(refine_loss(c)),
         pose_refinement(pose_config(c)),
@@ -120,6 +151,7 @@ struct Refiner::Impl {
   void draw(const mapper::MapKeyframe& keyframe, int level);
   void fit_exposures();
   void fill_holes();
+  void set_rates(double share);
   void step(double share);
   void learn_frame(RefineFrame& frame, bool first, const PinholeCamera& view);
   void densify(double share);
@@ -183,6 +215,12 @@ void Refiner::Impl::fill_holes() {
   harmonics.resize(store.size());
   notes.begin(store.size());
   bounds.assign(store.raw, store.average);
+}
+
+void Refiner::Impl::set_rates(double share) {
+  const mapper::OptimizerConfig rates = optimizer_config(config, steps, share);
+  optimizer.set_rates(rates);
+  harmonics.set_rates(config.rate_harmonics * rates.rate_color, config.harmonics_decay);
 }
 
 void Refiner::Impl::step(double share) {
@@ -335,21 +373,17 @@ Refined Refiner::run(const Effort& effort, const Watch& watch, const std::stop_t
     if (m.config.exposure) m.fit_exposures();
     m.fill_holes();
   }
-  int checks = 1, without_gain = 0;
+  Patience patience(m.config.patience);
+  int checks = 1;
   while ((share = spent()) < 1 && !stop.stop_requested()) {
     constexpr int kRatesFor = 50;  // steps
-    if (m.steps % kRatesFor == 0) {
-      const mapper::OptimizerConfig rates = optimizer_config(m.config, share);
-      m.optimizer.set_rates(rates);
-      m.harmonics.set_rates(m.config.rate_harmonics * rates.rate_color, m.config.harmonics_decay);
-    }
+    if (m.steps % kRatesFor == 0 || m.steps <= m.config.warmup_steps) m.set_rates(share);
     m.step(share);
     if (m.steps % m.config.densify_interval == 0) m.densify(share);
     if (share * m.config.checks < checks) continue;
     checks = static_cast<int>(share * m.config.checks) + 1;
     look(share);
-    without_gain = m.result.last.best ? 0 : without_gain + 1;
-    m.result.exhausted = m.config.patience > 0 && without_gain >= m.config.patience;
+    m.result.exhausted = patience.ends(m.result.last.psnr_db);
     if (m.result.exhausted) break;
   }
   if (m.steps > m.result.last.steps) look(std::min(share, 1.0));

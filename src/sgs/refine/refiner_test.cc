@@ -108,6 +108,42 @@ TEST(Refiner, EndsWhenNothingImproves) {
   EXPECT_LT(refined.last.steps, 2000);
 }
 
+/// How far a map that is already good falls in its first ten steps, in dB.
+double early_fall_db(const map::SplatMap& map, int warmup_steps) {
+  RefineConfig config = small_config();
+  config.warmup_steps = warmup_steps;
+  config.checks = 100;
+  Refiner refiner(config, 1, frames(0, 6, 2), frames(1, 6, 2), map, nullptr);
+  double fall = 0, start = 0;
+  refiner.run({1000, 0}, [&](const Judgement& now) {
+    if (now.steps == 0) start = now.psnr_db;
+    if (now.steps <= 20) fall = std::max(fall, start - now.psnr_db);
+  });
+  return fall;
+}
+
+TEST(Refiner, WarmsUpSoThatAGoodMapIsNotSpoiledFirst) {
+  const map::SplatMap good = {refine(small_config(), {150, 0}).gaussians, {}};
+  EXPECT_LT(early_fall_db(good, 200), 0.5 * early_fall_db(good, 0));
+}
+
+// What is learnt begins below the map it comes from, and rises: that is no reason to end.
+TEST(Refiner, DoesNotEndWhileItRises) {
+  const map::SplatMap good = {refine(small_config(), {150, 0}).gaussians, {}};
+  RefineConfig config = small_config();
+  config.warmup_steps = 0;
+  config.rate_color = 0.5;
+  config.checks = 10;
+  config.patience = 3;
+  Refiner refiner(config, 1, frames(0, 6, 2), frames(1, 6, 2), good, nullptr);
+  std::vector<double> checks_db;
+  const Refined refined =
+      refiner.run({100, 0}, [&](const Judgement& now) { checks_db.push_back(now.psnr_db); });
+  ASSERT_GT(checks_db.size(), 4u);
+  for (std::size_t k = 1; k <= 4; ++k) EXPECT_LT(checks_db[k], checks_db[0]) << k;
+  EXPECT_FALSE(refined.exhausted);
+}
+
 TEST(Refiner, NoEffortChangesNothing) {
   const Refined refined = refine(small_config(), {0, 0});
   EXPECT_EQ(refined.last.steps, 0);
