@@ -758,7 +758,7 @@ class BadInput(Case):
     def test_sizes_differ(self):
         sequence = self.sequence()
         for line in self.lists(sequence, "depth.txt"):
-            write_png(sequence / line.split()[1], 320, 240, 5000)
+            write_png(sequence / line.split()[1], 320, 200, 5000)  # of another shape
         self.fails(sequence, code=1, saying=["640", "320"])
 
     def test_size_changes_on_the_way(self):
@@ -767,9 +767,9 @@ class BadInput(Case):
             sequence / self.lists(sequence, name)[row].split()[1]
             for name, row in (("depth.txt", 5), ("rgb.txt", 9), ("depth.txt", 9))
         ]
-        write_png(small[0], 320, 240, 5000)
+        write_png(small[0], 320, 200, 5000)  # another shape: not the same view
         write_png(small[1], 320, 240, 90, bits=8, channels=3)
-        write_png(small[2], 320, 240, 5000)
+        write_png(small[2], 320, 200, 5000)
         self.assertEqual(self.survives(sequence)["frames_tracked"], FRAMES - 2)
         log = (self.folder / "out" / "log.txt").read_text()
         self.assertIn(small[0].name, log)  # colour and depth differ
