@@ -13,6 +13,7 @@
 #include "sgs/run/run_files.h"
 #include "sgs/run/upright.h"
 #include "sgs/run/version.h"
+#include "sgs/tracker/tracker_kind.h"
 #include "sgs/viewer/server.h"
 #include "sgs/viewer/session_feed.h"
 #include "viewer/start.h"
@@ -82,7 +83,7 @@ class Link : public ViewerLink {
 /// its pictures.
 std::optional<Eigen::Vector3d> up_at_start(const run::Input& input,
                                            const slam::SessionConfig& config) {
-  const bool in_first_camera = config.tracker.type != tracker::TrackerType::kGiven;
+  const bool in_first_camera = !tracker::takes_given_poses(config.tracker);
   if (!in_first_camera || dataset::accelerometer_file(input.info.folder).empty()) return {};
   const auto up = run::felt_up(dataset::read_imu(input.info), input.info.first_time_s);
   constexpr double kUpsideDown = 0.5;

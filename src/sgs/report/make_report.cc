@@ -8,6 +8,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "sgs/tracker/tracker_kind.h"
+
 namespace sgs::report {
 namespace {
 
@@ -127,8 +129,8 @@ ReportData make_report(const run::Run& run, const run::Scores& scores) {
   const auto& tracker = run.config.tracker;
   report.condition_threshold = tracker.degeneracy.condition_threshold;
   report.snr_threshold = tracker.degeneracy.snr_threshold;
-  report.decides_by_snr = tracker.type == tracker::TrackerType::kSpectral;
-  if (tracker.type == tracker::TrackerType::kPaper) {
+  report.decides_by_snr = tracker::decides_by_snr(tracker);
+  if (tracker::weighs_planarity(tracker)) {
     report.planarity_threshold = tracker.degeneracy.planarity_full_prior;
   }
   report.stages = stages_of(run.timings_json);

@@ -136,8 +136,8 @@ PlayOptions play_options(const RunOptions& options, const Spectator& spectator,
 }
 
 /// Trackers follow a motion; what they are told to do with single views should not surprise.
-void warn_of_single_views(const Input& input, const slam::SessionConfig& config) {
-  if (!input.info.sparse || config.tracker.type == tracker::TrackerType::kGiven) return;
+void warn_of_single_views(const Input& input, const tracker::Tracker& tracker) {
+  if (!input.info.sparse || !tracker.needs_video()) return;
   log().warn(
       "the frames of {} are single views, too far apart for a tracker: expect it to be lost. "
       "{} --tracker given{}",
@@ -213,11 +213,18 @@ void read_back(const RunFolder& folder, Run& run) {
   }
 }
 
-Result<Outcome> run_in(Input& input, const InputSpec& spec, const slam::SessionConfig& config,
+Result<Outcome> run_in(Input& input, const InputSpec& spec, const slam::SessionConfig& asked,
                        const RunOptions& options, RunFolder& folder, const Spectator& spectator,
                        const std::stop_token& stop) {
   SGS_CHECK(folder.lock() != nullptr, "a run needs a folder of its own");
-  warn_of_single_views(input, config);
+  slam::SessionOptions session_options;
+  session_options.threads = options.threads;
+  session_options.live = options.realtime;
+  const PinholeCamera camera = input.source->camera();
+  SGS_ASSIGN_OR_RETURN(auto session, slam::Session::create(asked, camera, session_options));
+  // What the folder keeps is what runs.
+  const slam::SessionConfig& config = session->config();
+  warn_of_single_views(input, session->tracker());
   Run beginning = beginning_of(input, spec, config);
   if (options.resume) beginning.config_toml = options.resume->config_toml;
   std::vector<NamedWriter> opening = opening_files(beginning);
@@ -229,11 +236,6 @@ Result<Outcome> run_in(Input& input, const InputSpec& spec, const slam::SessionC
   opening.push_back({files::kState, [text = state_text(folder.beginning())](const auto& path) {
                        return io::write_file(path, text);
                      }});
-  slam::SessionOptions session_options;
-  session_options.threads = options.threads;
-  session_options.live = options.realtime;
-  const PinholeCamera camera = input.source->camera();
-  SGS_ASSIGN_OR_RETURN(auto session, slam::Session::create(config, camera, session_options));
   if (options.resume) {
     SGS_RETURN_IF_ERROR(go_on(*options.resume, input, *session, folder, spectator, stop));
   }

@@ -7,6 +7,7 @@
 #include "sgs/io/toml_config.h"
 #include "sgs/run/run_files.h"
 #include "sgs/run/version.h"
+#include "sgs/tracker/tracker_kind.h"
 
 namespace sgs::run {
 namespace {
@@ -45,7 +46,7 @@ Result<slam::SessionConfig> resolve_config(const ConfigSources& sources, InputSp
   }
   if (!sources.tracker.empty()) SGS_RETURN_IF_ERROR(list.set("tracker.type", sources.tracker));
   if (!sources.seed.empty()) SGS_RETURN_IF_ERROR(list.set("slam.seed", sources.seed));
-  const bool given = config.tracker.type == tracker::TrackerType::kGiven;
+  const bool given = tracker::takes_given_poses(config.tracker);
   if (given && input.poses.empty()) input.poses = dataset::kRecordedPoses;
   if (!given && input.poses == dataset::kRecordedPoses) input.poses.clear();
   if (!given && !input.poses.empty()) {

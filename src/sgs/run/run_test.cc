@@ -381,6 +381,50 @@ TEST_F(RunTest, ConfigOfARunMakesTheSameRun) {
   EXPECT_EQ(config_text(input, *config), outcome_->run.config_toml);
 }
 
+/// A short run with a tracker of that type, and what its session used.
+struct RunOfType {
+  fs::path folder;
+  slam::SessionConfig used;
+};
+
+RunOfType run_with(const fs::path& path, const InputSpec& spec, const slam::SessionConfig& config) {
+  RunOfType made{path, {}};
+  auto input = open_input(spec, 1);
+  auto folder = RunFolder::create(path);
+  EXPECT_TRUE(input && folder);
+  Spectator spectator;
+  spectator.finished = [&](slam::Session& session) { made.used = session.config(); };
+  EXPECT_TRUE(execute(*input, spec, config, {.threads = 1}, *folder, spectator));
+  return made;
+}
+
+// Both of these trackers have a say in what the mapper does.
+TEST_F(RunTest, TheConfigurationThatIsKeptIsTheOneThatRan) {
+  for (const std::string type : {"render", "given"}) {
+    SCOPED_TRACE(type);
+    ConfigSources asked;
+    asked.tracker = type;
+    InputSpec spec;
+    spec.input = "synth:room_desk";
+    spec.frames = "0:6";
+    const auto config = resolve_config(asked, spec);
+    ASSERT_TRUE(config);
+    const RunOfType first = run_with(scratch_->path() / type, spec, *config);
+    EXPECT_EQ(io::read_file(first.folder / files::kConfig), config_text(spec, first.used));
+    EXPECT_NE(config_text(spec, first.used), config_text(spec, *config));
+
+    ConfigSources kept;
+    kept.file = (first.folder / files::kConfig).string();
+    InputSpec spec_again;
+    const auto again = resolve_config(kept, spec_again);
+    ASSERT_TRUE(again) << again.error().text();
+    const RunOfType second = run_with(scratch_->path() / (type + "-again"), spec_again, *again);
+    for (const char* name : {files::kConfig, files::kTrajectory, files::kKeyframes, files::kMap}) {
+      EXPECT_EQ(io::read_file(first.folder / name), io::read_file(second.folder / name)) << name;
+    }
+  }
+}
+
 TEST_F(RunTest, ConfigIsRefusedWithTheKeyInQuestion) {
   InputSpec input;
   const auto error_of = [&](const std::string& assignment) {

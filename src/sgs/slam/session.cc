@@ -63,22 +63,15 @@ Result<std::unique_ptr<Session>> Session::create(const SessionConfig& config,
 
 Session::Session(const SessionConfig& config, const PinholeCamera& camera,
                  const SessionOptions& options, std::unique_ptr<tracker::Tracker> tracker)
-    : config_(config), camera_(camera), live_(options.live), tracker_(std::move(tracker)) {
-  if (config_.tracker.type == tracker::TrackerType::kGiven && !config_.tracker.given.refine) {
-    config_.mapper.refinement.pose = false;
-  }
-  if (config_.tracker.type == tracker::TrackerType::kRender) {
-    config_.mapper.iterations_per_frame =
-        std::max(config_.mapper.iterations_per_frame, config_.tracker.rendering.mapping_steps);
-  }
+    : config_(effective(config, *tracker)),
+      camera_(camera),
+      live_(options.live),
+      tracker_(std::move(tracker)) {
   const auto mode = options.live           ? MapWorker::Mode::kLive
                     : options.threads == 1 ? MapWorker::Mode::kInline
                                            : MapWorker::Mode::kThread;
   worker_ =
       std::make_unique<MapWorker>(config_, camera_, tracker_->follows_map(), mode, options.threads);
-  // A tracker that follows the map would see the correction some frames late; poses that do not
-  // rest on each other do not drift.
-  if (tracker_->follows_map() || !tracker_->needs_video()) return;
   if (config_.loops.enabled) {
     auto estimator = std::make_unique<LoopEstimator>(config_);
     loop_estimator_ = estimator.get();
@@ -346,10 +339,9 @@ map::SnapshotPtr Session::snapshot() { return worker_->newest_snapshot(); }
 Trajectory Session::trajectory() const {
   // Refined poses make better pictures, not a truer path (docs/decisions/0042-views.md), unless the
   // path was made in the refined map, or refining it was asked for.
-  const bool refined =
-      tracker_->follows_map() ||
-      (config_.tracker.given.refine && config_.tracker.type == tracker::TrackerType::kGiven);
-  const PoseCorrection to_world = refined ? odom_to_world(worker_->keyframes()) : PoseCorrection();
+  const PoseCorrection to_world = tracker_->path_follows_refinement()
+                                      ? odom_to_world(worker_->keyframes())
+                                      : PoseCorrection();
   std::vector<StampedPose> poses;
   for (const FrameBrief& f : records_.briefs()) {
     if (f.bad) continue;

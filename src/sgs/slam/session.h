@@ -86,6 +86,9 @@ class Session {
   /// the processor. Empty where all is well.
   std::optional<std::size_t> replay_differs_at() const { return differs_at_; }
 
+  /// Every value as used, which may differ from what create() was given (effective()).
+  const SessionConfig& config() const { return config_; }
+  const tracker::Tracker& tracker() const { return *tracker_; }
   /// Newest published map; null before the first keyframe.
   map::SnapshotPtr snapshot();
   /// The finished map (after finish()); null where no keyframe was mapped.

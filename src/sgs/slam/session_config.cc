@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/slam/session_config.h"
 
+#include <algorithm>
+
+#include "sgs/tracker/tracker.h"
+
 namespace sgs::slam {
 
 SessionConfig make_session_config(Preset preset) {
@@ -24,6 +28,19 @@ SessionConfig make_session_config(Preset preset) {
 Result<SessionConfig> make_session_config(std::string_view preset) {
   SGS_ASSIGN_OR_RETURN(const Preset known, from_string<Preset>("preset", preset));
   return make_session_config(known);
+}
+
+SessionConfig effective(SessionConfig config, const tracker::Tracker& tracker) {
+  if (!tracker.moves_keyframes()) config.mapper.refinement.pose = false;
+  config.mapper.iterations_per_frame =
+      std::max(config.mapper.iterations_per_frame, tracker.least_mapping_steps());
+  // A tracker that follows the map would see a correction some frames late; poses that do not rest
+  // on each other do not drift.
+  if (tracker.follows_map() || !tracker.needs_video()) {
+    config.loops.enabled = false;
+    config.backend.calibration.online = false;
+  }
+  return config;
 }
 
 }  // namespace sgs::slam

@@ -12,6 +12,10 @@
 #include "sgs/mapper/mapper_config.h"
 #include "sgs/tracker/tracker_config.h"
 
+namespace sgs::tracker {
+class Tracker;  // tracker/tracker.h
+}
+
 namespace sgs::slam {
 
 /// Where the values of a configuration start from: ours, the paper as we read it, or ours for
@@ -71,5 +75,9 @@ struct SessionConfig {
 SessionConfig make_session_config(Preset preset);
 /// The preset of that name; an unknown name is an error that lists them.
 Result<SessionConfig> make_session_config(std::string_view preset);
+
+/// Every value as a session with this tracker uses it: those of `config`, but for what the tracker
+/// has no use for or cannot do with. Once more changes nothing.
+SessionConfig effective(SessionConfig config, const tracker::Tracker& tracker);
 
 }  // namespace sgs::slam

@@ -19,6 +19,8 @@ class GivenTracker : public Tracker {
   TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr&) override;
   bool follows_map() const override { return false; }
   bool needs_video() const override { return false; }
+  bool moves_keyframes() const override { return config_.refine; }
+  bool path_follows_refinement() const override { return config_.refine; }
 
  private:
   bool is_new_view(const RgbdFrame& frame, const SE3& T_world_camera) const;

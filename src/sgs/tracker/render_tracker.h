@@ -27,6 +27,7 @@ class RenderTracker : public Tracker {
 
   TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) override;
   bool follows_map() const override { return true; }
+  double least_mapping_steps() const override { return config_.rendering.mapping_steps; }
 
  private:
   /// A picture with depth and where it was seen from: what a frame is aligned to.

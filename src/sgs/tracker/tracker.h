@@ -31,6 +31,13 @@ class Tracker {
   /// Whether poses rest on the frame before, so that views must follow each other as in a video.
   /// Where they do not, frames may be far apart, and there is no drift that loops could take back.
   virtual bool needs_video() const { return true; }
+  /// Whether the mapper may refine the poses of keyframes, which are then not those that track()
+  /// returned.
+  virtual bool moves_keyframes() const { return true; }
+  /// Whether the trajectory of a run is told in the map as refined, not as track() returned it.
+  virtual bool path_follows_refinement() const { return follows_map(); }
+  /// Mapping steps a frame without which the tracker finds too little in the map; offline.
+  virtual double least_mapping_steps() const { return 0; }
   /// Whether depth may lag behind colour (RgbdFrame::depth_delay_s): else track() is given frames
   /// of one time.
   virtual bool knows_depth_lag() const { return false; }
