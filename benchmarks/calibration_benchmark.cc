@@ -179,7 +179,7 @@ int main(int argc, char** argv) {
       "| "
       "found | ATE before | after |\n|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const std::string& job : jobs) {
-    if (const auto judged = judge(parse(job), *config); !judged) {
+    if (const auto judged = judge(parse(job), config->session); !judged) {
       fmt::print(stderr, "{}: {}\n", job, judged.error().text());
       return 1;
     }

@@ -63,7 +63,7 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
   SGS_ASSIGN_OR_RETURN(auto session,
                        slam::Session::create(config, camera, session_options, std::move(tracker)));
   SGS_RETURN_IF_ERROR(feed_all(*input.source, *session));
-  const run::Run run = run::run_of(*session, input, spec, config);
+  const run::Run run = run::run_of(*session, input, spec);
   const auto loops = session->loop_counts().value_or(loops::LoopCounts{});
   fmt::print("| {} | {} | {:.2f} | {:.2f} | {} | {} | {} | {} |\n",
              benchmarks::short_name(input_name), run.frames.size(), ate_cm(run.online, run.truth),

@@ -38,7 +38,7 @@ inline int print_table(
   if (!config) return fmt::print(stderr, "{}\n", config.error().text()), 2;
   fmt::print("{}", header);
   for (const std::string& input : inputs) {
-    if (const auto judged = judge(input, *config); !judged) {
+    if (const auto judged = judge(input, config->session); !judged) {
       fmt::print(stderr, "{}: {}\n", input, judged.error().text());
       return 1;
     }

@@ -16,7 +16,7 @@ sgs::Status run(const char* name, const char* output) {
                        sgs::slam::Session::create(config, input.source->camera(), {}));
   SGS_RETURN_IF_ERROR(sgs::run::play(*input.source, *slam, {}));
   fmt::print("{}", sgs::io::trajectory_text(slam->trajectory()));
-  return sgs::run::save_run(sgs::run::run_of(*slam, input, spec, config), output);
+  return sgs::run::save_run(sgs::run::run_of(*slam, input, spec), output);
 }
 
 int main(int argc, char** argv) {

@@ -44,7 +44,7 @@ sgs::Status run(const char* sequence, const char* poses_file, const char* output
                                                   std::make_unique<KnownPoses>(poses.trajectory)));
   SGS_RETURN_IF_ERROR(sgs::run::play(*input.source, *slam, {}));
   fmt::print("{} Gaussians\n", slam->snapshot() ? slam->snapshot()->gaussians.size() : 0);
-  return sgs::run::save_run(sgs::run::run_of(*slam, input, spec, config), output);
+  return sgs::run::save_run(sgs::run::run_of(*slam, input, spec), output);
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ int run_calibrate(CalibrateCommand command) {
   setup_logging({}, command.quiet);
   Progress progress("frames", input->source->size(), command.quiet);
   const auto estimate = run::calibrate(
-      *input, *config, [&](const auto&, const auto*) { progress.step(""); }, stop_token());
+      *input, config->session, [&](const auto&, const auto*) { progress.step(""); }, stop_token());
   progress.finish();
   if (!estimate) return report(estimate.error());
   if (!estimate->why_not.empty()) {

@@ -12,10 +12,9 @@
 #include "sgs/dataset/bag_source.h"
 #include "sgs/dataset/imu.h"
 #include "sgs/eval/metrics.h"
-#include "sgs/refine/refine_config.h"
 #include "sgs/run/input.h"
+#include "sgs/run/run_config.h"
 #include "sgs/slam/frame_record.h"
-#include "sgs/slam/session_config.h"
 #include "sgs/synthetic/source.h"
 
 namespace sgs::app {
@@ -29,12 +28,10 @@ struct InfoOptions {
 };
 
 int print_config(const InfoOptions& options) {
-  auto config = slam::make_session_config(options.preset);
+  auto config = run::make_run_config(options.preset);
   if (!config) return report(config.error());
   ParameterList list;
   config->declare(list);
-  refine::RefineConfig refine;
-  list.add_group("refine", refine);
   print("{}", options.markdown ? list.to_markdown() : list.to_toml());
   return kExitDone;
 }

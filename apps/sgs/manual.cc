@@ -11,7 +11,7 @@
 #include "sgs/core/config.h"
 #include "sgs/core/print.h"
 #include "sgs/io/atomic_file.h"
-#include "sgs/slam/session_config.h"
+#include "sgs/run/run_config.h"
 
 namespace sgs::app {
 namespace {
@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 std::vector<std::string> config_keys() {
-  slam::SessionConfig config;
+  run::RunConfig config;
   ParameterList list;
   config.declare(list);
   std::vector<std::string> keys;

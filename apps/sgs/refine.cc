@@ -35,6 +35,7 @@ struct RefineCommand {
   run::RefineOptions options;
   run::ScoreOptions score;
   bool no_eval = false, quiet = false, json = false;
+  bool by_frames = false;  ///< neither minutes nor steps were given
 };
 
 /// A run that ours or another program made.
@@ -64,12 +65,30 @@ Status check_output(const fs::path& output, const RefineCommand& command) {
               "name another folder: the run is kept as it is");
 }
 
+/// Says how the map gets better, a line for each evaluation.
+class RefineObserver : public run::RunObserver {
+ public:
+  RefineObserver(std::int64_t frames, bool quiet)
+      : reading_("frames read", frames, quiet), quiet_(quiet) {}
+  void on_frames_read(std::int64_t) override { reading_.step(""); }
+  void on_evaluation(const refine::Judgement& now) override;
+
+ private:
+  Progress reading_;
+  bool quiet_;
+};
+
 std::string line_of(const refine::Judgement& now) {
   return fmt::format(
       "{:>3.0f} %  {:>7} steps  {:>7} Gaussians  PSNR {} {:.2f} dB, exposed {:.2f} dB{}",
       100 * std::min(1.0, now.share), now.steps, now.gaussians,
       now.heldout ? "held out" : "training", now.psnr_db, now.psnr_exposed_db,
       now.best ? "  *" : "");
+}
+
+void RefineObserver::on_evaluation(const refine::Judgement& now) {
+  if (now.steps == 0) reading_.finish();
+  if (!quiet_) say("{}\n", line_of(now));
 }
 
 /// The pictures of the run that was refined, for the report's sliders.
@@ -107,6 +126,10 @@ Status set_parameters(RefineCommand& command) {
 
 Result<int> refine_command(const RefineCommand& command) {
   SGS_ASSIGN_OR_RETURN(const auto run, load(command));
+  run::RefineOptions options = command.options;
+  if (command.by_frames && options.config.steps_per_frame > 0) {
+    options.effort = run::effort_by_frames(options.config, run);
+  }
   const fs::path output =
       command.output.empty()
           ? run::refined_folder_of(command.map.empty() ? command.input.input : command.map)
@@ -114,20 +137,14 @@ Result<int> refine_command(const RefineCommand& command) {
   SGS_RETURN_IF_ERROR(check_output(output, command));
   SGS_ASSIGN_OR_RETURN(auto folder, run::RunFolder::create(output));
   setup_logging(folder.path() / run::files::kLog, command.quiet);
-  Progress reading("frames read", run.frames_total, command.quiet);
-  run::RefineWatch watch;
-  watch.frames_read = [&](std::int64_t) { reading.step(""); };
-  watch.checked = [&](const refine::Judgement& now) {
-    if (now.steps == 0) reading.finish();
-    if (!command.quiet) say("{}\n", line_of(now));
-  };
-  const auto out = run::refine_run(run, command.options, folder, watch, stop_token());
+  RefineObserver observer(run.frames_total, command.quiet);
+  const auto out = run::refine_run(run, options, folder, observer, stop_token());
   if (!out) {
     folder.end(run::Stage::kInterrupted, 0, out.error().message);
     return tl::unexpected(out.error());
   }
   if (!command.quiet) print_summary(*out);
-  run::save_refine_parameters(command.input.input, command.options, folder);
+  run::save_refine_parameters(command.input.input, options, folder);
   SGS_ASSIGN_OR_RETURN(auto scores,
                        command.no_eval || out->refined.stopped
                            ? run::score_trajectory(out->run, command.score.association)
@@ -173,10 +190,12 @@ void add_refine(CLI::App& app, Action& action) {
       sub->add_option("--minutes", command->minutes, "How long; 0 only writes and scores")
           ->check(CLI::Range(0.0, 10080.0))
           ->capture_default_str();
-  sub->add_option("--steps", command->steps,
-                  "So many steps instead: the same bits on any number of threads")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{100'000'000}))
-      ->excludes(minutes);
+  auto* steps =
+      sub->add_option("--steps", command->steps,
+                      "So many steps instead: the same bits on any number of threads (default: as "
+                      "refine.steps_per_frame says, where that is set)")
+          ->check(CLI::Range(std::int64_t{1}, std::int64_t{100'000'000}))
+          ->excludes(minutes);
   sub->add_option("-o,--output", command->output, "Run folder to make (default RUN-refined)");
   sub->add_option("--map", command->map, "Map of another program (splat PLY)");
   sub->add_option("--poses", command->poses,
@@ -190,7 +209,10 @@ void add_refine(CLI::App& app, Action& action) {
   sub->add_flag("--no-eval", command->no_eval, "Skip the rendering scores");
   sub->add_flag("--quiet", command->quiet, "No progress");
   sub->add_flag("--json", command->json, "Print the metrics as JSON");
-  sub->callback([command, &action] { action = [command] { return run_refine(*command); }; });
+  sub->callback([command, minutes, steps, &action] {
+    command->by_frames = minutes->count() == 0 && steps->count() == 0;
+    action = [command] { return run_refine(*command); };
+  });
 }
 
 }  // namespace sgs::app

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <memory>
 #include <utility>
@@ -11,22 +10,19 @@
 #include "input_options.h"
 #include "interrupt.h"
 #include "log_setup.h"
-#include "progress.h"
 #include "scoring.h"
 #include "sgs/core/log.h"
 #include "sgs/core/print.h"
 #include "sgs/dataset/preloaded_source.h"
 #include "sgs/report/save_scores.h"
 #include "sgs/run/calibrate.h"
-#include "sgs/run/execute.h"
-#include "sgs/run/input_doubts.h"
 #include "sgs/run/process_memory.h"
-#include "sgs/run/refine.h"
 #include "sgs/run/resume.h"
 #include "sgs/run/run_config.h"
 #include "sgs/run/run_files.h"
-#include "sgs/run/score.h"
+#include "sgs/run/whole_run.h"
 #include "sgs/stream/address.h"
+#include "terminal_observer.h"
 #include "viewer_link.h"
 
 namespace sgs::app {
@@ -44,23 +40,6 @@ struct RunCommand {
   ViewerRequest viewer;
 };
 
-/// Callbacks that show the run in the terminal and in browsers.
-run::Spectator spectator(Progress& progress, ViewerLink* viewer) {
-  run::Spectator spectator;
-  if (viewer != nullptr) {
-    spectator.before_frame = [viewer] { return viewer->before_frame(); };
-    spectator.finished = [viewer](slam::Session& session) { viewer->finish(session); };
-  }
-  spectator.after_frame = [&progress, viewer](slam::Session& session, const dataset::FeedItem& item,
-                                              const slam::FrameRecord& record) {
-    progress.step(record.bad ? std::string("bad frame")
-                             : fmt::format("{:<10} {} Gaussians", to_string(record.status),
-                                           record.gaussians));
-    if (viewer != nullptr && !record.bad) viewer->after_frame(session, item, record);
-  };
-  return spectator;
-}
-
 void print_result(const RunCommand& command, const eval::Metrics& metrics,
                   const std::filesystem::path& folder) {
   if (command.json) {
@@ -71,69 +50,46 @@ void print_result(const RunCommand& command, const eval::Metrics& metrics,
         (folder / run::files::kReport).string());
 }
 
-/// What the preset `quality` adds: the finished map is learnt on, in the folder of the run.
-Status learn_on(const RunCommand& command, run::RunFolder& folder, run::Outcome& outcome) {
-  constexpr std::int64_t kStepsPerFrame = 15;
-  // A short recording has few frames to learn from, each of them as rich as any.
-  constexpr std::int64_t kLeastSteps = 3000;
-  run::RefineOptions options;
-  options.threads = command.options.threads;
-  options.effort.steps =
-      std::max(kLeastSteps, kStepsPerFrame * static_cast<std::int64_t>(outcome.run.frames.size()));
-  Progress progress("refinement", options.config.checks, command.quiet);
-  run::RefineWatch watch;
-  watch.checked = [&](const refine::Judgement& now) {
-    if (now.steps > 0) progress.step(fmt::format("{:.2f} dB", now.psnr_db));
-  };
-  SGS_ASSIGN_OR_RETURN(auto refined,
-                       run::refine_run(outcome.run, options, folder, watch, stop_token()));
-  progress.finish();
-  outcome.stopped = refined.refined.stopped;
-  outcome.run = std::move(refined.run);
-  return {};
-}
-
-/// Everything between an open input and the exit code.
-Result<int> run_sequence(const RunCommand& command, const slam::SessionConfig& config,
-                         run::Input& input, run::RunFolder& folder) {
-  SGS_ASSIGN_OR_RETURN(const auto viewer, ViewerLink::open(command.viewer, input, config));
-  Progress progress("frames", input.source->size(), command.quiet);
-  SGS_ASSIGN_OR_RETURN(auto outcome,
-                       run::execute(input, command.input, config, command.options, folder,
-                                    spectator(progress, viewer.get()), stop_token()));
-  progress.finish();
-  const bool whole = !outcome.stopped && outcome.input && !outcome.run.gaussians.empty();
-  if (config.preset == slam::Preset::kQuality && whole) {
-    SGS_RETURN_IF_ERROR(learn_on(command, folder, outcome));
-  }
-  // What a stream has sent is gone.
-  const bool draw_pictures =
-      !command.no_eval && !outcome.stopped && !stream::is_stream(command.input.input);
-  SGS_ASSIGN_OR_RETURN(const auto scores,
-                       draw_pictures
-                           ? score_with_progress(outcome.run, command.score, command.quiet)
-                           : run::score_trajectory(outcome.run, command.score.association));
-  report::save_scores(outcome.run, scores, folder);
-  for (const std::string& doubt : run::doubts_about_units(outcome.run, scores.metrics)) {
-    log().warn("{}", doubt);
-  }
-  print_result(command, scores.metrics, folder.path());
-  if (viewer) viewer->close(scores.metrics, folder.path());
+/// What the run came to, in words where it came to little.
+int exit_code_of(const run::WholeRun& whole, const run::RunFolder& folder) {
+  const run::RunResult& result = whole.result;
   const int failed = report_failures(folder);
-  if (!outcome.input) return tl::unexpected(outcome.input.error());
+  if (!result.input) return report(result.input.error());
   if (failed != kExitDone) return failed;
   // A viewer that was kept open ends with Ctrl-C, too: that is no interruption of the run.
-  const bool scoring_cancelled = scores.rendering && scores.rendering->cancelled;
-  if (outcome.stopped || scoring_cancelled) return kExitInterrupted;
-  if (!outcome.too_few.empty()) {
-    say("sgs: {}\n", outcome.too_few);
+  const auto& rendering = whole.scores.rendering;
+  if (result.stopped || (rendering && rendering->cancelled)) return kExitInterrupted;
+  if (!result.too_few.empty()) {
+    say("sgs: {}\n", result.too_few);
     return kExitLost;
   }
-  if (outcome.lost) {
+  if (result.lost) {
     say("sgs: tracking was lost; see frames.csv and the report\n");
     return kExitLost;
   }
   return kExitDone;
+}
+
+/// Everything between an open input and the exit code.
+Result<int> run_input(const RunCommand& command, const run::RunConfig& config, run::Input& input,
+                      run::RunFolder& folder) {
+  SGS_ASSIGN_OR_RETURN(const auto viewer, ViewerLink::open(command.viewer, input, config.session));
+  TerminalObserver observer(input.source->size(), command.quiet, viewer.get());
+  const run::WholeRunOptions options{command.options, command.score, !command.no_eval};
+  SGS_ASSIGN_OR_RETURN(const auto whole, run::run_whole(input, command.input, config, options,
+                                                        folder, observer, stop_token()));
+  observer.finish();
+  report::save_scores(whole.result.run, whole.scores, folder);
+  print_result(command, whole.scores.metrics, folder.path());
+  if (viewer) viewer->close(whole.scores.metrics, folder.path());
+  return exit_code_of(whole, folder);
+}
+
+int run_and_report(const RunCommand& command, const run::RunConfig& config, run::Input& input,
+                   run::RunFolder& folder) {
+  const auto code = run_input(command, config, input, folder);
+  log().flush();
+  return code ? *code : report(code.error());
 }
 
 /// Options that decide what a run computes, and where: not to be given again with --resume.
@@ -147,13 +103,15 @@ constexpr std::array<const char*, 23> kMadeOf = {
 constexpr const char* kCalibrateFirst = "auto";
 
 /// Once through the input before the run proper.
-Status calibrate_input(RunCommand& command, const slam::SessionConfig& config, run::Input& input,
+Status calibrate_input(RunCommand& command, const run::RunConfig& config, run::Input& input,
                        run::RunFolder& folder) {
-  Progress progress("calibration", input.source->size(), command.quiet);
-  const auto step = [&](const auto&, const auto*) { progress.step(""); };
-  const Status status = run::calibrate_first(command.input, input, config, command.options.threads,
-                                             folder, step, stop_token());
-  progress.finish();
+  TerminalObserver observer(input.source->size(), command.quiet);
+  const auto step = [&](const auto&, const auto*) { observer.on_calibration_frame(); };
+  const Status status =
+      run::calibrate_first(command.input, input, config.session, command.options.threads, folder,
+                           step, stop_token());
+  observer.finish();
+  if (!status) folder.end(run::Stage::kInterrupted, 0, status.error().message);
   return status;
 }
 
@@ -164,7 +122,7 @@ int resume_command(RunCommand command) {
   auto point = run::load_resume_point(command.resume);
   if (!point) return report(point.error());
   command.input = point->saved.input;
-  const slam::SessionConfig config = point->saved.config;
+  const run::RunConfig config = point->saved.config;
   command.options.resume = std::move(*point);
   auto input = run::open_input(command.input, command.options.threads, stop_token());
   if (!input) return report(input.error());
@@ -173,10 +131,7 @@ int resume_command(RunCommand command) {
     log().warn("{} has no checkpoint that it could go on from: it begins again",
                folder->path().string());
   }
-  command.score.threads = command.options.threads;
-  const auto code = run_sequence(command, config, *input, *folder);
-  log().flush();
-  return code ? *code : report(code.error());
+  return run_and_report(command, config, *input, *folder);
 }
 
 int run_command(RunCommand command) {
@@ -188,14 +143,8 @@ int run_command(RunCommand command) {
     return report({ErrorCode::kInvalidArgument, "no input given",
                    "give a sequence folder or synth:NAME (see `sgs info --scenes`)"});
   }
-  if (config->preset == slam::Preset::kQuality && command.options.realtime) {
-    return report({ErrorCode::kInvalidArgument,
-                   "--preset quality is for recordings, not --realtime",
-                   "run live, then `sgs refine RUN`"});
-  }
-  if (config->preset == slam::Preset::kQuality && stream::is_stream(command.input.input)) {
-    return report({ErrorCode::kInvalidArgument, "--preset quality goes through the frames twice",
-                   "keep the stream (--record FOLDER), then `sgs run FOLDER --preset quality`"});
+  if (const auto can = run::check_whole(command.input, *config, command.options); !can) {
+    return report(can.error());
   }
   const bool calibrate = command.input.calibration == kCalibrateFirst;
   if (calibrate && stream::is_stream(command.input.input)) {
@@ -215,18 +164,12 @@ int run_command(RunCommand command) {
   for (const std::string& warning : input->info.warnings) log().warn("{}", warning);
   if (calibrate) {
     const auto status = calibrate_input(command, *config, *input, *folder);
-    if (!status) {
-      folder->end(run::Stage::kInterrupted, 0, status.error().message);
-      return report(status.error());
-    }
+    if (!status) return report(status.error());
   }
   if (command.preload) {
     input->source = dataset::preload(std::move(input->source), stop_token());
   }
-  command.score.threads = command.options.threads;
-  const auto code = run_sequence(command, *config, *input, *folder);
-  log().flush();
-  return code ? *code : report(code.error());
+  return run_and_report(command, *config, *input, *folder);
 }
 
 }  // namespace

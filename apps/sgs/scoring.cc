@@ -4,8 +4,8 @@
 
 #include "commands.h"
 #include "interrupt.h"
-#include "progress.h"
 #include "sgs/core/print.h"
+#include "terminal_observer.h"
 
 namespace sgs::app {
 
@@ -17,15 +17,9 @@ void add_score_options(CLI::App& sub, run::ScoreOptions& options) {
 
 Result<run::Scores> score_with_progress(const run::Run& run, const run::ScoreOptions& options,
                                         bool quiet) {
-  Progress progress("frames scored", run.frames_total, quiet);
-  std::int64_t shown = 0;
-  auto scores = run::score_run(
-      run, options,
-      [&](std::int64_t seen) {
-        for (; shown < seen; ++shown) progress.step("");
-      },
-      stop_token());
-  progress.finish();
+  TerminalObserver observer(run.frames_total, quiet);
+  auto scores = run::score_run(run, options, observer, stop_token());
+  observer.finish();
   return scores;
 }
 

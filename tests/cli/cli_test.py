@@ -258,7 +258,7 @@ class Contract(Case):
         (out / "frames.csv").unlink()
         self.assertIn("frames.csv", self.sgs("view", out, code=1).stderr)
         config = (out / "config.toml").read_text()
-        (out / "config.toml").write_text(config.replace("format = 2", "format = 3"))
+        (out / "config.toml").write_text(config.replace("format = 3", "format = 4"))
         self.assertIn("later version", self.sgs("eval", out, code=1).stderr)
         old = config.replace('fusion = "remove"', 'fusion = "prior"')
         self.assertNotEqual(old, config)
@@ -627,7 +627,9 @@ class Contract(Case):
 
     def test_the_preset_quality_refines_and_is_for_recordings(self):
         out, _ = self.run_folder(self.master, "--preset", "quality", "--frames", "0:6")
-        self.assertIn("quality", (out / "config.toml").read_text())
+        config = (out / "config.toml").read_text()
+        self.assertIn("quality", config)
+        self.assertIn("steps_per_frame = 15", config)
         for live in (["--realtime", self.master], ["live:tcp://127.0.0.1:1"]):
             done = self.sgs("run", *live, "--preset", "quality", "-o", self.folder / "no", code=2)
             self.assertIn("--preset quality", done.stderr)

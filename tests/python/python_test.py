@@ -280,6 +280,17 @@ class Runs(WithSequence):
         self.assertGreater(summary.metrics["psnr_db"], 10)
         self.assertTrue((self.folder / "whole" / "report.html").exists())
 
+    def test_the_preset_quality_refines_here_too(self):
+        config = sgs.Config("quality")
+        config["mapper.iterations_per_frame"] = 1
+        config["refine.least_steps"] = 10
+        out = self.folder / "quality"
+        summary = sgs.run(self.room, config, output=out, frames="0:4", pictures=False)
+        self.assertGreater(summary.metrics["mapping_iterations"], 4)
+        self.assertIn("steps_per_frame = 15", (out / "config.toml").read_text())
+        with self.assertRaises(ValueError):
+            sgs.run(self.room, config, output=out, frames="0:4", realtime=True)
+
     def test_what_progress_raises_ends_the_run_and_comes_out(self):
         def stop_soon(frames):
             raise ZeroDivisionError("enough")

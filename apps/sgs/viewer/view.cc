@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <memory>
+#include <stop_token>
 #include <thread>
 
 #include "commands.h"
@@ -84,6 +86,49 @@ void play_once(const Replay& replay, ReplayImages& images, viewer::Server& serve
   }
 }
 
+/// Shows refinement on the page; asked for once more there, it ends.
+class ShownRefinement : public run::RunObserver {
+ public:
+  ShownRefinement(const run::Run& run, const Replay& replay, std::uint64_t& map_version,
+                  viewer::Server& server)
+      : run_(run), replay_(replay), map_version_(map_version), server_(server) {}
+
+  void on_frames_read(std::int64_t frames) override {
+    constexpr std::int64_t kTold = 25;
+    end_if_asked();
+    if (frames % kTold == 1) {
+      server_.set_refinement(
+          {true, 0, fmt::format("reading, {} of {} frames", frames, run_.frames_total)});
+    }
+  }
+  void on_evaluation(const refine::Judgement& now) override {
+    end_if_asked();
+    server_.set_refinement({true, now.share,
+                            fmt::format("{:.2f} dB {}, {} Gaussians", now.psnr_db,
+                                        now.heldout ? "held out" : "in training", now.gaussians)});
+  }
+  void on_better_map(const map::SplatMap& map) override {
+    viewer::FrameUpdate update = replay_.updates.back();
+    update.map = run::as_snapshot(map, ++map_version_);
+    update.finished = true;
+    server_.post(std::move(update));
+  }
+  std::stop_token stop() const { return enough_.get_token(); }
+
+ private:
+  void end_if_asked() {
+    if (server_.control().take_refinement()) enough_.request_stop();
+  }
+
+  const run::Run& run_;
+  const Replay& replay_;
+  std::uint64_t& map_version_;
+  viewer::Server& server_;
+  std::stop_source enough_;
+  std::stop_callback<std::function<void()>> interrupt_{stop_token(),
+                                                       [this] { enough_.request_stop(); }};
+};
+
 /// Refines the run in `folder` as `sgs refine` does, while the page shows the map as it gets
 /// better. Gives the folder of the result. Asked for once more, it ends with the best so far.
 Result<std::filesystem::path> refine_shown(const std::filesystem::path& folder,
@@ -92,32 +137,10 @@ Result<std::filesystem::path> refine_shown(const std::filesystem::path& folder,
   constexpr double kSeconds = 180;
   SGS_ASSIGN_OR_RETURN(const auto run, run::load_run(folder, run::kAllParts));
   SGS_ASSIGN_OR_RETURN(auto out, run::RunFolder::create(run::refined_folder_of(folder)));
-  std::stop_source enough;
-  const std::stop_callback interrupt(stop_token(), [&] { enough.request_stop(); });
   run::RefineOptions options;
   options.effort.seconds = kSeconds;
-  run::RefineWatch watch;
-  watch.frames_read = [&](std::int64_t frames) {
-    if (server.control().take_refinement()) enough.request_stop();
-    constexpr std::int64_t kTold = 25;
-    if (frames % kTold == 1) {
-      server.set_refinement(
-          {true, 0, fmt::format("reading, {} of {} frames", frames, run.frames_total)});
-    }
-  };
-  watch.checked = [&](const refine::Judgement& now) {
-    if (server.control().take_refinement()) enough.request_stop();
-    server.set_refinement({true, now.share,
-                           fmt::format("{:.2f} dB {}, {} Gaussians", now.psnr_db,
-                                       now.heldout ? "held out" : "in training", now.gaussians)});
-  };
-  watch.better = [&](const map::SplatMap& map) {
-    viewer::FrameUpdate update = replay.updates.back();
-    update.map = run::as_snapshot(map, ++map_version);
-    update.finished = true;
-    server.post(std::move(update));
-  };
-  auto refined = run::refine_run(run, options, out, watch, enough.get_token());
+  ShownRefinement observer(run, replay, map_version, server);
+  auto refined = run::refine_run(run, options, out, observer, observer.stop());
   if (!refined) {
     out.end(run::Stage::kInterrupted, 0, refined.error().message);
     return tl::unexpected(refined.error());

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -354,6 +355,36 @@ TEST(ApiRun, DoesWhatTheProgramDoesAndCanBeStopped) {
       [&](std::int64_t) { stop.request(); }, stop);
   EXPECT_TRUE(stopped.stopped);
   EXPECT_THAT(stopped.frames, testing::Lt(50));
+}
+
+TEST(ApiRun, ThePresetQualityIsWhole) {
+  const io::TemporaryFolder folder;
+  Config config("quality");
+  EXPECT_THAT(std::get<double>(config.get("refine.steps_per_frame")), testing::Gt(0));
+  config.set("mapper.iterations_per_frame", "1");
+  config.set("refine.least_steps", "10");
+  RunOptions options;
+  options.output = (folder.path() / "out").string();
+  options.pictures = false;
+  const auto steps_of = [&](const Config& used) {
+    const auto summary = run("synth:room_desk", {{"frames", "0:4"}}, used, options);
+    const auto steps = std::find_if(
+        summary.metrics.begin(), summary.metrics.end(),
+        [](const Metric& metric) { return metric.key == "mapping_iterations"; });
+    return std::get<std::int64_t>(steps->value);
+  };
+  Config without = config;
+  without.set("refine.steps_per_frame", "0");
+  EXPECT_THAT(steps_of(without), testing::Le(4));
+  EXPECT_THAT(steps_of(config), testing::Gt(4));
+  const auto kept = io::read_file(folder.path() / "out" / "config.toml");
+  ASSERT_TRUE(kept);
+  EXPECT_THAT(*kept, HasSubstr("steps_per_frame = 15"));
+
+  options.realtime = true;
+  const Error refused = error_of([&] { steps_of(config); });
+  EXPECT_THAT(refused.code(), Eq(ErrorCode::kInvalidArgument));
+  EXPECT_THAT(refused.what(), HasSubstr("refine.steps_per_frame"));
 }
 
 }  // namespace

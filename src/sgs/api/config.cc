@@ -7,12 +7,11 @@
 #include "sgs/api/internal/guard.h"
 #include "sgs/core/config.h"
 #include "sgs/run/run_config.h"
-#include "sgs/slam/session_config.h"
 
 namespace sgs::api {
 namespace {
 
-ParameterList declared(slam::SessionConfig& config) {
+ParameterList declared(run::RunConfig& config) {
   ParameterList list;
   config.declare(list);
   return list;
@@ -49,8 +48,8 @@ Config::Value value_of(const Parameter& parameter) {
 
 Config::Config(const std::string& preset)
     : config_(internal::guarded([&] {
-        return std::make_unique<slam::SessionConfig>(
-            internal::value_or_raise(slam::make_session_config(preset)));
+        return std::make_unique<run::RunConfig>(
+            internal::value_or_raise(run::make_run_config(preset)));
       })) {}
 
 Config Config::load(const std::string& path) {
@@ -65,7 +64,7 @@ Config Config::load(const std::string& path) {
 }
 
 Config::Config(const Config& other)
-    : config_(std::make_unique<slam::SessionConfig>(*other.config_)) {}
+    : config_(std::make_unique<run::RunConfig>(*other.config_)) {}
 
 Config& Config::operator=(const Config& other) {
   *config_ = *other.config_;
@@ -106,6 +105,6 @@ ParameterInfo Config::info(const std::string& key) const {
 
 std::string Config::to_toml() const { return declared(*config_).to_toml(); }
 
-const slam::SessionConfig& Config::modules() const { return *config_; }
+const run::RunConfig& Config::modules() const { return *config_; }
 
 }  // namespace sgs::api

@@ -10,8 +10,8 @@
 
 #include "sgs/api/export.h"
 
-namespace sgs::slam {
-struct SessionConfig;
+namespace sgs::run {
+struct RunConfig;
 }
 
 namespace sgs::api {
@@ -23,14 +23,14 @@ struct ParameterInfo {
   std::vector<std::string> choices;  ///< of words; empty = any
 };
 
-/// Everything that decides what a session computes: the same frames, configuration and seed give
-/// the same bits. A value: copies are independent.
+/// Everything that decides what a session computes, and a whole run(): the same frames,
+/// configuration and seed give the same bits. A value: copies are independent.
 class SGS_API Config {
  public:
   using Value = std::variant<bool, std::int64_t, double, std::string>;
 
-  /// Starts from a preset: "default" (ours), "paper", or "quality" (more mapping; refinement
-  /// is the program's). Throws kInvalidArgument for others.
+  /// Starts from a preset: "default" (ours), "paper", or "quality" (more mapping, and run() refines
+  /// the map in the end: `refine.steps_per_frame`). Throws kInvalidArgument for others.
   explicit Config(const std::string& preset = "default");
   /// The default preset with what a TOML file says, e.g. a run's config.toml.
   static Config load(const std::string& path);
@@ -51,10 +51,10 @@ class SGS_API Config {
   std::string to_toml() const;
 
   /// Of the modules behind the library; of no use to programs.
-  const slam::SessionConfig& modules() const;
+  const run::RunConfig& modules() const;
 
  private:
-  std::unique_ptr<slam::SessionConfig> config_;
+  std::unique_ptr<run::RunConfig> config_;
 };
 
 }  // namespace sgs::api

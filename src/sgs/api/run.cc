@@ -8,49 +8,56 @@
 #include "sgs/api/internal/stop_token.h"
 #include "sgs/core/log.h"
 #include "sgs/report/save_scores.h"
-#include "sgs/run/execute.h"
+#include "sgs/run/whole_run.h"
 
 namespace sgs::api {
 namespace {
 
-run::Spectator telling(const std::function<void(std::int64_t)>& progress) {
-  run::Spectator spectator;
-  spectator.after_frame = [&progress, frames = std::int64_t{0}](auto&, auto&, auto&) mutable {
-    ++frames;
-    if (progress) progress(frames);
-  };
-  return spectator;
+/// Tells a program the frames done.
+class Telling : public run::RunObserver {
+ public:
+  explicit Telling(const std::function<void(std::int64_t)>& progress) : progress_(progress) {}
+  void on_frame(slam::Session&, const dataset::FeedItem&, const slam::FrameRecord&) override {
+    ++frames_;
+    if (progress_) progress_(frames_);
+  }
+
+ private:
+  const std::function<void(std::int64_t)>& progress_;
+  std::int64_t frames_ = 0;
+};
+
+run::WholeRunOptions whole_run_options(const RunOptions& options) {
+  run::WholeRunOptions whole;
+  whole.run.threads = options.threads;
+  whole.run.realtime = options.realtime;
+  whole.run.record = options.record;
+  whole.score.lpips_weights = options.lpips_weights;
+  whole.pictures = options.pictures;
+  return whole;
 }
 
 Result<RunSummary> run_input(run::Input& input, const run::InputSpec& spec, const Config& config,
                              const RunOptions& options,
                              const std::function<void(std::int64_t)>& progress,
                              const std::stop_token& stop) {
-  run::RunOptions run_options;
-  run_options.threads = options.threads;
-  run_options.realtime = options.realtime;
-  run_options.record = options.record;
   SGS_ASSIGN_OR_RETURN(auto folder, options.output.empty()
                                         ? run::RunFolder::create_below("runs", input.info.name)
                                         : run::RunFolder::create(options.output));
-  SGS_ASSIGN_OR_RETURN(const auto outcome, run::execute(input, spec, config.modules(), run_options,
-                                                        folder, telling(progress), stop));
-  run::ScoreOptions score;
-  score.threads = options.threads;
-  score.lpips_weights = options.lpips_weights;
-  const bool pictures = options.pictures && !outcome.stopped;
-  SGS_ASSIGN_OR_RETURN(const auto scores,
-                       pictures ? run::score_run(outcome.run, score, {}, stop)
-                                : run::score_trajectory(outcome.run, score.association));
-  report::save_scores(outcome.run, scores, folder);
-  if (!outcome.input) return tl::unexpected(outcome.input.error());
+  Telling observer(progress);
+  SGS_ASSIGN_OR_RETURN(const auto whole,
+                       run::run_whole(input, spec, config.modules(), whole_run_options(options),
+                                      folder, observer, stop));
+  const run::RunResult& result = whole.result;
+  report::save_scores(result.run, whole.scores, folder);
+  if (!result.input) return tl::unexpected(result.input.error());
   if (!folder.failures().empty()) return tl::unexpected(folder.failures().front());
   RunSummary summary;
   summary.folder = folder.path().string();
-  summary.frames = static_cast<std::int64_t>(outcome.run.frames.size());
+  summary.frames = static_cast<std::int64_t>(result.run.frames.size());
   summary.stopped = stop.stop_requested();
-  summary.lost = outcome.lost;
-  summary.metrics = internal::to_api(scores.metrics);
+  summary.lost = result.lost;
+  summary.metrics = internal::to_api(whole.scores.metrics);
   return summary;
 }
 
@@ -62,6 +69,8 @@ RunSummary run(const std::string& input, const Settings& input_options, const Co
   return internal::guarded([&] {
     internal::check_threads(options.threads);
     const auto spec = internal::input_spec(input, input_options);
+    internal::check_or_raise(
+        run::check_whole(spec, config.modules(), whole_run_options(options).run));
     auto opened = internal::value_or_raise(run::open_input(spec, options.threads));
     for (const std::string& warning : opened.info.warnings) log().warn("{}", warning);
     return internal::value_or_raise(

@@ -33,7 +33,8 @@ struct RunSummary {
   Metrics metrics;          ///< as metrics.json has them
 };
 
-/// `sgs run`: SLAM on a whole input, scored, with a report, kept in a folder. `input` and
+/// `sgs run`: SLAM on a whole input, its map refined where the configuration says so (preset
+/// "quality"), scored, with a report, kept in a folder. `input` and
 /// `options` as for Recording::open(). `progress`, where given, is told the frames done, on the
 /// calling thread. Throws what opening throws, and kIo where something could not be written.
 SGS_API RunSummary run(const std::string& input, const Settings& input_options = {},

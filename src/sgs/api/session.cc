@@ -48,7 +48,7 @@ struct Session::Impl {
       : lens(internal::value_or_raise(internal::from_api(camera))),
         config(given),
         slam(internal::value_or_raise(
-            slam::Session::create(config.modules(), lens.camera, session_options(options)))) {
+            slam::Session::create(config.modules().session, lens.camera, session_options(options)))) {
     if (!lens.distortion.is_zero()) undistorter.emplace(lens.camera, lens.distortion);
   }
 
@@ -229,12 +229,11 @@ void Session::save(const std::string& folder, const Recording* recording) const 
     run::Input fed;
     fed.source = std::make_unique<FedFrames>(impl_->lens.camera);
     fed.info.name = "fed";
-    const auto& config = impl_->config.modules();
     const run::Run run =
         recording == nullptr
-            ? run::run_of(*impl_->slam, fed, {}, config)
+            ? run::run_of(*impl_->slam, fed, {})
             : run::run_of(*impl_->slam, internal::RecordingAccess::input(*recording),
-                          internal::RecordingAccess::spec(*recording), config);
+                          internal::RecordingAccess::spec(*recording));
     internal::check_or_raise(run::save_run(run, folder));
   });
 }

@@ -9,6 +9,8 @@ namespace sgs::refine {
 
 /// How a finished map is learnt on (docs/refine.md).
 struct RefineConfig {
+  double steps_per_frame = 0;
+  int least_steps = 3000;
   int memory_mb = 1500;
   bool rolling_shutter = false;
   int checks = 24;
@@ -52,6 +54,14 @@ struct RefineConfig {
   double exposure_prior = 4;
 
   void declare(ParameterList& p) {
+    p.add("steps_per_frame", steps_per_frame,
+          "A run ends by refining its map, with so many steps for each of its frames; 0 = it does "
+          "not.",
+          "steps", {0, 1e6});
+    p.add("least_steps", least_steps,
+          "But not with fewer than these: a short recording has few frames to learn from, each of "
+          "them as rich as any.",
+          "steps", {1, 1e9});
     p.add("memory_mb", memory_mb,
           "Memory for the pictures; of a longer recording the sharpest of each n frames are used.",
           "MiB", {16, 1e6});

@@ -107,33 +107,34 @@ class Keeper {
   std::optional<MapCheckpoints> checkpoints_;
 };
 
-/// The callbacks of those who watch.
-PlayOptions watched(const Spectator& spectator, slam::Session& session, const RunFolder& folder) {
-  PlayOptions play;
-  play.before_frame = spectator.before_frame;
-  play.on_event = [&folder](const std::string& what) { folder.note_input(what); };
-  play.after_frame = [&](const dataset::FeedItem& item, const slam::FrameRecord& record) {
-    if (spectator.after_frame) spectator.after_frame(session, item, record);
-  };
-  return play;
-}
+/// Keeps what happens, then tells whoever watches.
+class KeepingObserver : public RunObserver {
+ public:
+  /// `keeper` is null while nothing new happens.
+  KeepingObserver(Keeper* keeper, const RunFolder& folder, RunObserver& next, std::stop_token stop)
+      : keeper_(keeper), folder_(folder), next_(next), stop_(std::move(stop)) {}
 
-PlayOptions play_options(const RunOptions& options, const Spectator& spectator,
-                         slam::Session& session, Keeper& keeper, const RunFolder& folder,
-                         dataset::TumSequenceWriter* recorder, const std::stop_token& stop) {
-  PlayOptions play = watched(spectator, session, folder);
-  play.realtime = options.realtime;
-  play.recorder = recorder;
-  play.before_finish = [&keeper, stop] {
-    if (stop.stop_requested()) keeper.add_last();
-  };
-  play.after_frame = [&keeper, watch = play.after_frame](const dataset::FeedItem& item,
-                                                         const slam::FrameRecord& record) {
-    keeper.add(record);
-    watch(item, record);
-  };
-  return play;
-}
+  double before_frame() override { return next_.before_frame(); }
+  void on_frame(slam::Session& session, const dataset::FeedItem& item,
+                const slam::FrameRecord& record) override {
+    if (keeper_ != nullptr) keeper_->add(record);
+    next_.on_frame(session, item, record);
+  }
+  void on_input_event(const std::string& what) override {
+    folder_.note_input(what);
+    next_.on_input_event(what);
+  }
+  void on_last_frame() override {
+    if (keeper_ != nullptr && stop_.stop_requested()) keeper_->add_last();
+    next_.on_last_frame();
+  }
+
+ private:
+  Keeper* keeper_;
+  const RunFolder& folder_;
+  RunObserver& next_;
+  std::stop_token stop_;
+};
 
 /// Trackers follow a motion; what they are told to do with single views should not surprise.
 void warn_of_single_views(const Input& input, const tracker::Tracker& tracker) {
@@ -149,24 +150,25 @@ void warn_of_single_views(const Input& input, const tracker::Tracker& tracker) {
 
 /// Brings the session to where the run was when its checkpoint was made.
 Status go_on(const ResumePoint& point, Input& input, slam::Session& session, RunFolder& folder,
-             const Spectator& spectator, const std::stop_token& stop) {
+             RunObserver& observer, const std::stop_token& stop) {
   if (!point.checkpoint.empty()) {
     {
       SGS_ASSIGN_OR_RETURN(const auto state, load_resume_file(point.checkpoint));
       SGS_RETURN_IF_ERROR(session.restore(state));
     }
-    SGS_RETURN_IF_ERROR(replay(*input.source, session, watched(spectator, session, folder), stop));
+    KeepingObserver keeping(nullptr, folder, observer, stop);
+    SGS_RETURN_IF_ERROR(replay(*input.source, session, keeping, stop));
   }
   log().info("the run goes on at frame {}", session.records().size());
   return folder.go_on(input.calibration.has_value());
 }
 
 /// How the run ended.
-RunState state_of(const Outcome& outcome) {
+RunState state_of(const RunResult& result) {
   RunState state;
   const char* why = memory_ran_short() ? "the memory was used up" : "stopped by request";
-  if (outcome.stopped) state = {Stage::kInterrupted, "", 0, why, true};
-  if (!outcome.input) state = {Stage::kInterrupted, "", 0, outcome.input.error().message, true};
+  if (result.stopped) state = {Stage::kInterrupted, "", 0, why, true};
+  if (!result.input) state = {Stage::kInterrupted, "", 0, result.input.error().message, true};
   return state;
 }
 
@@ -213,17 +215,17 @@ void read_back(const RunFolder& folder, Run& run) {
   }
 }
 
-Result<Outcome> run_in(Input& input, const InputSpec& spec, const slam::SessionConfig& asked,
-                       const RunOptions& options, RunFolder& folder, const Spectator& spectator,
-                       const std::stop_token& stop) {
+Result<RunResult> run_in(Input& input, const InputSpec& spec, const RunConfig& asked,
+                         const RunOptions& options, RunFolder& folder, RunObserver& observer,
+                         const std::stop_token& stop) {
   SGS_CHECK(folder.lock() != nullptr, "a run needs a folder of its own");
   slam::SessionOptions session_options;
   session_options.threads = options.threads;
   session_options.live = options.realtime;
   const PinholeCamera camera = input.source->camera();
-  SGS_ASSIGN_OR_RETURN(auto session, slam::Session::create(asked, camera, session_options));
+  SGS_ASSIGN_OR_RETURN(auto session, slam::Session::create(asked.session, camera, session_options));
   // What the folder keeps is what runs.
-  const slam::SessionConfig& config = session->config();
+  const RunConfig config{session->config(), asked.refine};
   warn_of_single_views(input, session->tracker());
   Run beginning = beginning_of(input, spec, config);
   if (options.resume) beginning.config_toml = options.resume->config_toml;
@@ -237,7 +239,7 @@ Result<Outcome> run_in(Input& input, const InputSpec& spec, const slam::SessionC
                        return io::write_file(path, text);
                      }});
   if (options.resume) {
-    SGS_RETURN_IF_ERROR(go_on(*options.resume, input, *session, folder, spectator, stop));
+    SGS_RETURN_IF_ERROR(go_on(*options.resume, input, *session, folder, observer, stop));
   }
   const std::size_t replayed = session->records().size();
   std::optional<dataset::TumSequenceWriter> recorder;
@@ -247,33 +249,32 @@ Result<Outcome> run_in(Input& input, const InputSpec& spec, const slam::SessionC
   }
   std::optional<Keeper> keeper(std::in_place, folder, opening, *session, options.checkpoint_s,
                                live);
-  auto clock = play(*input.source, *session,
-                    play_options(options, spectator, *session, *keeper, folder,
-                                 recorder ? &*recorder : nullptr, stop),
-                    stop);
+  KeepingObserver keeping(&*keeper, folder, observer, stop);
+  auto clock = play(*input.source, *session, {options.realtime, recorder ? &*recorder : nullptr},
+                    keeping, stop);
   keeper.reset();
   if (clock) {
     clock->frames_replayed = replayed;
     clock->frames_in += static_cast<std::int64_t>(replayed);
   }
-  Outcome outcome;
-  if (!clock) outcome.input = tl::unexpected(clock.error());
-  outcome.stopped = stop.stop_requested();
-  if (spectator.finished) spectator.finished(*session);
+  RunResult result;
+  if (!clock) result.input = tl::unexpected(clock.error());
+  result.stopped = stop.stop_requested();
+  observer.on_map(*session);
 
   const StageTimes times = session->times();
-  Run& run = outcome.run;
-  run = run_of(*session, input, spec, config);
+  Run& run = result.run;
+  run = run_of(*session, input, spec, config.refine);
   run.config_toml = beginning.config_toml;
   run.upright = upright_along(input, *session, run.trajectory);
-  run.metrics = run_metrics(options, config, *session, clock.value_or(RunClock{}), times);
+  run.metrics = run_metrics(options, config.session, *session, clock.value_or(RunClock{}), times);
   if (run.upright) run.metrics.upright = to_string(run.upright->by);
   if (clock) run.frames_total = clock->frames_in;
-  outcome.lost = tracking_was_lost(run.frames);
+  result.lost = tracking_was_lost(run.frames);
   // Live frames are dropped for want of time, and given poses choose theirs.
-  const bool chosen = live || outcome.stopped || !spec.poses.empty();
-  if (!chosen) outcome.too_few = too_few_frames(run.frames, spec, input.info).value_or("");
-  run.state = state_of(outcome);
+  const bool chosen = live || result.stopped || !spec.poses.empty();
+  if (!chosen) result.too_few = too_few_frames(run.frames, spec, input.info).value_or("");
+  run.state = state_of(result);
   run.metrics.state = run.state.word();
   write_end(run, folder);
   if (!options.trace.empty()) {
@@ -284,19 +285,20 @@ Result<Outcome> run_in(Input& input, const InputSpec& spec, const slam::SessionC
     }
   }
   read_back(folder, run);
-  return outcome;
+  return result;
 }
 
 }  // namespace
 
-Result<Outcome> execute(Input& input, const InputSpec& spec, const slam::SessionConfig& config,
-                        const RunOptions& options, RunFolder& folder, const Spectator& spectator,
-                        const std::stop_token& stop) {
-  slam::SessionConfig used = config;
-  if (input.calibration) used.backend.calibration.online = false;  // it would see no raw depth
-  auto outcome = run_in(input, spec, used, options, folder, spectator, stop);
-  if (!outcome && !folder.resumed()) folder.end(Stage::kInterrupted, 0, outcome.error().message);
-  return outcome;
+Result<RunResult> execute(Input& input, const InputSpec& spec, const RunConfig& config,
+                          const RunOptions& options, RunFolder& folder, RunObserver& observer,
+                          const std::stop_token& stop) {
+  RunConfig used = config;
+  // It would see no raw depth.
+  if (input.calibration) used.session.backend.calibration.online = false;
+  auto result = run_in(input, spec, used, options, folder, observer, stop);
+  if (!result && !folder.resumed()) folder.end(Stage::kInterrupted, 0, result.error().message);
+  return result;
 }
 
 }  // namespace sgs::run

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -10,6 +9,7 @@
 #include "sgs/run/play.h"
 #include "sgs/run/resume.h"
 #include "sgs/run/run.h"
+#include "sgs/run/run_observer.h"
 
 namespace sgs::run {
 
@@ -23,16 +23,8 @@ struct RunOptions {
   std::optional<ResumePoint> resume;  ///< in a folder of RunFolder::resume(); empty = a new run
 };
 
-/// Who watches a run; each may be empty. All but `finished` as in PlayOptions.
-struct Spectator {
-  std::function<double()> before_frame;
-  std::function<void(slam::Session&, const dataset::FeedItem&, const slam::FrameRecord&)>
-      after_frame;
-  std::function<void(slam::Session&)> finished;  ///< the map is final
-};
-
 /// What came of a run that could start.
-struct Outcome {
+struct RunResult {
   Run run;
   Status input;              ///< why it ended early, other than by request
   bool stopped = false;      ///< by request
@@ -45,8 +37,9 @@ struct Outcome {
 /// end, when state.toml says so. Fails only where nothing could be computed; what could not be
 /// written is in folder.failures(). With options.resume an earlier run goes on; where that cannot
 /// be, its folder stays as it was.
-Result<Outcome> execute(Input& input, const InputSpec& spec, const slam::SessionConfig& config,
-                        const RunOptions& options, RunFolder& folder, const Spectator& spectator,
-                        const std::stop_token& stop = {});
+Result<RunResult> execute(Input& input, const InputSpec& spec, const RunConfig& config,
+                          const RunOptions& options, RunFolder& folder,
+                          RunObserver& observer = RunObserver::nobody(),
+                          const std::stop_token& stop = {});
 
 }  // namespace sgs::run

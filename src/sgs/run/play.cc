@@ -43,28 +43,28 @@ class Feed {
 };
 
 /// Feeds one item; the recorder's failure is returned, a bad frame only noted.
-Status feed_item(const dataset::FeedItem& item, slam::Session& session,
-                 const PlayOptions& options) {
+Status feed_item(const dataset::FeedItem& item, slam::Session& session, RunObserver& observer,
+                 dataset::TumSequenceWriter* recorder = nullptr) {
   if (!item.frame) {
     log().warn("frame {} skipped: {}", item.index, item.bad_reason);
     session.feed_bad(item.index, item.timestamp_s, item.bad_reason);
-    if (options.after_frame) options.after_frame(item, session.records().back());
+    observer.on_frame(session, item, session.records().back());
     return {};
   }
   const auto& record = session.feed(item.frame);
-  if (options.after_frame) options.after_frame(item, record);
-  return options.recorder != nullptr ? options.recorder->add(*item.frame) : Status{};
+  observer.on_frame(session, item, record);
+  return recorder != nullptr ? recorder->add(*item.frame) : Status{};
 }
 
 /// Tells the log, the time line and whoever watches what happens to the input.
 class EventLog {
  public:
-  EventLog(RunClock& clock, const PlayOptions& options) : clock_(clock), options_(options) {}
+  EventLog(RunClock& clock, RunObserver& observer) : clock_(clock), observer_(observer) {}
 
   void note(const std::string& what) {
     log().warn("input: {}", what);
     clock_.events.push_back({wall_time_s(), what});
-    if (options_.on_event) options_.on_event(what);
+    observer_.on_input_event(what);
     open_ = true;
   }
   /// A frame has come; `dropped` so far because they came too fast.
@@ -72,15 +72,15 @@ class EventLog {
     if (live && dropped > dropped_) {
       note(fmt::format("{} frames came too fast and were dropped, {} so far", dropped - dropped_,
                        dropped));
-    } else if (std::exchange(open_, false) && options_.on_event) {
-      options_.on_event("");
+    } else if (std::exchange(open_, false)) {
+      observer_.on_input_event("");
     }
     dropped_ = dropped;
   }
 
  private:
   RunClock& clock_;
-  const PlayOptions& options_;
+  RunObserver& observer_;
   std::size_t dropped_ = 0;
   bool open_ = false;  // something was said that is over with the next frame
 };
@@ -128,11 +128,12 @@ class Timer {
 }  // namespace
 
 Result<RunClock> play(dataset::FrameSource& source, slam::Session& session,
-                      const PlayOptions& options, const std::stop_token& stop) {
+                      const PlayOptions& options, RunObserver& observer,
+                      const std::stop_token& stop) {
   RunClock clock;
   Timer timer(clock);
   Feed feed(source, options.realtime);
-  EventLog events(clock, options);
+  EventLog events(clock, observer);
   Status status;
   const auto play_all = [&] {
     // Neither a file system that does not answer nor a gap in a recording that is played at the
@@ -142,7 +143,7 @@ Result<RunClock> play(dataset::FrameSource& source, slam::Session& session,
       feed.wake();
     });
     while (!stop.stop_requested() && status) {
-      if (options.before_frame) timer.held(options.before_frame());
+      timer.held(observer.before_frame());
       const double waiting_since_s = wall_time_s();
       const double busy_before_s = session.mapper_busy_s();
       const auto item = feed.next();
@@ -153,9 +154,9 @@ Result<RunClock> play(dataset::FrameSource& source, slam::Session& session,
       }
       events.frame_came(feed.dropped(), source.live());
       timer.item_came(wall_time_s() - waiting_since_s, session.mapper_busy_s() - busy_before_s);
-      status = feed_item(*item, session, options);
+      status = feed_item(*item, session, observer, options.recorder);
     }
-    if (status && options.before_finish) options.before_finish();
+    if (status) observer.on_last_frame();
   };
   // Whatever ends the frames, what was made of them so far is to be kept.
   if (const Status thrown = guarded(play_all); !thrown) status = thrown;
@@ -167,16 +168,16 @@ Result<RunClock> play(dataset::FrameSource& source, slam::Session& session,
   return clock;
 }
 
-Status replay(dataset::FrameSource& source, slam::Session& session, const PlayOptions& options,
+Status replay(dataset::FrameSource& source, slam::Session& session, RunObserver& observer,
               const std::stop_token& stop) {
   Status status;
   const auto replay_all = [&] {
     const std::stop_callback wake(stop, [&] { source.stop(); });
     while (status && session.left_to_replay() > 0 && !stop.stop_requested()) {
-      if (options.before_frame) options.before_frame();
+      observer.before_frame();
       const auto item = dataset::read_item(source);
       if (!item) break;
-      status = feed_item(*item, session, options);
+      status = feed_item(*item, session, observer);
       if (session.replay_differs_at()) break;
     }
   };

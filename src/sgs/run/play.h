@@ -3,13 +3,12 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <stop_token>
 #include <string>
 #include <vector>
 
-#include "sgs/dataset/feed_item.h"
 #include "sgs/dataset/tum_writer.h"
+#include "sgs/run/run_observer.h"
 #include "sgs/slam/session.h"
 
 namespace sgs::run {
@@ -30,19 +29,10 @@ struct RunClock {
   std::vector<InputEvent> events;  ///< of a live input
 };
 
-/// How to play a source into a session, and who watches. The callbacks run on the calling thread;
-/// each may be empty.
+/// How to play a source into a session.
 struct PlayOptions {
   bool realtime = false;                           ///< at the sensor's rate, late frames dropped
   dataset::TumSequenceWriter* recorder = nullptr;  ///< keeps every frame fed; null = none
-  /// Before a frame is read; may hold the run (pause). Returns the seconds it was held.
-  std::function<double()> before_frame;
-  /// After the last frame, while the session can still be saved; not where something failed.
-  std::function<void()> before_finish;
-  /// After an item was fed; `record` is what came of it, also where the frame was bad.
-  std::function<void(const dataset::FeedItem& item, const slam::FrameRecord& record)> after_frame;
-  /// When something happened to the input; an empty text: all is well again.
-  std::function<void(const std::string& what)> on_event;
 };
 
 /// Feeds the whole source into the session (until a stop is requested) and waits for the mapper to
@@ -50,13 +40,14 @@ struct PlayOptions {
 /// broken contract); the session is finished all the same and holds what was made of the frames so
 /// far.
 Result<RunClock> play(dataset::FrameSource& source, slam::Session& session,
-                      const PlayOptions& options, const std::stop_token& stop = {});
+                      const PlayOptions& options, RunObserver& observer = RunObserver::nobody(),
+                      const std::stop_token& stop = {});
 
 /// Feeds a restored session the first items of its source again until it is where it was
-/// (slam::Session::restore()); of the options the callbacks count. Fails where the source gives
+/// (slam::Session::restore()). Fails where the source gives
 /// other frames than before, and where a stop is requested on the way: the session is of no use
 /// then.
-Status replay(dataset::FrameSource& source, slam::Session& session, const PlayOptions& options,
+Status replay(dataset::FrameSource& source, slam::Session& session, RunObserver& observer,
               const std::stop_token& stop = {});
 
 }  // namespace sgs::run

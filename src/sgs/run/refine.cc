@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "sgs/camera/depth_lag.h"
@@ -100,7 +101,7 @@ double learned_readout_s(const Run& run) {
 /// Goes through the recording once, checks every frame against the run's record, and keeps those
 /// that are tracked.
 Result<Material> read_material(const Run& run, const RefineOptions& options,
-                               const RefineWatch& watch, const std::stop_token& stop) {
+                               RunObserver& observer, const std::stop_token& stop) {
   SGS_ASSIGN_OR_RETURN(const auto input, open_recording(run, options.threads));
   SGS_ASSIGN_OR_RETURN(const DepthCalibration* calibration, learned_calibration(run, input));
   dataset::FrameSource& source = *input.source;
@@ -120,7 +121,7 @@ Result<Material> read_material(const Run& run, const RefineOptions& options,
   while (record != run.frames.end() && !stop.stop_requested()) {
     const auto status = source.next(frame, error);
     if (status == dataset::FrameRead::kEnd) break;
-    if (watch.frames_read) watch.frames_read(++read);
+    observer.on_frames_read(++read);
     // Frames that a live run dropped, and those that could not be read, have no pose.
     while (record != run.frames.end() && record->index < frame.index) ++record;
     if (record == run.frames.end() || record->index != frame.index || record->bad) continue;
@@ -201,8 +202,14 @@ Run run_at(const Run& run, const std::vector<map::Gaussian>& gaussians,
 
 }  // namespace
 
+refine::Effort effort_by_frames(const refine::RefineConfig& config, const Run& run) {
+  const auto frames = static_cast<double>(run.frames.size());
+  const std::int64_t steps = std::llround(config.steps_per_frame * frames);
+  return {std::max<std::int64_t>(config.least_steps, steps), 0};
+}
+
 Result<Run> run_of_map(const InputSpec& spec, map::SplatMap map, Trajectory poses,
-                       const slam::SessionConfig& config, int threads) {
+                       const RunConfig& config, int threads) {
   constexpr double kMaxGap_s = 0.5;  // between two poses that a frame may lie between
   SGS_ASSIGN_OR_RETURN(const auto input, reopen_input(spec, threads));
   Run run = beginning_of(input, spec, config);
@@ -220,7 +227,7 @@ Result<Run> run_of_map(const InputSpec& spec, map::SplatMap map, Trajectory pose
     const auto pose = poses.at(frame.timestamp_s, kMaxGap_s);
     if (!record.bad && pose) {
       record.status = tracker::TrackingStatus::kOk;
-      record.heldout = is_heldout(frame.index, config.heldout_interval);
+      record.heldout = is_heldout(frame.index, config.session.heldout_interval);
       record.fingerprint = fingerprint(frame);
       run.trajectory.push_back({frame.timestamp_s, *pose});
     }
@@ -238,12 +245,12 @@ Result<Run> run_of_map(const InputSpec& spec, map::SplatMap map, Trajectory pose
 }
 
 Result<RefinedRun> refine_run(const Run& run, const RefineOptions& options, RunFolder& folder,
-                              const RefineWatch& watch, const std::stop_token& stop) {
+                              RunObserver& observer, const std::stop_token& stop) {
   if (run.gaussians.empty()) {
     return fail(ErrorCode::kInvalidArgument, fmt::format("{} has no map", run.name),
                 "refine a run that mapped something");
   }
-  SGS_ASSIGN_OR_RETURN(auto material, read_material(run, options, watch, stop));
+  SGS_ASSIGN_OR_RETURN(auto material, read_material(run, options, observer, stop));
   RefinedRun out;
   out.frames_used = static_cast<std::int64_t>(material.training.size());
   out.frames_heldout = static_cast<std::int64_t>(material.heldout.size());
@@ -252,9 +259,9 @@ Result<RefinedRun> refine_run(const Run& run, const RefineOptions& options, RunF
                           std::move(material.heldout), {run.gaussians, run.harmonics}, &pool);
   double kept_s = wall_time_s();
   const auto checked = [&](const refine::Judgement& now) {
-    if (watch.checked) watch.checked(now);
-    if (watch.better && now.best && now.steps > 0) {
-      watch.better({refiner.best_gaussians(), refiner.best_harmonics()});
+    observer.on_evaluation(now);
+    if (now.best && now.steps > 0) {
+      observer.on_better_map({refiner.best_gaussians(), refiner.best_harmonics()});
     }
     const bool due = options.keep_every_s > 0 && wall_time_s() - kept_s > options.keep_every_s;
     if (!now.best || !due || now.steps == 0) return;

@@ -3,11 +3,11 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <stop_token>
 
 #include "sgs/refine/refiner.h"
 #include "sgs/run/run.h"
+#include "sgs/run/run_observer.h"
 
 namespace sgs::run {
 
@@ -20,19 +20,14 @@ struct RefineOptions {
   double keep_every_s = 30;
 };
 
+/// As many steps as `refine.steps_per_frame` and `refine.least_steps` ask for in a run.
+refine::Effort effort_by_frames(const refine::RefineConfig& config, const Run& run);
+
 /// A map and poses from elsewhere as a run: the recording's frames at the poses in `poses`, which
 /// lie in the world of `map`, interpolated where frames lie between two of them.
 /// `heldout_interval` as in slam::SessionConfig. An error where no frame has a pose.
 Result<Run> run_of_map(const InputSpec& input, map::SplatMap map, Trajectory poses,
-                       const slam::SessionConfig& config, int threads);
-
-/// How far refining has come.
-struct RefineWatch {
-  std::function<void(std::int64_t frames)> frames_read;
-  std::function<void(const refine::Judgement& now)> checked;
-  /// The map, where a check found it better than all before.
-  std::function<void(const map::SplatMap& map)> better;
-};
+                       const RunConfig& config, int threads);
 
 struct RefinedRun {
   Run run;  ///< the run with its map and poses as refined; scores are those of before
@@ -46,7 +41,8 @@ struct RefinedRun {
 /// frame of the recording that is not the one of the run; nothing is written then. A stop request
 /// ends it with the best state so far.
 Result<RefinedRun> refine_run(const Run& run, const RefineOptions& options, RunFolder& folder,
-                              const RefineWatch& watch = {}, const std::stop_token& stop = {});
+                              RunObserver& observer = RunObserver::nobody(),
+                              const std::stop_token& stop = {});
 
 /// What the run's own `config.toml` does not say: every parameter as used, into `folder`.
 void save_refine_parameters(const std::string& source, const RefineOptions& options,

@@ -35,7 +35,7 @@ class RefineRunTest : public ::testing::Test {
     ASSERT_TRUE(folder);
     RunOptions options;
     options.threads = 1;
-    ASSERT_TRUE(execute(*opened, spec(), config, options, *folder, {}, {}));
+    ASSERT_TRUE(execute(*opened, spec(), {config}, options, *folder));
   }
   static void TearDownTestSuite() { delete scratch_; }
 

@@ -12,6 +12,7 @@
 #include "sgs/run/execute.h"
 #include "sgs/run/resume_file.h"
 #include "sgs/run/run_files.h"
+#include "sgs/run/test_observer.h"
 
 namespace sgs::run {
 namespace {
@@ -37,13 +38,12 @@ class ResumeTest : public ::testing::Test {
   static fs::path folder(const std::string& name) { return scratch_->path() / name; }
 
   /// Asks the run to stop after frame `last`; -1 = never.
-  static Spectator stopper(std::stop_source& stop, std::int64_t last) {
-    Spectator spectator;
-    spectator.after_frame = [&stop, last](slam::Session&, const dataset::FeedItem& item,
-                                          const slam::FrameRecord&) {
-      if (item.index == last) stop.request_stop();
+  static TestObserver stopper(std::stop_source& stop, std::int64_t last) {
+    TestObserver observer;
+    observer.frame = [&stop, last](const slam::FrameRecord& record) {
+      if (record.index == last) stop.request_stop();
     };
-    return spectator;
+    return observer;
   }
   static void make(const std::string& name, const slam::SessionConfig& config, std::int64_t last,
                    int threads, bool realtime = false) {
@@ -55,25 +55,26 @@ class ResumeTest : public ::testing::Test {
     options.threads = threads;
     options.realtime = realtime;
     std::stop_source stop;
+    TestObserver observer = stopper(stop, last);
     const auto outcome =
-        execute(*input, spec(), config, options, *created, stopper(stop, last), stop.get_token());
+        execute(*input, spec(), {config}, options, *created, observer, stop.get_token());
     ASSERT_TRUE(outcome) << outcome.error().text();
     EXPECT_EQ(outcome->stopped, last >= 0);
   }
-  static Result<Outcome> go_on(const std::string& name, std::int64_t last, int threads,
-                               const std::string& frames = {}) {
+  static Result<RunResult> go_on(const std::string& name, std::int64_t last, int threads,
+                                 const std::string& frames = {}) {
     SGS_ASSIGN_OR_RETURN(auto resumed, RunFolder::resume(folder(name)));
     SGS_ASSIGN_OR_RETURN(auto point, load_resume_point(folder(name)));
     InputSpec input_spec = point.saved.input;
     if (!frames.empty()) input_spec.frames = frames;
     SGS_ASSIGN_OR_RETURN(auto input, open_input(input_spec, 1));
-    const slam::SessionConfig config = point.saved.config;
+    const RunConfig config = point.saved.config;
     RunOptions options;
     options.threads = threads;
     options.resume = std::move(point);
     std::stop_source stop;
-    return execute(input, input_spec, config, options, resumed, stopper(stop, last),
-                   stop.get_token());
+    TestObserver observer = stopper(stop, last);
+    return execute(input, input_spec, config, options, resumed, observer, stop.get_token());
   }
   static std::string content(const std::string& name, const char* file) {
     const auto text = io::read_file(folder(name) / file);

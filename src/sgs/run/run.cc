@@ -215,7 +215,7 @@ Result<Run> load_run(const fs::path& folder, unsigned parts) {
   SGS_RETURN_IF_ERROR(check_has_begun(folder, run.state));
   SGS_ASSIGN_OR_RETURN(auto saved, load_config(folder));
   run.input = std::move(saved.input);
-  run.config = std::move(saved.config);
+  run.config = std::move(saved.config.session);
   run.name = fs::path(run.input.input).filename().string();
   SGS_ASSIGN_OR_RETURN(run.config_toml, io::read_file(folder / files::kConfig));
   const auto load_parts = [&](const fs::path& map_folder) -> Status {
@@ -288,10 +288,10 @@ Result<map::SplatMap> load_run_map(const fs::path& folder) {
   return map;
 }
 
-Run beginning_of(const Input& input, const InputSpec& spec, const slam::SessionConfig& config) {
+Run beginning_of(const Input& input, const InputSpec& spec, const RunConfig& config) {
   Run run;
   run.input = spec;
-  run.config = config;
+  run.config = config.session;
   run.config_toml = config_text(spec, config);
   run.name = input.info.name;
   run.camera = input.source->camera();
@@ -301,8 +301,8 @@ Run beginning_of(const Input& input, const InputSpec& spec, const slam::SessionC
 }
 
 Run run_of(const slam::Session& session, const Input& input, const InputSpec& spec,
-           const slam::SessionConfig& config) {
-  Run run = beginning_of(input, spec, config);
+           const refine::RefineConfig& refine) {
+  Run run = beginning_of(input, spec, {session.config(), refine});
   run.frames = session.records().all();
   run.trajectory = session.trajectory();
   run.online = session.online_trajectory();

@@ -13,6 +13,7 @@
 #include "sgs/geometry/trajectory.h"
 #include "sgs/map/gaussian.h"
 #include "sgs/run/input.h"
+#include "sgs/run/run_config.h"
 #include "sgs/run/run_folder.h"
 #include "sgs/run/upright.h"
 #include "sgs/slam/frame_record.h"
@@ -78,12 +79,12 @@ Result<SE3> load_run_upright(const std::filesystem::path& folder);
 Result<map::SplatMap> load_run_map(const std::filesystem::path& folder);
 
 /// What is known of a run before its first frame.
-Run beginning_of(const Input& input, const InputSpec& spec, const slam::SessionConfig& config);
+Run beginning_of(const Input& input, const InputSpec& spec, const RunConfig& config);
 
-/// The run of a session that is finished, without scores. `input` and `config` are what it was
-/// made with.
+/// The run of a session that is finished, without scores. `input` and `spec` are what it was fed
+/// from; its configuration is the session's own.
 Run run_of(const slam::Session& session, const Input& input, const InputSpec& spec,
-           const slam::SessionConfig& config);
+           const refine::RefineConfig& refine = {});
 
 /// The files that are known before the first frame: configuration, camera, calibration, truth.
 std::vector<NamedWriter> opening_files(const Run& run);

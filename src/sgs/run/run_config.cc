@@ -25,10 +25,37 @@ struct Stamp {
   }
 };
 
+/// Before folders said so, it was the name of the preset that had a run refined.
+constexpr int kFormatWithRefinement = 3;
+constexpr double kQualityStepsPerFrame = 15;
+
+/// Fills in what the file of an earlier version did not say.
+void complete(const Stamp& stamp, RunConfig& config) {
+  const bool of_a_run = !stamp.version.empty();
+  if (!of_a_run || stamp.format >= kFormatWithRefinement) return;
+  if (config.session.preset == slam::Preset::kQuality) {
+    config.refine.steps_per_frame = kQualityStepsPerFrame;
+  }
+}
+
 }  // namespace
 
-Result<slam::SessionConfig> resolve_config(const ConfigSources& sources, InputSpec& input) {
-  SGS_ASSIGN_OR_RETURN(auto config, slam::make_session_config(sources.preset));
+void RunConfig::declare(ParameterList& list) {
+  session.declare(list);
+  list.add_group("refine", refine);
+}
+
+Result<RunConfig> make_run_config(std::string_view preset) {
+  RunConfig config;
+  SGS_ASSIGN_OR_RETURN(config.session, slam::make_session_config(preset));
+  if (config.session.preset == slam::Preset::kQuality) {
+    config.refine.steps_per_frame = kQualityStepsPerFrame;
+  }
+  return config;
+}
+
+Result<RunConfig> resolve_config(const ConfigSources& sources, InputSpec& input) {
+  SGS_ASSIGN_OR_RETURN(auto config, make_run_config(sources.preset));
   if (!sources.file.empty()) {
     Stamp stamp;
     InputSpec from_file;
@@ -37,6 +64,7 @@ Result<slam::SessionConfig> resolve_config(const ConfigSources& sources, InputSp
     from_file.declare(list);
     config.declare(list);
     SGS_RETURN_IF_ERROR(io::apply_toml_file(sources.file, list));
+    complete(stamp, config);
     if (input.input.empty()) input = from_file;
   }
   ParameterList list;
@@ -46,13 +74,13 @@ Result<slam::SessionConfig> resolve_config(const ConfigSources& sources, InputSp
   }
   if (!sources.tracker.empty()) SGS_RETURN_IF_ERROR(list.set("tracker.type", sources.tracker));
   if (!sources.seed.empty()) SGS_RETURN_IF_ERROR(list.set("slam.seed", sources.seed));
-  const bool given = tracker::takes_given_poses(config.tracker);
+  const bool given = tracker::takes_given_poses(config.session.tracker);
   if (given && input.poses.empty()) input.poses = dataset::kRecordedPoses;
   if (!given && input.poses == dataset::kRecordedPoses) input.poses.clear();
   if (!given && !input.poses.empty()) {
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("poses are given, but the tracker {} finds its own",
-                            to_string(config.tracker.type)),
+                            to_string(config.session.tracker.type)),
                 "--poses goes with --tracker given");
   }
   // The input's words go to config.toml, too.
@@ -60,11 +88,11 @@ Result<slam::SessionConfig> resolve_config(const ConfigSources& sources, InputSp
   return config;
 }
 
-std::string config_text(const InputSpec& input, const slam::SessionConfig& config) {
+std::string config_text(const InputSpec& input, const RunConfig& config) {
   // Declaring needs mutable fields; copies keep the arguments const.
   Stamp stamp{kFolderFormat, version()};
   InputSpec input_copy = input;
-  slam::SessionConfig config_copy = config;
+  RunConfig config_copy = config;
   // Folders are remembered absolutely: a run may be evaluated from anywhere.
   std::error_code error;
   for (std::string* path :
@@ -109,6 +137,7 @@ Result<SavedConfig> load_config(const std::filesystem::path& folder) {
     }
     return tl::unexpected(error);
   }
+  complete(stamp, saved.config);
   saved.format = stamp.format;
   saved.version = stamp.version;
   // The folder's own copy: the file it was made with may have moved or changed.

@@ -22,6 +22,7 @@
 #include "sgs/run/run_config.h"
 #include "sgs/run/run_files.h"
 #include "sgs/run/score.h"
+#include "sgs/run/test_observer.h"
 
 namespace sgs::run {
 namespace {
@@ -38,21 +39,22 @@ class RunTest : public ::testing::Test {
     spec_.frames = "0:6";
     slam::SessionConfig config;
     config.tracker.type = tracker::TrackerType::kGicp;
-    outcome_ = new Outcome(make(folder(), config));
+    outcome_ = new RunResult(make(folder(), config));
   }
   static void TearDownTestSuite() {
     delete outcome_;
     delete scratch_;
   }
-  static Outcome make(const fs::path& path, const slam::SessionConfig& config,
-                      const Spectator& spectator = {}, const std::stop_token& stop = {}) {
+  static RunResult make(const fs::path& path, const slam::SessionConfig& config,
+                        RunObserver& observer = RunObserver::nobody(),
+                        const std::stop_token& stop = {}) {
     auto input = open_input(spec_, 1);
     EXPECT_TRUE(input);
     auto created = RunFolder::create(path);
     EXPECT_TRUE(created);
     RunOptions options;
     options.threads = 1;
-    auto outcome = execute(*input, spec_, config, options, *created, spectator, stop);
+    auto outcome = execute(*input, spec_, {config}, options, *created, observer, stop);
     EXPECT_TRUE(outcome);
     EXPECT_TRUE(created->failures().empty());
     return std::move(*outcome);
@@ -67,7 +69,7 @@ class RunTest : public ::testing::Test {
   }
 
   static inline io::TemporaryFolder* scratch_ = nullptr;
-  static inline Outcome* outcome_ = nullptr;
+  static inline RunResult* outcome_ = nullptr;
   static inline InputSpec spec_;
 };
 
@@ -121,8 +123,9 @@ TEST_F(RunTest, CancelledScoringHasNoScoreOfTheWhole) {
   std::stop_source stop;
   auto run = outcome_->run;
   run.metrics.psnr_db = 99;
-  const auto scores = score_run(
-      run, {}, [&](std::int64_t) { stop.request_stop(); }, stop.get_token());
+  TestObserver observer;
+  observer.frames_scored = [&](std::int64_t) { stop.request_stop(); };
+  const auto scores = score_run(run, {}, observer, stop.get_token());
   ASSERT_TRUE(scores);
   ASSERT_TRUE(scores->rendering);
   EXPECT_TRUE(scores->rendering->cancelled);
@@ -132,13 +135,12 @@ TEST_F(RunTest, CancelledScoringHasNoScoreOfTheWhole) {
 
 TEST_F(RunTest, AStopRequestEndsTheRunAndKeepsWhatIsThere) {
   std::stop_source stop;
-  Spectator spectator;
-  spectator.after_frame = [&](slam::Session&, const dataset::FeedItem&,
-                              const slam::FrameRecord& record) {
+  TestObserver observer;
+  observer.frame = [&](const slam::FrameRecord& record) {
     if (record.index == 2) stop.request_stop();
   };
   const auto outcome =
-      make(scratch_->path() / "stopped", outcome_->run.config, spectator, stop.get_token());
+      make(scratch_->path() / "stopped", outcome_->run.config, observer, stop.get_token());
   EXPECT_TRUE(outcome.stopped);
   EXPECT_EQ(outcome.run.frames.size(), 3u);
   EXPECT_TRUE(load_run(scratch_->path() / "stopped", kAllParts));
@@ -163,13 +165,12 @@ fs::path killed(const fs::path& path, const run::Run& made) {
 }
 
 TEST_F(RunTest, AKilledRunIsReadAsFarAsItCame) {
-  Spectator spectator;
+  TestObserver observer;
   std::vector<slam::FrameRecord> frames;  // those read back have lost their tracked poses
-  spectator.after_frame = [&](slam::Session&, const dataset::FeedItem&,
-                              const slam::FrameRecord& record) { frames.push_back(record); };
+  observer.frame = [&](const slam::FrameRecord& record) { frames.push_back(record); };
   auto config = outcome_->run.config;
   config.keyframe_interval = 2;
-  run::Run made = make(scratch_->path() / "whole", config, spectator).run;
+  run::Run made = make(scratch_->path() / "whole", config, observer).run;
   ASSERT_EQ(made.state.stage, Stage::kFinished);
   const Trajectory expected = made.trajectory;
   made.frames = frames;
@@ -295,14 +296,13 @@ TEST(RunFolder, AFolderOfSomethingElseIsNotTouched) {
 
 TEST_F(RunTest, AFolderRemovedDuringTheRunIsCompleteAgain) {
   const fs::path path = scratch_->path() / "removed";
-  Spectator spectator;
-  spectator.after_frame = [&](slam::Session&, const dataset::FeedItem& item,
-                              const slam::FrameRecord&) {
-    if (item.index != 3) return;
+  TestObserver observer;
+  observer.frame = [&](const slam::FrameRecord& record) {
+    if (record.index != 3) return;
     // At once, as a disk that is unplugged: a removal file by file may fail because new ones come.
     fs::rename(path, scratch_->path() / "gone");
   };
-  const auto outcome = make(path, outcome_->run.config, spectator);
+  const auto outcome = make(path, outcome_->run.config, observer);
   const auto loaded = load_run(path, kAllParts);
   ASSERT_TRUE(loaded) << loaded.error().text();
   EXPECT_EQ(loaded->frames.size(), 6u);
@@ -384,17 +384,19 @@ TEST_F(RunTest, ConfigOfARunMakesTheSameRun) {
 /// A short run with a tracker of that type, and what its session used.
 struct RunOfType {
   fs::path folder;
-  slam::SessionConfig used;
+  RunConfig used;
 };
 
-RunOfType run_with(const fs::path& path, const InputSpec& spec, const slam::SessionConfig& config) {
+RunOfType run_with(const fs::path& path, const InputSpec& spec, const RunConfig& config) {
   RunOfType made{path, {}};
   auto input = open_input(spec, 1);
   auto folder = RunFolder::create(path);
   EXPECT_TRUE(input && folder);
-  Spectator spectator;
-  spectator.finished = [&](slam::Session& session) { made.used = session.config(); };
-  EXPECT_TRUE(execute(*input, spec, config, {.threads = 1}, *folder, spectator));
+  TestObserver observer;
+  observer.map = [&](slam::Session& session) { made.used = {session.config(), config.refine}; };
+  RunOptions options;
+  options.threads = 1;
+  EXPECT_TRUE(execute(*input, spec, config, options, *folder, observer));
   return made;
 }
 
@@ -487,15 +489,14 @@ TEST(RunFolder, FreshNamesDoNotCollide) {
 }
 
 TEST_F(RunTest, WhatIsThrownInTheMiddleLosesNothing) {
-  Spectator spectator;
-  spectator.after_frame = [](slam::Session&, const dataset::FeedItem& item,
-                             const slam::FrameRecord&) {
-    if (item.index == 3) throw std::bad_alloc();
+  TestObserver observer;
+  observer.frame = [](const slam::FrameRecord& record) {
+    if (record.index == 3) throw std::bad_alloc();
   };
   slam::SessionConfig config;
   config.tracker.type = tracker::TrackerType::kGicp;
   const fs::path path = scratch_->path() / "thrown";
-  const Outcome outcome = make(path, config, spectator);
+  const RunResult outcome = make(path, config, observer);
   ASSERT_FALSE(outcome.input);
   EXPECT_THAT(outcome.input.error().text(), HasSubstr("out of memory"));
   const auto saved = load_run(path, kTrajectory | kFrames | kMap);
@@ -548,7 +549,7 @@ TEST(Play, AStopReachesASourceThatWaits) {
     ASSERT_TRUE(session);
     PlayOptions options;
     options.realtime = realtime;
-    const auto clock = play(source, **session, options, stop.get_token());
+    const auto clock = play(source, **session, options, RunObserver::nobody(), stop.get_token());
     ASSERT_TRUE(clock) << clock.error().text();
     EXPECT_TRUE(source.stopped());
     // Played live, the stop may come before the frame.

@@ -68,7 +68,7 @@ std::optional<std::array<float, 3>> gain_of(const Run& run, std::int64_t index) 
 }
 
 Result<eval::RunEvaluation> score_rendering(const Run& run, const ScoreOptions& options,
-                                            const std::function<void(std::int64_t)>& progress,
+                                            RunObserver& observer,
                                             const std::stop_token& stop) {
   SGS_ASSIGN_OR_RETURN(auto input, reopen_input(run.input, options.threads, run.calibration));
   std::optional<eval::Lpips> lpips;
@@ -110,7 +110,7 @@ Result<eval::RunEvaluation> score_rendering(const Run& run, const ScoreOptions& 
   evaluation.lpips = lpips ? &*lpips : nullptr;
   evaluation.pool = &pool;
   evaluation.cancelled = [&] { return stop.stop_requested(); };
-  evaluation.progress = progress;
+  evaluation.progress = [&](std::int64_t frames) { observer.on_frames_scored(frames); };
   return eval::evaluate_run(evaluation, config);
 }
 
@@ -151,11 +151,10 @@ Scores score_trajectory(const Run& run, eval::Association association) {
 }
 
 Result<Scores> score_run(const Run& run, const ScoreOptions& options,
-                         const std::function<void(std::int64_t)>& progress,
-                         const std::stop_token& stop) {
+                         RunObserver& observer, const std::stop_token& stop) {
   Scores scores = score_trajectory(run, options.association);
   if (run.gaussians.empty()) return scores;
-  SGS_ASSIGN_OR_RETURN(scores.rendering, score_rendering(run, options, progress, stop));
+  SGS_ASSIGN_OR_RETURN(scores.rendering, score_rendering(run, options, observer, stop));
   const bool whole = !scores.rendering->cancelled;
   if (whole) SGS_RETURN_IF_ERROR(add_novel_views(run, options, scores.rendering->scores));
   eval::replace_group(scores.metrics, eval::kRenderingGroup,

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -11,6 +10,7 @@
 #include "sgs/eval/run_evaluator.h"
 #include "sgs/eval/trajectory_metrics.h"
 #include "sgs/run/run.h"
+#include "sgs/run/run_observer.h"
 
 namespace sgs::run {
 
@@ -34,11 +34,11 @@ struct Scores {
 /// Rendering scores that the run already has stay.
 Scores score_trajectory(const Run& run, eval::Association association);
 
-/// Also renders the map at every pose and compares with the recording, which is opened anew.
-/// `progress` is told the frames seen so far. A stop request ends it early: the scores of the
-/// pictures are then left out of the metrics, as they would be those of a part.
+/// Also renders the map at every pose and compares with the recording, which is opened anew. A stop
+/// request ends it early: the scores of the pictures are then left out of the metrics, as they would
+/// be those of a part.
 Result<Scores> score_run(const Run& run, const ScoreOptions& options,
-                         const std::function<void(std::int64_t)>& progress = {},
+                         RunObserver& observer = RunObserver::nobody(),
                          const std::stop_token& stop = {});
 
 /// Says in words when directions were unobservable and nothing filled them; else "".

@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "progress.h"
+#include "sgs/run/run_observer.h"
+#include "viewer_link.h"
+
+namespace sgs::app {
+
+/// Shows a run in the terminal, a bar for each of its stages, and in browsers.
+class TerminalObserver : public run::RunObserver {
+ public:
+  /// `frames`: of the recording, where that is known. `viewer` may be null.
+  TerminalObserver(std::optional<std::int64_t> frames, bool quiet, ViewerLink* viewer = nullptr)
+      : frames_(frames), quiet_(quiet), viewer_(viewer) {}
+
+  double before_frame() override;
+  void on_frame(slam::Session& session, const dataset::FeedItem& item,
+                const slam::FrameRecord& record) override;
+  void on_map(slam::Session& session) override;
+  void on_evaluation(const refine::Judgement& now) override;
+  void on_frames_scored(std::int64_t frames) override;
+  /// A frame of the pass that calibrates the input first.
+  void on_calibration_frame();
+  /// Ends the line of the bar that is shown.
+  void finish();
+
+ private:
+  Progress& bar(const std::string& what, std::optional<std::int64_t> total);
+
+  std::optional<std::int64_t> frames_;
+  bool quiet_;
+  ViewerLink* viewer_;
+  std::string stage_;  // of the bar
+  std::optional<Progress> bar_;
+  std::int64_t scored_ = 0;
+};
+
+}  // namespace sgs::app

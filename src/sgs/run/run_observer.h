@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "sgs/dataset/feed_item.h"
+#include "sgs/refine/refiner.h"
+#include "sgs/slam/session.h"
+
+namespace sgs::run {
+
+/// Who watches a run, from its first frame to its scores: overrides what it wants to know. All
+/// calls come from the thread that runs; what they throw ends the run as any failure does.
+class RunObserver {
+ public:
+  virtual ~RunObserver() = default;
+
+  // Tracking and mapping.
+  /// Before a frame is read; may hold the run (pause). Returns the seconds it was held.
+  virtual double before_frame() { return 0; }
+  /// An item was fed; `record` is what came of it, also where the frame was bad. A run that is
+  /// resumed feeds again what it had been fed before.
+  virtual void on_frame(slam::Session& /*session*/, const dataset::FeedItem& /*item*/,
+                        const slam::FrameRecord& /*record*/) {}
+  /// Something happened to the input, beside frames; an empty text: all is well again.
+  virtual void on_input_event(const std::string& /*what*/) {}
+  /// After the last frame, while the session can still be saved; not where something failed.
+  virtual void on_last_frame() {}
+  /// The session is finished: its map is final.
+  virtual void on_map(slam::Session& /*session*/) {}
+
+  // Refinement.
+  /// So many frames of the recording have been read to learn from.
+  virtual void on_frames_read(std::int64_t /*frames*/) {}
+  virtual void on_evaluation(const refine::Judgement& /*now*/) {}
+  /// An evaluation found this map better than all before.
+  virtual void on_better_map(const map::SplatMap& /*map*/) {}
+
+  // Scoring.
+  /// So many frames have been compared with the recording.
+  virtual void on_frames_scored(std::int64_t /*frames*/) {}
+
+  /// One who looks away.
+  static RunObserver& nobody();
+};
+
+}  // namespace sgs::run

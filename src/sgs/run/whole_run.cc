@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/run/whole_run.h"
+
+#include <utility>
+
+#include "sgs/core/log.h"
+#include "sgs/run/input_doubts.h"
+#include "sgs/run/refine.h"
+#include "sgs/stream/address.h"
+
+namespace sgs::run {
+namespace {
+
+/// Refines the map of a run that is complete, in its folder.
+Status refine_result(const RunConfig& config, const RunOptions& options, RunFolder& folder,
+                     RunObserver& observer, const std::stop_token& stop, RunResult& result) {
+  RefineOptions refining;
+  refining.config = config.refine;
+  refining.effort = effort_by_frames(config.refine, result.run);
+  refining.threads = options.threads;
+  auto refined = refine_run(result.run, refining, folder, observer, stop);
+  if (!refined && refined.error().code == ErrorCode::kInterrupted) {
+    // What there is is whole, but not what was asked for.
+    RunState& state = result.run.state;
+    state = {Stage::kInterrupted, "", 0, "stopped by request before the map was refined", true};
+    result.run.metrics.state = state.word();
+    folder.end(state.stage, result.run.frames.size(), state.reason);
+    result.stopped = true;
+    return {};
+  }
+  if (!refined) return tl::unexpected(refined.error());
+  result.stopped = refined->refined.stopped;
+  result.run = std::move(refined->run);
+  return {};
+}
+
+}  // namespace
+
+Status check_whole(const InputSpec& spec, const RunConfig& config, const RunOptions& options) {
+  if (config.refine.steps_per_frame <= 0) return {};
+  constexpr const char* kAsked = "refine.steps_per_frame (--preset quality)";
+  if (options.realtime) {
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} is for recordings, not for runs at the sensor's rate", kAsked),
+                "run live, then `sgs refine RUN`");
+  }
+  if (stream::is_stream(spec.input)) {
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("{} goes through the frames twice; a stream comes once", kAsked),
+                "keep the stream (--record FOLDER), then run that folder");
+  }
+  return {};
+}
+
+Result<WholeRun> run_whole(Input& input, const InputSpec& spec, const RunConfig& config,
+                           const WholeRunOptions& options, RunFolder& folder,
+                           RunObserver& observer, const std::stop_token& stop) {
+  SGS_RETURN_IF_ERROR(check_whole(spec, config, options.run));
+  SGS_ASSIGN_OR_RETURN(auto result,
+                       execute(input, spec, config, options.run, folder, observer, stop));
+  const bool complete = !result.stopped && result.input && !result.run.gaussians.empty();
+  if (config.refine.steps_per_frame > 0 && complete) {
+    SGS_RETURN_IF_ERROR(refine_result(config, options.run, folder, observer, stop, result));
+  }
+  ScoreOptions score = options.score;
+  score.threads = options.run.threads;
+  // What a stream has sent is gone.
+  const bool pictures = options.pictures && !result.stopped && !stream::is_stream(spec.input);
+  SGS_ASSIGN_OR_RETURN(auto scores, pictures
+                                        ? score_run(result.run, score, observer, stop)
+                                        : score_trajectory(result.run, score.association));
+  for (const std::string& doubt : doubts_about_units(result.run, scores.metrics)) {
+    log().warn("{}", doubt);
+  }
+  return WholeRun{std::move(result), std::move(scores)};
+}
+
+}  // namespace sgs::run
