@@ -20,6 +20,7 @@ Result<run::Scores> score_with_progress(const run::Run& run, const run::ScoreOpt
   TerminalObserver observer(run.frames_total, quiet);
   auto scores = run::score_run(run, options, observer, stop_token());
   observer.finish();
+  if (scores && !scores->no_recording.empty()) say("sgs: {}\n", scores->no_recording);
   return scores;
 }
 

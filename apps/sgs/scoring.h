@@ -10,7 +10,7 @@ namespace sgs::app {
 
 /// --lpips-weights and --lpips-stride.
 void add_score_options(CLI::App& sub, run::ScoreOptions& options);
-/// run::score_run() with a progress bar, until Ctrl-C.
+/// run::score_run() with a progress bar, until Ctrl-C. Says where the recording is gone.
 Result<run::Scores> score_with_progress(const run::Run& run, const run::ScoreOptions& options,
                                         bool quiet);
 

@@ -228,8 +228,36 @@ class Contract(Case):
         again = (out / "report.html").read_text()
         for section in ("Trajectory", "Degeneracy", "Rendering against truth", "Scores"):
             self.assertEqual(section in again, section in page, section)
-        failed = self.sgs("eval", out, code=1)
-        self.assertIn(str(sequence), failed.stderr)
+        done = self.sgs("eval", out, "--quiet")
+        self.assertIn(str(sequence), done.stderr)
+
+    def test_eval_without_the_recording_scores_the_path_and_keeps_the_rest(self):
+        sequence = self.sequence()
+        out, _ = self.run_folder(sequence)
+        before = json.loads((out / "metrics.json").read_text())
+        self.assertEqual(before["pictures"], "measured")
+        pictures = sorted(p.name for p in (out / "renders").iterdir())
+        shutil.rmtree(sequence)
+        # Another path than before, so that its score shows that it is made anew.
+        truth = out / "groundtruth.txt"
+        lines = [line.split() for line in truth.read_text().splitlines() if line[0] != "#"]
+        for i, row in enumerate(lines):
+            row[1] = str(float(row[1]) + 0.05 * (i % 2))
+        truth.write_text("".join(" ".join(row) + "\n" for row in lines))
+        done = self.sgs("eval", out, "--quiet", "--json")
+        why = [line for line in done.stderr.splitlines() if str(sequence) in line]
+        self.assertEqual(len(why), 1, done.stderr)
+        self.assertIn("cannot be opened", why[0])
+        after = json.loads((out / "metrics.json").read_text())
+        self.assertEqual(json.loads(done.stdout), after)
+        self.assertGreater(after["ate_rmse_m"], before["ate_rmse_m"])
+        self.assertEqual(after["pictures"], "kept")
+        for key in ("psnr_db", "psnr_db_full", "ssim", "depth_l1_m"):
+            self.assertEqual(before[key], after[key], key)
+        self.assertEqual(pictures, sorted(p.name for p in (out / "renders").iterdir()))
+        page = (out / "report.html").read_text()
+        self.assertIn("Rendering against truth", page)
+        self.assertIn("cannot be opened", page)
 
     def test_view_needs_no_recording(self):
         sequence = self.sequence()

@@ -6,6 +6,7 @@
 #include "sgs/api/internal/guard.h"
 #include "sgs/api/internal/metrics.h"
 #include "sgs/api/internal/stop_token.h"
+#include "sgs/core/log.h"
 #include "sgs/eval/trajectory_metrics.h"
 #include "sgs/run/score.h"
 
@@ -35,6 +36,7 @@ Metrics evaluate_run(const std::string& folder, const EvaluateOptions& options, 
                                                run, score, run::RunObserver::nobody(),
                                                internal::StopAccess::token(stop)))
                                          : run::score_trajectory(run, score.association);
+    if (!scores.no_recording.empty()) log().warn("{}", scores.no_recording);
     if (stop.requested()) throw Error(ErrorCode::kInterrupted, "the evaluation was stopped");
     return internal::to_api(scores.metrics);
   });

@@ -32,7 +32,9 @@ SGS_API Metrics evaluate(const Trajectory& estimate, const Trajectory& truth,
 /// How to score a run folder.
 struct EvaluateOptions {
   std::string association = "interpolate";
-  bool pictures = true;       ///< compare the map with the recording, which must still be there
+  /// Compare the map with the recording. Where that is gone, scores of pictures that the folder has
+  /// stay, and the metric `pictures` says "kept".
+  bool pictures = true;
   std::string lpips_weights;  ///< file; empty = LPIPS is not measured
   int threads = 2;
 };

@@ -31,6 +31,7 @@ struct Metrics {
   Real ssim, ssim_full, ssim_train, ssim_heldout, ssim_novel;
   Real lpips, lpips_full, lpips_train, lpips_heldout, lpips_novel;
   Real depth_l1_m, depth_l1_novel_m;
+  Text pictures;
   Count gaussians, map_bytes, keyframes, mapping_iterations;
   Count loops_accepted, loops_rejected, corrections;
   Text upright;
@@ -64,6 +65,9 @@ struct MetricInfo {
   Rank rank = Rank::kDetail;
   std::string_view meaning;
 };
+
+/// Words of Metrics::pictures.
+inline constexpr const char *kMeasuredPictures = "measured", *kKeptPictures = "kept";
 
 /// Groups that one evaluation fills as a whole.
 inline constexpr std::string_view kTrajectoryGroup = "Trajectory", kRenderingGroup = "Rendering";
@@ -178,6 +182,10 @@ void visit_metrics(M&& m, Visitor&& visit) {
   visit(I{"depth_l1_novel_m", r, "Depth L1 (novel views)", "cm", kCm, 2, kLess, kDetail,
           "Mean absolute difference of rendered and true depth, views as for psnr_db_novel."},
         m.depth_l1_novel_m);
+  visit(I{"pictures", r, "Pictures", "", 1, 0, kNeither, kDetail,
+          "Whether these scores of pictures were `measured` when the run was scored last, or `kept` "
+          "from an earlier time because its recording could not be opened."},
+        m.pictures);
   visit(I{"gaussians", p, "Gaussians", "", 1, 0, kNeither, kTile, "Gaussians of the final map."},
         m.gaussians);
   visit(I{"map_bytes", p, "Map size", "MiB", kMiB, 2, kNeither, kDetail,

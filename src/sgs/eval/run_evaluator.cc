@@ -146,6 +146,7 @@ Metrics scores_of(const RunEvaluation& r) {
   scores.ssim_heldout = r.heldout.ssim;
   scores.lpips_heldout = r.heldout.lpips;
   scores.depth_l1_m = r.depth_l1_m;
+  scores.pictures = kMeasuredPictures;
   return scores;
 }
 

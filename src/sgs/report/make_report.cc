@@ -118,7 +118,8 @@ ReportData make_report(const run::Run& run, const run::Scores& scores) {
   for (const std::string& note :
        {run::degeneracy_note(metrics), scores.trajectory.protocol, scores.trajectory.note,
         run.upright ? "The world is " + run.upright->sentence() + "." : std::string(),
-        part_note(run.state), scores.rendering ? scores.rendering->protocol : std::string()}) {
+        part_note(run.state), scores.rendering ? scores.rendering->protocol : std::string(),
+        scores.no_recording.empty() ? std::string() : "Scored anew, but " + scores.no_recording}) {
     if (!note.empty()) report.notes.push_back(note);
   }
 

@@ -15,8 +15,11 @@ void save_scores(const run::Run& run, const run::Scores& scores, run::RunFolder&
   folder.save(run::files::kMetrics,
               [&](const fs::path& path) { return eval::save_metrics(path, scores.metrics); });
   if (scores.rendering) run::save_pictures(scores.rendering->pictures, folder);
+  ReportData data = make_report(run, scores);
+  // Those that the folder has belong to the scores that were kept.
+  if (!scores.no_recording.empty()) data.pictures = run::load_pictures(folder.path());
   folder.save(run::files::kReport,
-              [&](const fs::path& path) { return save_report(path, make_report(run, scores)); });
+              [&](const fs::path& path) { return save_report(path, data); });
 }
 
 }  // namespace sgs::report

@@ -119,6 +119,24 @@ TEST_F(RunTest, ScoresOfTheFolderAreThoseOfTheRun) {
   EXPECT_EQ(eval::to_json(later->metrics), eval::to_json(expected));
 }
 
+TEST_F(RunTest, ARecordingThatIsGoneCostsNoScoreOfThePath) {
+  auto run = outcome_->run;
+  run.input.input = "/nowhere/at/all";
+  run.metrics.psnr_db = 20;
+  const auto kept = score_run(run, {});
+  ASSERT_TRUE(kept) << kept.error().text();
+  EXPECT_TRUE(kept->metrics.ate_rmse_m);
+  EXPECT_FALSE(kept->rendering);
+  EXPECT_EQ(kept->metrics.psnr_db, 20);
+  EXPECT_EQ(kept->metrics.pictures, eval::kKeptPictures);
+  EXPECT_THAT(kept->no_recording, HasSubstr("/nowhere/at/all"));
+  run.metrics.psnr_db.reset();
+  const auto none = score_run(run, {});
+  ASSERT_TRUE(none);
+  EXPECT_FALSE(none->metrics.pictures) << "there is nothing that could be kept";
+  EXPECT_THAT(none->no_recording, HasSubstr("have no scores"));
+}
+
 TEST_F(RunTest, CancelledScoringHasNoScoreOfTheWhole) {
   std::stop_source stop;
   auto run = outcome_->run;

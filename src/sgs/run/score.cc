@@ -67,10 +67,9 @@ std::optional<std::array<float, 3>> gain_of(const Run& run, std::int64_t index) 
   return gain;
 }
 
-Result<eval::RunEvaluation> score_rendering(const Run& run, const ScoreOptions& options,
-                                            RunObserver& observer,
+Result<eval::RunEvaluation> score_rendering(const Run& run, Input& input,
+                                            const ScoreOptions& options, RunObserver& observer,
                                             const std::stop_token& stop) {
-  SGS_ASSIGN_OR_RETURN(auto input, reopen_input(run.input, options.threads, run.calibration));
   std::optional<eval::Lpips> lpips;
   if (!options.lpips_weights.empty()) {
     SGS_ASSIGN_OR_RETURN(lpips, eval::Lpips::load(options.lpips_weights));
@@ -131,6 +130,15 @@ Status add_novel_views(const Run& run, const ScoreOptions& options, eval::Metric
   return {};
 }
 
+/// The recording cannot be opened: scores of pictures that are there stay and are marked.
+void note_no_recording(const Error& why, Scores& scores) {
+  const bool kept = scores.metrics.psnr_db.has_value();
+  if (kept) scores.metrics.pictures = eval::kKeptPictures;
+  scores.no_recording = fmt::format(
+      "the recording cannot be opened ({}): no picture was compared with it; {}", why.message,
+      kept ? "the scores of pictures are those of an earlier time" : "pictures have no scores");
+}
+
 }  // namespace
 
 Scores score_trajectory(const Run& run, eval::Association association) {
@@ -154,7 +162,12 @@ Result<Scores> score_run(const Run& run, const ScoreOptions& options,
                          RunObserver& observer, const std::stop_token& stop) {
   Scores scores = score_trajectory(run, options.association);
   if (run.gaussians.empty()) return scores;
-  SGS_ASSIGN_OR_RETURN(scores.rendering, score_rendering(run, options, observer, stop));
+  auto input = reopen_input(run.input, options.threads, run.calibration);
+  if (!input) {
+    note_no_recording(input.error(), scores);
+    return scores;
+  }
+  SGS_ASSIGN_OR_RETURN(scores.rendering, score_rendering(run, *input, options, observer, stop));
   const bool whole = !scores.rendering->cancelled;
   if (whole) SGS_RETURN_IF_ERROR(add_novel_views(run, options, scores.rendering->scores));
   eval::replace_group(scores.metrics, eval::kRenderingGroup,

@@ -28,13 +28,17 @@ struct Scores {
   eval::TrajectoryMetrics trajectory;
   std::optional<eval::RunEvaluation> rendering;  ///< empty: pictures were not compared
   eval::Metrics metrics;                         ///< the run's own, with these scores in them
+  /// Why no picture could be compared, one line: the recording could not be opened. Scores of
+  /// pictures that the run had are in `metrics` still, marked as kept. Else empty.
+  std::string no_recording;
 };
 
 /// Compares the trajectory with the truth and counts the frames' states; needs no recording.
 /// Rendering scores that the run already has stay.
 Scores score_trajectory(const Run& run, eval::Association association);
 
-/// Also renders the map at every pose and compares with the recording, which is opened anew. A stop
+/// Also renders the map at every pose and compares with the recording, which is opened anew; where
+/// that cannot be, Scores::no_recording says why, and the path is scored all the same. A stop
 /// request ends it early: the scores of the pictures are then left out of the metrics, as they would
 /// be those of a part.
 Result<Scores> score_run(const Run& run, const ScoreOptions& options,

@@ -70,6 +70,7 @@ Result<WholeRun> run_whole(Input& input, const InputSpec& spec, const RunConfig&
   SGS_ASSIGN_OR_RETURN(auto scores, pictures
                                         ? score_run(result.run, score, observer, stop)
                                         : score_trajectory(result.run, score.association));
+  if (!scores.no_recording.empty()) log().warn("{}", scores.no_recording);
   for (const std::string& doubt : doubts_about_units(result.run, scores.metrics)) {
     log().warn("{}", doubt);
   }
