@@ -17,7 +17,7 @@
 #include "sgs/dataset/calibrated_source.h"
 #include "sgs/eval/trajectory_metrics.h"
 #include "sgs/run/calibrate.h"
-#include "sgs/run/run_config.h"
+#include "sgs/runfolder/run_config.h"
 #include "sgs/synthetic/sensor.h"
 
 namespace {

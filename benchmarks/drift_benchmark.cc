@@ -15,7 +15,7 @@
 #include "injected_drift.h"
 #include "sgs/core/log.h"
 #include "sgs/eval/trajectory_metrics.h"
-#include "sgs/run/run.h"
+#include "sgs/runfolder/run.h"
 #include "sgs/slam/session.h"
 #include "tracking_input.h"
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "sgs/run/input.h"
-#include "sgs/run/run_config.h"
+#include "sgs/input/input.h"
+#include "sgs/runfolder/run_config.h"
 
 namespace sgs::benchmarks {
 

@@ -4,9 +4,9 @@
 // feed_frames INPUT OUTPUT: SLAM on a recorded folder (or synth:room_desk); prints and saves poses.
 #include <fmt/format.h>
 #include <sgs/io/trajectory_io.h>
-#include <sgs/run/input.h>
+#include <sgs/input/input.h>
 #include <sgs/run/play.h>
-#include <sgs/run/run.h>
+#include <sgs/runfolder/run.h>
 
 sgs::Status run(const char* name, const char* output) {
   const sgs::run::InputSpec spec{.input = name};

@@ -5,9 +5,9 @@
 // motion capture system, a robot's arm, another SLAM), given as a TUM trajectory.
 #include <fmt/format.h>
 #include <sgs/io/trajectory_io.h>
-#include <sgs/run/input.h>
+#include <sgs/input/input.h>
 #include <sgs/run/play.h>
-#include <sgs/run/run.h>
+#include <sgs/runfolder/run.h>
 
 namespace {
 

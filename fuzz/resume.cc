@@ -8,7 +8,7 @@
 
 #include "harness.h"
 #include "sgs/mapper/mapper.h"
-#include "sgs/run/resume_file.h"
+#include "sgs/runfolder/resume_file.h"
 
 namespace {
 

@@ -5,6 +5,8 @@
 
 - A module of src/sgs may include itself and what its DEPS row in src/sgs/CMakeLists.txt reaches. The
   rows are read from CMake, so that the link list and the include rule cannot drift apart.
+- The rows stand from the bottom up: one depends on earlier rows only. The layer table of
+  docs/architecture.md has the same modules, and none depends on a module of a higher layer.
 - A folder of apps/ or benchmarks/ may include the modules that the targets of its CMakeLists.txt
   link, and what those reach.
 - src includes nothing outside src; apps/ neither includes nor links what benchmarks/ defines, nor
@@ -61,6 +63,14 @@ def sources(folder):
     return sorted(p for p in folder.rglob("*") if p.suffix in SUFFIXES)
 
 
+def read_table(page):
+    """The modules of a layer table, lines `| 3 | name | what |`, and the layers they stand in."""
+    if not page.exists():
+        return None
+    rows = re.findall(r"^\|\s*(\d+)\s*\|\s*(\w+)\s*\|", page.read_text(), flags=re.M)
+    return {name: int(layer) for layer, name in rows}
+
+
 class Checker:
     def __init__(self, root):
         self.root = root
@@ -75,6 +85,23 @@ class Checker:
         module = name.split("/")[1]
         if module not in allowed:
             self.complain(path, number, f"'{who}' may not include '{module}'")
+
+    def check_order(self):
+        """Rows and layers, from the bottom up."""
+        cmake, page = "src/sgs/CMakeLists.txt", "docs/architecture.md"
+        table = read_table(self.root / page)
+        if table is not None:
+            for name in sorted(self.rows.keys() - table.keys()):
+                self.problems.append(f"{page}: the layer table lacks the module '{name}'")
+            for name in sorted(table.keys() - self.rows.keys() - {"apps"}):
+                self.problems.append(f"{page}: there is no module '{name}'")
+        names = list(self.rows)
+        for place, name in enumerate(names):
+            for dep in self.rows[name]:
+                if dep in names[place + 1 :]:
+                    self.problems.append(f"{cmake}: '{name}' depends on the later row '{dep}'")
+                if table and table.get(dep, 0) > table.get(name, 0):
+                    self.problems.append(f"{page}: '{name}' depends on '{dep}' of a higher layer")
 
     def check_modules(self):
         source = self.root / "src" / "sgs"
@@ -149,6 +176,7 @@ class Checker:
                     self.complain(path, number, f"'{name}' is not shown by libsgs")
 
     def check(self):
+        self.check_order()
         self.check_modules()
         self.check_shown()
         apps, benchmarks = self.root / "apps", self.root / "benchmarks"

@@ -11,8 +11,8 @@
 #include "helper_end.h"
 #include "sgs/io/ply.h"
 #include "sgs/mesh/depth_fusion.h"
-#include "sgs/run/run.h"
-#include "sgs/run/scene_export.h"
+#include "sgs/runfolder/run.h"
+#include "sgs/export/scene_export.h"
 
 namespace {
 

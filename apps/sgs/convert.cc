@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/run/convert.h"
+#include "sgs/export/convert.h"
 
 #include <fmt/format.h>
 

@@ -13,7 +13,7 @@
 #include "sgs/report/make_report.h"
 #include "sgs/report/report.h"
 #include "sgs/report/save_scores.h"
-#include "sgs/run/run_files.h"
+#include "sgs/runfolder/run_files.h"
 
 namespace sgs::app {
 namespace {

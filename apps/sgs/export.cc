@@ -13,11 +13,11 @@
 #include "sgs/io/spz.h"
 #include "sgs/io/trajectory_io.h"
 #include "sgs/report/map_page.h"
-#include "sgs/run/bag_export.h"
-#include "sgs/run/run.h"
-#include "sgs/run/run_files.h"
-#include "sgs/run/scene_export.h"
-#include "sgs/run/turned_map.h"
+#include "sgs/export/bag_export.h"
+#include "sgs/runfolder/run.h"
+#include "sgs/runfolder/run_files.h"
+#include "sgs/export/scene_export.h"
+#include "sgs/export/turned_map.h"
 
 namespace sgs::app {
 namespace {

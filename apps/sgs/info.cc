@@ -12,8 +12,8 @@
 #include "sgs/dataset/bag_source.h"
 #include "sgs/dataset/imu.h"
 #include "sgs/eval/metrics.h"
-#include "sgs/run/input.h"
-#include "sgs/run/run_config.h"
+#include "sgs/input/input.h"
+#include "sgs/runfolder/run_config.h"
 #include "sgs/slam/frame_record.h"
 #include "sgs/synthetic/source.h"
 

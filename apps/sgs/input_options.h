@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "sgs/run/run_config.h"
+#include "sgs/runfolder/run_config.h"
 
 namespace sgs::app {
 

@@ -9,8 +9,8 @@
 #include "manual.h"
 #include "sgs/core/memory_reserve.h"
 #include "sgs/core/print.h"
-#include "sgs/run/run_state.h"
-#include "sgs/run/version.h"
+#include "sgs/runfolder/run_state.h"
+#include "sgs/runfolder/version.h"
 #include "standard_streams.h"
 
 namespace sgs::app {

@@ -11,7 +11,7 @@
 #include "sgs/core/config.h"
 #include "sgs/core/print.h"
 #include "sgs/io/atomic_file.h"
-#include "sgs/run/run_config.h"
+#include "sgs/runfolder/run_config.h"
 
 namespace sgs::app {
 namespace {

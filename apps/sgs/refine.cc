@@ -18,8 +18,8 @@
 #include "sgs/io/trajectory_io.h"
 #include "sgs/report/save_scores.h"
 #include "sgs/run/process_memory.h"
-#include "sgs/run/run_config.h"
-#include "sgs/run/run_files.h"
+#include "sgs/runfolder/run_config.h"
+#include "sgs/runfolder/run_files.h"
 
 namespace sgs::app {
 namespace {

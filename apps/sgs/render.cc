@@ -18,9 +18,9 @@
 #include "sgs/render/rendered_images.h"
 #include "sgs/render/view_color.h"
 #include "sgs/report/report_data.h"
-#include "sgs/run/camera_path.h"
-#include "sgs/run/run.h"
-#include "sgs/run/run_files.h"
+#include "sgs/export/camera_path.h"
+#include "sgs/runfolder/run.h"
+#include "sgs/runfolder/run_files.h"
 
 namespace sgs::app {
 namespace {

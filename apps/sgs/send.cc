@@ -17,7 +17,7 @@
 #include "sgs/core/log.h"
 #include "sgs/core/print.h"
 #include "sgs/dataset/feed_item.h"
-#include "sgs/run/input.h"
+#include "sgs/input/input.h"
 #include "sgs/stream/frame_codec.h"
 #include "sgs/stream/sender.h"
 

@@ -10,7 +10,7 @@
 #include "sgs/core/print.h"
 #include "sgs/dataset/prefetch.h"
 #include "sgs/dataset/tum_writer.h"
-#include "sgs/run/input.h"
+#include "sgs/input/input.h"
 #include "sgs/synthetic/source.h"
 
 namespace sgs::app {

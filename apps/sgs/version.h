@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "sgs/run/version.h"
+#include "sgs/runfolder/version.h"
 
 namespace sgs::app {
 

@@ -11,7 +11,7 @@
 #include "sgs/core/error.h"
 #include "sgs/dataset/feed_item.h"
 #include "sgs/eval/metrics.h"
-#include "sgs/run/input.h"
+#include "sgs/input/input.h"
 #include "sgs/slam/session.h"
 
 namespace sgs::app {

@@ -88,6 +88,22 @@ class CheckLayers(Case):
         )
         self.assertIn("module 'core' depends on itself", self.faults())
 
+    def test_rows_and_layers_out_of_order(self):
+        self.write(
+            "src/sgs/CMakeLists.txt",
+            "sgs_add_module(map DEPS core)",
+            "sgs_add_module(core)",
+            "sgs_add_module(other)",
+        )
+        self.assertIn("'map' depends on the later row 'core'", self.faults())
+
+    def test_a_layer_table_that_is_not_the_rows(self):
+        self.write("docs/architecture.md", "| 2 | core | x |", "| 1 | map | x |", "| 3 | air | x |")
+        faults = self.faults()
+        self.assertIn("the layer table lacks the module 'other'", faults)
+        self.assertIn("there is no module 'air'", faults)
+        self.assertIn("'map' depends on 'core' of a higher layer", faults)
+
     def test_a_module_that_reaches_out_of_src(self):
         for include in ("commands.h", "../../../apps/one/commands.h", "scene.h"):
             self.write("src/sgs/core/core.cc", f'#include "{include}"')

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "sgs/run/version.h"
+#include "sgs/runfolder/version.h"
 
 namespace sgs::app {
 namespace {

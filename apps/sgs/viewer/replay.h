@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "sgs/run/run.h"
+#include "sgs/runfolder/run.h"
 #include "sgs/viewer/frame_update.h"
 
 namespace sgs::app {

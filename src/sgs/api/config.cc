@@ -6,7 +6,7 @@
 
 #include "sgs/api/internal/guard.h"
 #include "sgs/core/config.h"
-#include "sgs/run/run_config.h"
+#include "sgs/runfolder/run_config.h"
 
 namespace sgs::api {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "sgs/api/error.h"
 #include "sgs/core/log.h"
-#include "sgs/run/version.h"
+#include "sgs/runfolder/version.h"
 
 namespace sgs::api {
 namespace {

@@ -11,7 +11,7 @@
 #include "sgs/render/rasterizer.h"
 #include "sgs/render/rendered_images.h"
 #include "sgs/render/view_color.h"
-#include "sgs/run/run.h"
+#include "sgs/runfolder/run.h"
 
 namespace sgs::api {
 namespace {

@@ -14,7 +14,7 @@
 #include "sgs/api/internal/to_frame_result.h"
 #include "sgs/camera/undistort.h"
 #include "sgs/dataset/frame_fit.h"
-#include "sgs/run/run.h"
+#include "sgs/runfolder/run.h"
 #include "sgs/slam/session.h"
 
 namespace sgs::api {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sgs/mapper/wall_scene.h"
+#include "sgs/mapper/test_wall_scene.h"
 
 namespace sgs::mapper {
 namespace {

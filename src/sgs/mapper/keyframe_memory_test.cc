@@ -8,7 +8,7 @@
 #include <cstring>
 #include <memory>
 
-#include "sgs/mapper/wall_scene.h"
+#include "sgs/mapper/test_wall_scene.h"
 
 namespace sgs::mapper {
 namespace {

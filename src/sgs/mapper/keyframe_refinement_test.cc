@@ -6,7 +6,7 @@
 
 #include <limits>
 
-#include "sgs/mapper/wall_scene.h"
+#include "sgs/mapper/test_wall_scene.h"
 
 namespace {
 

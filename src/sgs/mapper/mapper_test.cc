@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "sgs/mapper/keyframe_refinement.h"
-#include "sgs/mapper/wall_scene.h"
+#include "sgs/mapper/test_wall_scene.h"
 
 namespace sgs::mapper {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "sgs/mapper/mapper.h"
-#include "sgs/mapper/wall_scene.h"
+#include "sgs/mapper/test_wall_scene.h"
 
 namespace sgs::refine {
 namespace {

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "sgs/report/report_data.h"
-#include "sgs/run/run.h"
+#include "sgs/runfolder/run.h"
 #include "sgs/run/score.h"
 
 namespace sgs::report {

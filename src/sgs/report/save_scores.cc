@@ -5,7 +5,7 @@
 #include "sgs/core/log.h"
 #include "sgs/report/make_report.h"
 #include "sgs/report/report.h"
-#include "sgs/run/run_files.h"
+#include "sgs/runfolder/run_files.h"
 
 namespace sgs::report {
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "sgs/run/run.h"
+#include "sgs/runfolder/run.h"
 #include "sgs/run/score.h"
 
 namespace sgs::report {

@@ -7,7 +7,7 @@
 #include "sgs/backend/keyframe_archive.h"
 #include "sgs/core/log.h"
 #include "sgs/io/depth_calibration_io.h"
-#include "sgs/run/run_files.h"
+#include "sgs/runfolder/run_files.h"
 
 namespace sgs::run {
 

@@ -5,8 +5,8 @@
 #include <stop_token>
 
 #include "sgs/backend/calibrate_depth.h"
-#include "sgs/run/input.h"
-#include "sgs/run/run_folder.h"
+#include "sgs/input/input.h"
+#include "sgs/runfolder/run_folder.h"
 #include "sgs/run/track_only.h"
 #include "sgs/slam/session_config.h"
 

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "sgs/run/play.h"
-#include "sgs/run/resume.h"
-#include "sgs/run/run.h"
+#include "sgs/runfolder/resume.h"
+#include "sgs/runfolder/run.h"
 #include "sgs/run/run_observer.h"
 
 namespace sgs::run {

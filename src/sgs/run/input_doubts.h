@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "sgs/eval/metrics.h"
-#include "sgs/run/input.h"
-#include "sgs/run/run.h"
+#include "sgs/input/input.h"
+#include "sgs/runfolder/run.h"
 
 namespace sgs::run {
 

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "sgs/eval/lpips.h"
-#include "sgs/run/run.h"
+#include "sgs/runfolder/run.h"
 
 namespace sgs::run {
 

@@ -9,15 +9,10 @@
 
 #include "sgs/dataset/tum_writer.h"
 #include "sgs/run/run_observer.h"
+#include "sgs/runfolder/input_event.h"
 #include "sgs/slam/session.h"
 
 namespace sgs::run {
-
-/// Something that happened to the input, beside frames.
-struct InputEvent {
-  double wall_s = 0;  ///< as wall_time_s()
-  std::string what;
-};
 
 /// Frames and seconds of a run.
 struct RunClock {

@@ -14,8 +14,8 @@
 #include "sgs/io/ply.h"
 #include "sgs/io/trajectory_io.h"
 #include "sgs/refine/shutter.h"
-#include "sgs/run/run_config.h"
-#include "sgs/run/run_files.h"
+#include "sgs/runfolder/run_config.h"
+#include "sgs/runfolder/run_files.h"
 #include "sgs/stream/address.h"
 
 namespace sgs::run {

@@ -6,7 +6,7 @@
 #include <stop_token>
 
 #include "sgs/refine/refiner.h"
-#include "sgs/run/run.h"
+#include "sgs/runfolder/run.h"
 #include "sgs/run/run_observer.h"
 
 namespace sgs::run {

@@ -5,9 +5,9 @@
 #include <gmock/gmock.h>
 
 #include "sgs/io/temporary_folder.h"
-#include "sgs/run/convert.h"
+#include "sgs/export/convert.h"
 #include "sgs/run/execute.h"
-#include "sgs/run/run_files.h"
+#include "sgs/runfolder/run_files.h"
 
 namespace sgs::run {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/run/resume.h"
+#include "sgs/runfolder/resume.h"
 
 #include <gmock/gmock.h>
 
@@ -8,10 +8,10 @@
 
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/temporary_folder.h"
-#include "sgs/run/checkpoint_folders.h"
+#include "sgs/runfolder/checkpoint_folders.h"
 #include "sgs/run/execute.h"
-#include "sgs/run/resume_file.h"
-#include "sgs/run/run_files.h"
+#include "sgs/runfolder/resume_file.h"
+#include "sgs/runfolder/run_files.h"
 #include "sgs/run/test_observer.h"
 
 namespace sgs::run {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/run/run.h"
+#include "sgs/runfolder/run.h"
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -17,10 +17,10 @@
 #include "sgs/io/temporary_folder.h"
 #include "sgs/io/trajectory_io.h"
 #include "sgs/run/execute.h"
-#include "sgs/run/journal.h"
+#include "sgs/runfolder/journal.h"
 #include "sgs/run/play.h"
-#include "sgs/run/run_config.h"
-#include "sgs/run/run_files.h"
+#include "sgs/runfolder/run_config.h"
+#include "sgs/runfolder/run_files.h"
 #include "sgs/run/score.h"
 #include "sgs/run/test_observer.h"
 

@@ -9,7 +9,7 @@
 #include "sgs/eval/metrics.h"
 #include "sgs/eval/run_evaluator.h"
 #include "sgs/eval/trajectory_metrics.h"
-#include "sgs/run/run.h"
+#include "sgs/runfolder/run.h"
 #include "sgs/run/run_observer.h"
 
 namespace sgs::run {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <stop_token>
 
-#include "sgs/run/input.h"
+#include "sgs/input/input.h"
 #include "sgs/slam/session_config.h"
 #include "sgs/tracker/track_result.h"
 

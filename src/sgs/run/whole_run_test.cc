@@ -6,7 +6,7 @@
 
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/temporary_folder.h"
-#include "sgs/run/run_files.h"
+#include "sgs/runfolder/run_files.h"
 #include "sgs/run/test_observer.h"
 
 namespace sgs::run {

@@ -8,7 +8,7 @@
 #include "sgs/api/recording.h"
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/map/gaussian.h"
-#include "sgs/run/input.h"
+#include "sgs/input/input.h"
 
 namespace sgs::api::internal {
 

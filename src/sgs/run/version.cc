@@ -1,9 +1,0 @@
-// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
-// SPDX-License-Identifier: Apache-2.0
-#include "sgs/run/version.h"
-
-namespace sgs::run {
-
-std::string version() { return SGS_VERSION; }
-
-}  // namespace sgs::run
