@@ -71,14 +71,14 @@ class RefineObserver : public run::RunObserver {
   RefineObserver(std::int64_t frames, bool quiet)
       : reading_("frames read", frames, quiet), quiet_(quiet) {}
   void on_frames_read(std::int64_t) override { reading_.step(""); }
-  void on_evaluation(const refine::Judgement& now) override;
+  void on_evaluation(const refine::Evaluation& now) override;
 
  private:
   Progress reading_;
   bool quiet_;
 };
 
-std::string line_of(const refine::Judgement& now) {
+std::string line_of(const refine::Evaluation& now) {
   return fmt::format(
       "{:>3.0f} %  {:>7} steps  {:>7} Gaussians  PSNR {} {:.2f} dB, exposed {:.2f} dB{}",
       100 * std::min(1.0, now.share), now.steps, now.gaussians,
@@ -86,7 +86,7 @@ std::string line_of(const refine::Judgement& now) {
       now.best ? "  *" : "");
 }
 
-void RefineObserver::on_evaluation(const refine::Judgement& now) {
+void RefineObserver::on_evaluation(const refine::Evaluation& now) {
   if (now.steps == 0) reading_.finish();
   if (!quiet_) say("{}\n", line_of(now));
 }
@@ -128,7 +128,7 @@ Result<int> refine_command(const RefineCommand& command) {
   SGS_ASSIGN_OR_RETURN(const auto run, load(command));
   run::RefineOptions options = command.options;
   if (command.by_frames && options.config.steps_per_frame > 0) {
-    options.effort = run::effort_by_frames(options.config, run);
+    options.budget = run::budget_by_frames(options.config, run);
   }
   const fs::path output =
       command.output.empty()
@@ -170,8 +170,8 @@ int run_refine(RefineCommand command) {
   if (const Status set = set_parameters(command); !set) return report(set.error());
   run::return_freed_images();
   setup_logging({}, command.quiet);
-  command.options.effort = {command.steps, 60 * command.minutes};
-  if (command.steps > 0) command.options.effort.seconds = 0;
+  command.options.budget = {command.steps, 60 * command.minutes};
+  if (command.steps > 0) command.options.budget.seconds = 0;
   command.score.threads = command.options.threads;
   const auto code = refine_command(command);
   return code ? *code : report(code.error());

@@ -93,7 +93,7 @@ int run_and_report(const RunCommand& command, const run::RunConfig& config, run:
 }
 
 /// Options that decide what a run computes, and where: not to be given again with --resume.
-constexpr std::array<const char*, 23> kMadeOf = {
+constexpr std::array<const char*, 23> kFixedByRun = {
     "INPUT",         "--output",     "--preset",      "--config",      "--set",    "--tracker",
     "--frames",      "--camera",     "--depth-scale", "--max-width",   "--topics", "--extrinsics",
     "--truth-topic", "--trajectory", "--synth-seed",  "--calibration", "--seed",   "--record",
@@ -213,7 +213,7 @@ void add_run(CLI::App& app, Action& action) {
   sub->add_flag("--quiet", command->quiet, "No progress, no warnings on the terminal");
   sub->add_flag("--json", command->json, "Print the metrics as JSON");
   sub->callback([command, sub, resume, &action] {
-    for (const char* option : kMadeOf) {
+    for (const char* option : kFixedByRun) {
       if (resume->count() == 0 || sub->get_option(option)->count() == 0) continue;
       throw CLI::ExcludesError(resume->get_name(), option);
     }

@@ -39,7 +39,7 @@ void TerminalObserver::on_map(slam::Session& session) {
   if (viewer_ != nullptr) viewer_->finish(session);
 }
 
-void TerminalObserver::on_evaluation(const refine::Judgement& now) {
+void TerminalObserver::on_evaluation(const refine::Evaluation& now) {
   if (now.steps > 0) bar("evaluations of the map", {}).step(fmt::format("{:.2f} dB", now.psnr_db));
 }
 

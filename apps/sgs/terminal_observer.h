@@ -23,7 +23,7 @@ class TerminalObserver : public run::RunObserver {
   void on_frame(slam::Session& session, const dataset::FeedItem& item,
                 const slam::FrameRecord& record) override;
   void on_map(slam::Session& session) override;
-  void on_evaluation(const refine::Judgement& now) override;
+  void on_evaluation(const refine::Evaluation& now) override;
   void on_frames_scored(std::int64_t frames) override;
   /// A frame of the pass that calibrates the input first.
   void on_calibration_frame();

@@ -101,7 +101,7 @@ class ShownRefinement : public run::RunObserver {
           {true, 0, fmt::format("reading, {} of {} frames", frames, run_.frames_total)});
     }
   }
-  void on_evaluation(const refine::Judgement& now) override {
+  void on_evaluation(const refine::Evaluation& now) override {
     end_if_asked();
     server_.set_refinement({true, now.share,
                             fmt::format("{:.2f} dB {}, {} Gaussians", now.psnr_db,
@@ -138,7 +138,7 @@ Result<std::filesystem::path> refine_shown(const std::filesystem::path& folder,
   SGS_ASSIGN_OR_RETURN(const auto run, run::load_run(folder, run::kAllParts));
   SGS_ASSIGN_OR_RETURN(auto out, run::RunFolder::create(run::refined_folder_of(folder)));
   run::RefineOptions options;
-  options.effort.seconds = kSeconds;
+  options.budget.seconds = kSeconds;
   ShownRefinement observer(run, replay, map_version, server);
   auto refined = run::refine_run(run, options, out, observer, observer.stop());
   if (!refined) {

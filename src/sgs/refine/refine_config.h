@@ -100,7 +100,7 @@ struct RefineConfig {
           "Share of the harmonics' coefficients that goes with each step.", "", {0, 1});
     p.add("rate_end", rate_end, "Share of all rates that is left at the end.", "", {1e-4, 1});
     p.add("warmup_steps", warmup_steps,
-          "Over so many steps, or a tenth of the effort, rates rise from zero; 0 = at once.",
+          "Over so many steps, or a tenth of the budget, rates rise from zero; 0 = at once.",
           "steps", {0, 1000000});
     p.add("beta2", beta2, "Adam: decay of the second moment.", "", {0, 0.99999});
     p.add("max_axis_ratio", max_axis_ratio, "Cap of the largest to the middle axis; 0 = free.", "",

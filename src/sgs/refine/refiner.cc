@@ -23,15 +23,15 @@ namespace {
 
 /// Share of the rates at the beginning: Adam knows nothing of a Gaussian's gradients yet, and goes
 /// the whole rate after whatever the first picture says. It ends after `config.warmup_steps` or a
-/// tenth of the effort, whichever is first.
+/// tenth of the budget, whichever is first.
 double warmth(const RefineConfig& config, std::int64_t steps, double share) {
-  constexpr double kMostShare = 0.1;  // of the effort
+  constexpr double kMostShare = 0.1;  // of the budget
   if (steps >= config.warmup_steps) return 1;
   return std::min(
       1.0, std::max(static_cast<double>(steps + 1) / config.warmup_steps, share / kMostShare));
 }
 
-/// The optimiser's settings after `steps`, when `share` of the effort is spent: rates rise first,
+/// The optimiser's settings after `steps`, when `share` of the budget is spent: rates rise first,
 /// and then fall exponentially.
 mapper::OptimizerConfig optimizer_config(const RefineConfig& config, std::int64_t steps,
                                          double share) {
@@ -157,7 +157,7 @@ struct Refiner::Impl {
   void densify(double share);
   PoseCorrection correction() const;
   ExposureCurve exposures() const;
-  Judgement check(double share);
+  Evaluation check(double share);
 
   RefineConfig config;
   std::vector<RefineFrame> frames;
@@ -315,8 +315,8 @@ ExposureCurve Refiner::Impl::exposures() const {
   return ExposureCurve(std::move(known));
 }
 
-Judgement Refiner::Impl::check(double share) {
-  Judgement now;
+Evaluation Refiner::Impl::check(double share) {
+  Evaluation now;
   now.steps = steps;
   now.share = share;
   now.gaussians = store.size();
@@ -352,17 +352,17 @@ const map::Harmonics& Refiner::best_harmonics() const { return impl_->result.har
 const PoseCorrection& Refiner::best_correction() const { return impl_->result.correction; }
 const ExposureCurve& Refiner::best_exposures() const { return impl_->result.exposures; }
 
-Refined Refiner::run(const Effort& effort, const Watch& watch, const std::stop_token& stop) {
+Refined Refiner::run(const Budget& budget, const Watch& watch, const std::stop_token& stop) {
   Impl& m = *impl_;
   const double begin_s = wall_time_s();
   const auto spent = [&] {
-    if (effort.steps > 0) {
-      return static_cast<double>(m.steps) / static_cast<double>(effort.steps);
+    if (budget.steps > 0) {
+      return static_cast<double>(m.steps) / static_cast<double>(budget.steps);
     }
-    return effort.seconds > 0 ? (wall_time_s() - begin_s) / effort.seconds : 1.0;
+    return budget.seconds > 0 ? (wall_time_s() - begin_s) / budget.seconds : 1.0;
   };
   const auto look = [&](double share) {
-    const Judgement now = m.check(share);
+    const Evaluation now = m.check(share);
     if (watch) watch(now);
   };
   m.result.heldout = m.judged_by_heldout;

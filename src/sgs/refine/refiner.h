@@ -20,15 +20,15 @@
 namespace sgs::refine {
 
 /// How long to learn: one of the two, the other 0.
-struct Effort {
+struct Budget {
   std::int64_t steps = 0;
   double seconds = 0;  ///< wall time, judging included
 };
 
 /// A state of the map, judged.
-struct Judgement {
+struct Evaluation {
   std::int64_t steps = 0;  ///< so far
-  double share = 0;        ///< of the effort, 0..1
+  double share = 0;        ///< of the budget, 0..1
   std::size_t gaussians = 0;
   double psnr_db = 0;          ///< of held-out frames; of training frames where nothing is held out
   double psnr_exposed_db = 0;  ///< the same, as bright as the frames around in time
@@ -42,7 +42,7 @@ struct Refined {
   map::Harmonics harmonics;   ///< of those; empty unless learnt or there before
   PoseCorrection correction;  ///< how the training frames moved; what lies between moves along
   ExposureCurve exposures;    ///< of the training frames
-  Judgement start, best, last;
+  Evaluation start, best, last;
   bool heldout = true;     ///< false: nothing was held out, training frames judged
   bool stopped = false;    ///< by request
   bool exhausted = false;  ///< ended early: nothing improved any more
@@ -50,7 +50,7 @@ struct Refined {
 
 /// Learns a map on from pictures with poses, at full resolution: Gaussians, the poses and
 /// exposures of the frames, and more Gaussians where the pictures pull at them (docs/refine.md).
-/// With Effort::steps the result is the same to the bit for any number of threads.
+/// With Budget::steps the result is the same to the bit for any number of threads.
 class Refiner {
  public:
   /// `training` must not be empty. `pool` may be null (one thread) and must outlive it.
@@ -60,9 +60,9 @@ class Refiner {
 
   /// Called after each check, with the state as judged; `state` of a best one is what would be
   /// kept.
-  using Watch = std::function<void(const Judgement& now)>;
-  /// Learns until the effort is spent, nothing improves or a stop is asked for. Call once.
-  Refined run(const Effort& effort, const Watch& watch = {}, const std::stop_token& stop = {});
+  using Watch = std::function<void(const Evaluation& now)>;
+  /// Learns until the budget is spent, nothing improves or a stop is asked for. Call once.
+  Refined run(const Budget& budget, const Watch& watch = {}, const std::stop_token& stop = {});
   /// The best state so far; to be called from Watch.
   const std::vector<map::Gaussian>& best_gaussians() const;
   const map::Harmonics& best_harmonics() const;

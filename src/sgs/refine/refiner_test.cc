@@ -58,10 +58,10 @@ RefineConfig small_config() {
   return config;
 }
 
-Refined refine(const RefineConfig& config, const Effort& effort, int threads = 1) {
+Refined refine(const RefineConfig& config, const Budget& budget, int threads = 1) {
   ThreadPool pool(threads);
   Refiner refiner(config, 1, frames(0, 6, 2), frames(1, 6, 2), rough_map(), &pool);
-  return refiner.run(effort);
+  return refiner.run(budget);
 }
 
 TEST(Refiner, MakesHeldoutPicturesBetter) {
@@ -115,7 +115,7 @@ double early_fall_db(const map::SplatMap& map, int warmup_steps) {
   config.checks = 100;
   Refiner refiner(config, 1, frames(0, 6, 2), frames(1, 6, 2), map, nullptr);
   double fall = 0, start = 0;
-  refiner.run({1000, 0}, [&](const Judgement& now) {
+  refiner.run({1000, 0}, [&](const Evaluation& now) {
     if (now.steps == 0) start = now.psnr_db;
     if (now.steps <= 20) fall = std::max(fall, start - now.psnr_db);
   });
@@ -138,7 +138,7 @@ TEST(Refiner, DoesNotEndWhileItRises) {
   Refiner refiner(config, 1, frames(0, 6, 2), frames(1, 6, 2), good, nullptr);
   std::vector<double> checks_db;
   const Refined refined =
-      refiner.run({100, 0}, [&](const Judgement& now) { checks_db.push_back(now.psnr_db); });
+      refiner.run({100, 0}, [&](const Evaluation& now) { checks_db.push_back(now.psnr_db); });
   ASSERT_GT(checks_db.size(), 4u);
   for (std::size_t k = 1; k <= 4; ++k) EXPECT_LT(checks_db[k], checks_db[0]) << k;
   EXPECT_FALSE(refined.exhausted);
@@ -155,7 +155,7 @@ TEST(Refiner, AStopKeepsTheBestSoFar) {
   config.checks = 1000;
   Refiner refiner(config, 1, frames(0, 6, 2), frames(1, 6, 2), rough_map(), nullptr);
   std::stop_source stop;
-  const auto watch = [&](const Judgement& now) {
+  const auto watch = [&](const Evaluation& now) {
     if (now.steps > 0) stop.request_stop();
   };
   const Refined refined = refiner.run({10000, 0}, watch, stop.get_token());

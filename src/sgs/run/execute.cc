@@ -82,7 +82,7 @@ class Keeper {
   Keeper(const RunFolder& folder, const std::vector<NamedWriter>& opening, slam::Session& session,
          double checkpoint_s, bool live)
       : session_(session),
-        journal_(folder.resumed() ? Journal::go_on(folder.lock(), opening)
+        journal_(folder.resumed() ? Journal::resume(folder.lock(), opening)
                                   : std::make_unique<Journal>(folder.lock(), opening)) {
     if (checkpoint_s > 0) {
       CheckpointSource source;
@@ -149,7 +149,7 @@ void warn_of_single_views(const Input& input, const tracker::Tracker& tracker) {
 }
 
 /// Brings the session to where the run was when its checkpoint was made.
-Status go_on(const ResumePoint& point, Input& input, slam::Session& session, RunFolder& folder,
+Status resume_session(const ResumePoint& point, Input& input, slam::Session& session, RunFolder& folder,
              RunObserver& observer, const std::stop_token& stop) {
   if (!point.checkpoint.empty()) {
     {
@@ -160,7 +160,7 @@ Status go_on(const ResumePoint& point, Input& input, slam::Session& session, Run
     SGS_RETURN_IF_ERROR(replay(*input.source, session, keeping, stop));
   }
   log().info("the run goes on at frame {}", session.records().size());
-  return folder.go_on(input.calibration.has_value());
+  return folder.mark_resumed(input.calibration.has_value());
 }
 
 /// How the run ended.
@@ -239,7 +239,7 @@ Result<RunResult> run_in(Input& input, const InputSpec& spec, const RunConfig& a
                        return io::write_file(path, text);
                      }});
   if (options.resume) {
-    SGS_RETURN_IF_ERROR(go_on(*options.resume, input, *session, folder, observer, stop));
+    SGS_RETURN_IF_ERROR(resume_session(*options.resume, input, *session, folder, observer, stop));
   }
   const std::size_t replayed = session->records().size();
   std::optional<dataset::TumSequenceWriter> recorder;

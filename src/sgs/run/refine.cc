@@ -202,7 +202,7 @@ Run run_at(const Run& run, const std::vector<map::Gaussian>& gaussians,
 
 }  // namespace
 
-refine::Effort effort_by_frames(const refine::RefineConfig& config, const Run& run) {
+refine::Budget budget_by_frames(const refine::RefineConfig& config, const Run& run) {
   const auto frames = static_cast<double>(run.frames.size());
   const std::int64_t steps = std::llround(config.steps_per_frame * frames);
   return {std::max<std::int64_t>(config.least_steps, steps), 0};
@@ -258,7 +258,7 @@ Result<RefinedRun> refine_run(const Run& run, const RefineOptions& options, RunF
   refine::Refiner refiner(options.config, run.config.seed, std::move(material.training),
                           std::move(material.heldout), {run.gaussians, run.harmonics}, &pool);
   double kept_s = wall_time_s();
-  const auto checked = [&](const refine::Judgement& now) {
+  const auto checked = [&](const refine::Evaluation& now) {
     observer.on_evaluation(now);
     if (now.best && now.steps > 0) {
       observer.on_better_map({refiner.best_gaussians(), refiner.best_harmonics()});
@@ -270,7 +270,7 @@ Result<RefinedRun> refine_run(const Run& run, const RefineOptions& options, RunF
              folder);
     kept_s = wall_time_s();
   };
-  out.refined = refiner.run(options.effort, checked, stop);
+  out.refined = refiner.run(options.budget, checked, stop);
   out.run = run_at(run, out.refined.gaussians, out.refined.harmonics, out.refined.correction,
                    out.refined.exposures);
   out.run.metrics.mapping_iterations =
@@ -290,11 +290,11 @@ void save_refine_parameters(const std::string& source, const RefineOptions& opti
   refine::RefineConfig config = options.config;
   ParameterList list;
   list.add_group("refine", config);
-  const refine::Effort& effort = options.effort;
+  const refine::Budget& budget = options.budget;
   folder.save_text(files::kRefine,
                    fmt::format("# {} refined with --{}; every value as used.\n{}", source,
-                               effort.steps > 0 ? fmt::format("steps {}", effort.steps)
-                                                : fmt::format("minutes {:g}", effort.seconds / 60),
+                               budget.steps > 0 ? fmt::format("steps {}", budget.steps)
+                                                : fmt::format("minutes {:g}", budget.seconds / 60),
                                list.to_toml()));
 }
 

@@ -14,14 +14,14 @@ namespace sgs::run {
 /// How a run is to be learnt on.
 struct RefineOptions {
   refine::RefineConfig config;
-  refine::Effort effort;
+  refine::Budget budget;
   int threads = 2;
   /// Seconds between two writings of the best state so far; 0 = only at the end.
   double keep_every_s = 30;
 };
 
 /// As many steps as `refine.steps_per_frame` and `refine.least_steps` ask for in a run.
-refine::Effort effort_by_frames(const refine::RefineConfig& config, const Run& run);
+refine::Budget budget_by_frames(const refine::RefineConfig& config, const Run& run);
 
 /// A map and poses from elsewhere as a run: the recording's frames at the poses in `poses`, which
 /// lie in the world of `map`, interpolated where frames lie between two of them.

@@ -55,7 +55,7 @@ class RefineRunTest : public ::testing::Test {
     EXPECT_TRUE(folder);
     RefineOptions options;
     options.config.checks = 2;
-    options.effort.steps = steps;
+    options.budget.steps = steps;
     options.threads = 1;
     options.keep_every_s = 0;
     return refine_run(run, options, *folder);

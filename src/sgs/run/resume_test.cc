@@ -61,7 +61,7 @@ class ResumeTest : public ::testing::Test {
     ASSERT_TRUE(outcome) << outcome.error().text();
     EXPECT_EQ(outcome->stopped, last >= 0);
   }
-  static Result<RunResult> go_on(const std::string& name, std::int64_t last, int threads,
+  static Result<RunResult> resumed_run(const std::string& name, std::int64_t last, int threads,
                                  const std::string& frames = {}) {
     SGS_ASSIGN_OR_RETURN(auto resumed, RunFolder::resume(folder(name)));
     SGS_ASSIGN_OR_RETURN(auto point, load_resume_point(folder(name)));
@@ -96,8 +96,8 @@ TEST_F(ResumeTest, AStoppedRunComesToTheSameBits) {
   const auto state = load_state(folder("stopped"));
   ASSERT_TRUE(state);
   EXPECT_EQ(state->stage, Stage::kInterrupted);
-  ASSERT_TRUE(go_on("stopped", 11, 1)) << "stopped again, by one thread";
-  const auto outcome = go_on("stopped", -1, 2);
+  ASSERT_TRUE(resumed_run("stopped", 11, 1)) << "stopped again, by one thread";
+  const auto outcome = resumed_run("stopped", -1, 2);
   ASSERT_TRUE(outcome);
   EXPECT_FALSE(outcome->stopped);
   EXPECT_EQ(outcome->run.frames_total, 16);
@@ -110,7 +110,7 @@ TEST_F(ResumeTest, AStoppedRunComesToTheSameBits) {
 TEST_F(ResumeTest, WithoutACheckpointTheRunBeginsAgain) {
   make("early", {}, 6, 2);
   for (const fs::path& part : checkpoints_in(folder("early"))) fs::remove(part);
-  ASSERT_TRUE(go_on("early", -1, 2));
+  ASSERT_TRUE(resumed_run("early", -1, 2));
   expect_same_results("early");
 }
 
@@ -121,7 +121,7 @@ TEST_F(ResumeTest, ATrackerThatFollowsTheMapBeginsAgain) {
   config.tracker.target.source = tracker::TargetSource::kOptimised;
   make("follower", config, 6, 2);
   EXPECT_TRUE(load_resume_point(folder("follower"))->checkpoint.empty());
-  const auto outcome = go_on("follower", -1, 2);
+  const auto outcome = resumed_run("follower", -1, 2);
   ASSERT_TRUE(outcome);
   EXPECT_EQ(outcome->run.frames.size(), 16u);
 }
@@ -129,25 +129,25 @@ TEST_F(ResumeTest, ATrackerThatFollowsTheMapBeginsAgain) {
 TEST_F(ResumeTest, OtherFramesThanBeforeAreFoundOutAndNothingChanges) {
   make("changed", {}, 6, 2);
   const auto before = content("changed", files::kTrajectory);
-  const auto outcome = go_on("changed", -1, 2, "1:16");
+  const auto outcome = resumed_run("changed", -1, 2, "1:16");
   ASSERT_FALSE(outcome);
   EXPECT_THAT(outcome.error().text(), HasSubstr("is not what it was"));
-  const auto shorter = go_on("changed", -1, 2, "0:4");
+  const auto shorter = resumed_run("changed", -1, 2, "0:4");
   EXPECT_FALSE(shorter);
   EXPECT_TRUE(content("changed", files::kTrajectory) == before);
   EXPECT_EQ(load_state(folder("changed"))->stage, Stage::kInterrupted);
-  ASSERT_TRUE(go_on("changed", -1, 2)) << "with the right ones it still can";
+  ASSERT_TRUE(resumed_run("changed", -1, 2)) << "with the right ones it still can";
   expect_same_results("changed");
 }
 
 TEST_F(ResumeTest, AStopOnTheWayBackChangesNothing) {
   make("twice", {}, 6, 2);
   const auto before = content("twice", files::kTrajectory);
-  const auto outcome = go_on("twice", 3, 2);
+  const auto outcome = resumed_run("twice", 3, 2);
   ASSERT_FALSE(outcome);
   EXPECT_EQ(outcome.error().code, ErrorCode::kInterrupted);
   EXPECT_TRUE(content("twice", files::kTrajectory) == before);
-  ASSERT_TRUE(go_on("twice", -1, 2));
+  ASSERT_TRUE(resumed_run("twice", -1, 2));
   expect_same_results("twice");
 }
 
@@ -165,7 +165,7 @@ TEST_F(ResumeTest, WhatCannotBeGoneOnWithIsRefusedByName) {
   std::string bytes = *io::read_file(file);
   bytes[bytes.size() / 2] = static_cast<char>(~bytes[bytes.size() / 2]);
   ASSERT_TRUE(io::write_file(file, bytes));
-  const auto damaged = go_on("damaged", -1, 2);
+  const auto damaged = resumed_run("damaged", -1, 2);
   ASSERT_FALSE(damaged);
   EXPECT_THAT(damaged.error().text(), HasSubstr("damaged: the run cannot be gone on with"));
   std::string config = content("damaged", files::kConfig);

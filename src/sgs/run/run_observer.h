@@ -34,7 +34,7 @@ class RunObserver {
   // Refinement.
   /// So many frames of the recording have been read to learn from.
   virtual void on_frames_read(std::int64_t /*frames*/) {}
-  virtual void on_evaluation(const refine::Judgement& /*now*/) {}
+  virtual void on_evaluation(const refine::Evaluation& /*now*/) {}
   /// An evaluation found this map better than all before.
   virtual void on_better_map(const map::SplatMap& /*map*/) {}
 

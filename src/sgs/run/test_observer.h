@@ -14,7 +14,7 @@ class TestObserver : public RunObserver {
   std::function<void(const slam::FrameRecord&)> frame;
   std::function<void(slam::Session&)> map;
   std::function<void(std::int64_t)> frames_scored;
-  std::function<void(const refine::Judgement&)> evaluation;
+  std::function<void(const refine::Evaluation&)> evaluation;
 
   void on_frame(slam::Session&, const dataset::FeedItem&,
                 const slam::FrameRecord& record) override {
@@ -26,7 +26,7 @@ class TestObserver : public RunObserver {
   void on_frames_scored(std::int64_t frames) override {
     if (frames_scored) frames_scored(frames);
   }
-  void on_evaluation(const refine::Judgement& now) override {
+  void on_evaluation(const refine::Evaluation& now) override {
     if (evaluation) evaluation(now);
   }
 };

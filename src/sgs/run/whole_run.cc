@@ -17,7 +17,7 @@ Status refine_result(const RunConfig& config, const RunOptions& options, RunFold
                      RunObserver& observer, const std::stop_token& stop, RunResult& result) {
   RefineOptions refining;
   refining.config = config.refine;
-  refining.effort = effort_by_frames(config.refine, result.run);
+  refining.budget = budget_by_frames(config.refine, result.run);
   refining.threads = options.threads;
   auto refined = refine_run(result.run, refining, folder, observer, stop);
   if (!refined && refined.error().code == ErrorCode::kInterrupted) {

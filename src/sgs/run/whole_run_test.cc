@@ -45,7 +45,7 @@ TEST(WholeRun, RefinesWhereStepsAreAskedForAndScoresWhatCameOfIt) {
   const io::TemporaryFolder scratch;
   TestObserver observer;
   std::int64_t evaluations = 0, scored = 0;
-  observer.evaluation = [&](const refine::Judgement&) { ++evaluations; };
+  observer.evaluation = [&](const refine::Evaluation&) { ++evaluations; };
   observer.frames_scored = [&](std::int64_t frames) { scored = frames; };
   const auto whole = run_into(scratch.path() / "run", quick_quality(), true, observer);
   ASSERT_TRUE(whole) << whole.error().text();
@@ -64,12 +64,12 @@ TEST(WholeRun, TheNameOfThePresetSteersNothing) {
   RunConfig config = quick_quality();
   config.refine.steps_per_frame = 0;
   TestObserver observer;
-  observer.evaluation = [&](const refine::Judgement&) { FAIL() << "was refined"; };
+  observer.evaluation = [&](const refine::Evaluation&) { FAIL() << "was refined"; };
   ASSERT_TRUE(run_into(scratch.path() / "plain", config, false, observer));
   config.session.preset = slam::Preset::kDefault;
   config.refine.steps_per_frame = 1;
   std::int64_t evaluations = 0;
-  observer.evaluation = [&](const refine::Judgement&) { ++evaluations; };
+  observer.evaluation = [&](const refine::Evaluation&) { ++evaluations; };
   ASSERT_TRUE(run_into(scratch.path() / "refined", config, false, observer));
   EXPECT_GT(evaluations, 0);
 }

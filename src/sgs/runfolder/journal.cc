@@ -53,7 +53,7 @@ Journal::Lines Journal::new_lines(const std::filesystem::path& path, std::string
   return lines;
 }
 
-std::unique_ptr<Journal> Journal::go_on(std::shared_ptr<FolderLock> lock,
+std::unique_ptr<Journal> Journal::resume(std::shared_ptr<FolderLock> lock,
                                         std::vector<NamedWriter> opening) {
   const auto folder = lock->folder();
   auto poses = journal_of_poses(folder);

@@ -37,7 +37,7 @@ class Journal {
   /// Goes on with the journal of a run that was killed or interrupted. Its frames come again, from
   /// the first one on; those that are there already are not written twice, and none of them is gone
   /// at any moment.
-  static std::unique_ptr<Journal> go_on(std::shared_ptr<FolderLock> lock,
+  static std::unique_ptr<Journal> resume(std::shared_ptr<FolderLock> lock,
                                         std::vector<NamedWriter> opening);
   /// Writes what is left.
   ~Journal();

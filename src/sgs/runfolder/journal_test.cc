@@ -120,7 +120,7 @@ TEST(Journal, GoesOnWithWhatIsThere) {
   ASSERT_TRUE(io::append_file(scratch / "run/frames.csv", "5,5.0000"));
   ASSERT_TRUE(io::write_file(scratch / "run/trajectory.txt", poses.substr(0, poses.size() - 7)));
   {
-    const auto journal = Journal::go_on(*lock, {});
+    const auto journal = Journal::resume(*lock, {});
     EXPECT_EQ(content(scratch / "run/frames.csv"), frames);
     for (int i = 0; i < 7; ++i) journal->add(frame(i));
   }
@@ -138,7 +138,7 @@ TEST(Journal, GoesOnWithARunThatWasStopped) {
   ASSERT_TRUE(io::write_file(scratch / "run/trajectory.txt", "0.0 9 9 9 0 0 0 1\n"));
   ASSERT_TRUE(io::write_file(scratch / "run/trajectory_online.txt", "0.0 1 1 1 0 0 0 1\n"));
   {
-    const auto journal = Journal::go_on(*lock, {});
+    const auto journal = Journal::resume(*lock, {});
     journal->add(frame(0));
     journal->add(frame(1));
   }

@@ -130,7 +130,7 @@ Result<RunFolder> RunFolder::resume(const fs::path& path) {
   return folder;
 }
 
-Status RunFolder::go_on(bool calibration_given) {
+Status RunFolder::mark_resumed(bool calibration_given) {
   SGS_RETURN_IF_ERROR(io::write_file(path_ / files::kState, state_text(beginning())));
   std::vector<fs::path> ends = {path_ / files::kMetrics, path_ / files::kReport,
                                 path_ / files::kTimings, path_ / files::kPictures,

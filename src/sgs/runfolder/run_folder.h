@@ -30,7 +30,7 @@ class RunFolder {
                                         const std::string& name);
 
   /// The folder of a run that was killed or interrupted, to go on with it. It is held as by
-  /// create(), and stays as it is until go_on().
+  /// create(), and stays as it is until mark_resumed().
   static Result<RunFolder> resume(const std::filesystem::path& path);
   /// An existing run folder, to add to.
   static Result<RunFolder> open(const std::filesystem::path& path);
@@ -75,7 +75,7 @@ class RunFolder {
   /// Says that the run is going on again. What was made of its end is removed, which is what the
   /// first end of the interrupted run made beside its results: scores, pictures, the report, and
   /// the calibration unless it was given with the input.
-  Status go_on(bool calibration_given);
+  Status mark_resumed(bool calibration_given);
   /// Whether the folder is from resume().
   bool resumed() const { return resumed_; }
   /// The run goes on at the camera's rate: state.toml says so from now on.

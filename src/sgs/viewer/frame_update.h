@@ -49,7 +49,7 @@ struct FinalWord {
 /// How the refinement that the page asked for fares.
 struct RefinementNote {
   bool running = false;
-  double share = 0;  ///< of the effort, 0..1
+  double share = 0;  ///< of the budget, 0..1
   std::string text;  ///< what to tell
 };
 
