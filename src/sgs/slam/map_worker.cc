@@ -4,8 +4,6 @@
 
 #include <algorithm>
 
-#include "sgs/core/log.h"
-#include "sgs/core/stopwatch.h"
 
 namespace sgs::slam {
 namespace {
@@ -15,24 +13,23 @@ constexpr int kHelperNice = 19;
 }  // namespace
 
 MapWorker::MapWorker(const SessionConfig& config, const PinholeCamera& camera,
-                     bool tracker_follows_map, Mode mode, int threads)
+                     bool tracker_follows_map, WorkerMode mode, int threads)
     : config_(config),
       tracker_follows_map_(tracker_follows_map),
       mode_(mode),
       // Beside a tracker all but one of the mapper's threads take what the tracker leaves.
-      pool_(threads, mode == Mode::kInline ? 0 : kHelperNice),
-      mapper_(config.mapper, camera, config.seed, &pool_) {
-  if (mode_ != Mode::kInline) thread_ = std::thread([this] { loop(); });
-}
+      pool_(threads, mode == WorkerMode::kInline ? 0 : kHelperNice),
+      mapper_(config.mapper, camera, config.seed, &pool_),
+      worker_(mode, tasks()) {}
 
-MapWorker::~MapWorker() {
-  {
-    const std::scoped_lock lock(mutex_);
-    stop_ = true;
-    queue_.clear();
-  }
-  changed_.notify_all();
-  if (thread_.joinable()) thread_.join();
+LaggedWorker<MapWorker::Order>::Tasks MapWorker::tasks() {
+  LaggedWorker<Order>::Tasks tasks;
+  tasks.work = [this](Order& order) { process(order); };
+  tasks.publish = [this](const Order* order) { show(order); };
+  // A live mapper with at least one keyframe always has something to do.
+  tasks.has_idle_work = [this] { return !keyframes_.empty(); };
+  tasks.idle_work = [this] { iterate_live(); };
+  return tasks;
 }
 
 // Both worlds move alike: what refinement has found stays.
@@ -63,7 +60,7 @@ void MapWorker::process(const MapJob& job) {
       keyframes_.push_back(keyframe);
     }
   }
-  if (mode_ != Mode::kLive) {
+  if (mode_ != WorkerMode::kLive) {
     budget_ += config_.mapper.iterations_per_frame * job.frames;
     const int count = static_cast<int>(budget_);
     budget_ -= count;
@@ -93,8 +90,17 @@ void MapWorker::process(Order& order) {
   }
 }
 
-// The job of a frame is done. Needs the lock.
-void MapWorker::note_done() {
+void MapWorker::iterate_live() {
+  constexpr int kIterationsPerSnapshot = 20;
+  mapper_.iterate(1);
+  if (++live_iterations_ % kIterationsPerSnapshot == 0) publish();
+}
+
+// What is there counts now; called under the lock.
+void MapWorker::show(const Order* order) {
+  live_view_ = newest_;
+  const bool frame_is_done = order != nullptr && !order->state;
+  if (!frame_is_done || mode_ == WorkerMode::kLive) return;
   sizes_.push_back({newest_.gaussians, newest_.iterations});
   views_.push_back(newest_);
   ++jobs_done_;
@@ -103,25 +109,9 @@ void MapWorker::note_done() {
 void MapWorker::submit(MapJob job) {
   if (left_to_replay() > 0) return replay(job);
   ++submitted_;
-  if (mode_ == Mode::kInline) {
-    try {
-      process(job);
-    } catch (...) {
-      failure_ = std::current_exception();
-      throw;
-    }
-    const std::scoped_lock lock(mutex_);
-    live_view_ = newest_;
-    note_done();
-    return;
-  }
-  {
-    const std::scoped_lock lock(mutex_);
-    if (failure_) std::rethrow_exception(failure_);
-    if (mode_ == Mode::kLive && !job.keyframe && job.corrections.empty()) return;
-    queue_.push_back({.job = std::move(job)});
-  }
-  changed_.notify_all();
+  worker_.rethrow_failure();
+  if (mode_ == WorkerMode::kLive && !job.keyframe && job.corrections.empty()) return;
+  worker_.submit({.job = std::move(job)});
 }
 
 std::string MapWorker::state(std::string before) {
@@ -132,30 +122,23 @@ std::string MapWorker::state(std::string before) {
 }
 
 std::future<std::string> MapWorker::save(std::string before) {
-  SGS_CHECK(mode_ != Mode::kLive && left_to_replay() <= 0, "nothing that could be gone on from");
+  SGS_CHECK(mode_ != WorkerMode::kLive && left_to_replay() <= 0,
+            "nothing that could be gone on from");
   Order order{{}, std::promise<std::string>(), std::move(before)};
   auto future = order.state->get_future();
-  if (mode_ == Mode::kInline) {
-    if (!failure_) process(order);
-    return future;
-  }
-  {
-    const std::scoped_lock lock(mutex_);
-    if (!failure_) queue_.push_back(std::move(order));
-  }
-  changed_.notify_all();
+  if (!worker_.failed()) worker_.submit(std::move(order));
   return future;
 }
 
 // The thread has nothing to do before the replay is over, so its state is free to be set here.
 Status MapWorker::restore(ArchiveReader& bytes) {
-  SGS_CHECK(mode_ != Mode::kLive && submitted_ == 0, "to be called before anything else");
+  SGS_CHECK(mode_ != WorkerMode::kLive && submitted_ == 0, "to be called before anything else");
   SGS_RETURN_IF_ERROR(mapper_.restore(bytes));
   archive(bytes);
   if (bytes.failed() || !(budget_ >= 0 && budget_ < 1)) {
     return fail(ErrorCode::kInvalidFormat, "the state of the mapping makes no sense");
   }
-  const std::scoped_lock lock(mutex_);
+  const auto lock = worker_.lock();
   for (const ViewSize& size : sizes_) {
     newest_ = {nullptr, size.gaussians, size.iterations};
     views_.push_back(newest_);
@@ -176,17 +159,18 @@ void MapWorker::replay(const MapJob& job) {
   SGS_CHECK(!mapper_.awaited_frame(), "not all keyframes came again");
   // For those who watch; which map a frame was tracked against is another matter.
   if (newest_.gaussians > 0) newest_.snapshot = mapper_.snapshot();
-  const std::scoped_lock lock(mutex_);
+  const auto lock = worker_.lock();
   live_view_ = newest_;
 }
 
 MapView MapWorker::view_for(std::int64_t n) {
-  std::unique_lock lock(mutex_);
-  if (mode_ == Mode::kLive) return live_view_;
+  if (mode_ == WorkerMode::kLive) {
+    const auto lock = worker_.lock();
+    return live_view_;
+  }
   const std::int64_t wanted = n - config_.snapshot_lag;
   if (wanted < 0) return {};
-  changed_.wait(lock, [&] { return failure_ || jobs_done_ > wanted; });
-  if (failure_) std::rethrow_exception(failure_);
+  const auto lock = worker_.wait([&] { return jobs_done_ > wanted; });
   while (first_view_ < wanted) {
     views_.pop_front();
     ++first_view_;
@@ -196,80 +180,28 @@ MapView MapWorker::view_for(std::int64_t n) {
 
 std::unique_ptr<ThreadPool::Recess> MapWorker::leave_core() {
   const auto cores = static_cast<int>(std::thread::hardware_concurrency());
-  if (mode_ == Mode::kInline || pool_.threads() < cores) return nullptr;
+  if (mode_ == WorkerMode::kInline || pool_.threads() < cores) return nullptr;
   return std::make_unique<ThreadPool::Recess>(pool_);
 }
 
-void MapWorker::loop() {
-  constexpr int kLiveIterationsPerSnapshot = 20;
-  int live_iterations = 0;
-  std::unique_lock lock(mutex_);
-  while (true) {
-    // A live mapper with at least one keyframe always has something to do.
-    const bool idle_work = mode_ == Mode::kLive && !keyframes_.empty();
-    if (!idle_work) changed_.wait(lock, [&] { return stop_ || !queue_.empty(); });
-    if (queue_.empty() && stop_) return;
-    std::optional<Order> order;
-    if (!queue_.empty()) {
-      order = std::move(queue_.front());
-      queue_.pop_front();
-    }
-    busy_since_s_ = wall_time_s();
-    lock.unlock();
-    try {
-      if (order) {
-        process(*order);
-      } else {
-        mapper_.iterate(1);
-        if (++live_iterations % kLiveIterationsPerSnapshot == 0) publish();
-      }
-      lock.lock();
-      if (order && !order->state && mode_ == Mode::kThread) note_done();
-    } catch (...) {
-      if (!lock.owns_lock()) lock.lock();
-      failure_ = std::current_exception();
-      ++jobs_done_;
-      queue_.clear();  // breaks promises
-      changed_.notify_all();
-      return;
-    }
-    busy_s_ += wall_time_s() - busy_since_s_;
-    busy_since_s_ = -1;
-    live_view_ = newest_;
-    changed_.notify_all();
-  }
-}
-
 void MapWorker::finish() {
-  if (mode_ != Mode::kInline) {
-    {
-      const std::scoped_lock lock(mutex_);
-      stop_ = true;
-    }
-    changed_.notify_all();
-    if (thread_.joinable()) thread_.join();
-  }
+  worker_.finish();
   // A mapper that failed in the middle of a step is not asked again: what it published last stays.
   final_snapshot_ = newest_.snapshot;
-  if (!failure_) {
+  if (!worker_.failed()) {
     publish();
     final_snapshot_ = newest_.snapshot;
   }
   {
-    const std::scoped_lock lock(mutex_);
+    const auto lock = worker_.lock();
     live_view_ = newest_;
   }
-  if (failure_ && mode_ != Mode::kInline) std::rethrow_exception(failure_);
+  if (mode_ != WorkerMode::kInline) worker_.rethrow_failure();
 }
 
 map::SnapshotPtr MapWorker::newest_snapshot() const {
-  const std::scoped_lock lock(mutex_);
+  const auto lock = worker_.lock();
   return live_view_.snapshot;
-}
-
-double MapWorker::busy_s() const {
-  const std::scoped_lock lock(mutex_);
-  return busy_s_ + (busy_since_s_ >= 0 ? wall_time_s() - busy_since_s_ : 0.0);
 }
 
 }  // namespace sgs::slam

@@ -2,22 +2,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <condition_variable>
 #include <cstdint>
 #include <deque>
-#include <exception>
 #include <future>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "sgs/camera/past_correction.h"
 #include "sgs/core/thread_pool.h"
 #include "sgs/mapper/mapper.h"
 #include "sgs/slam/keyframe_pose.h"
+#include "sgs/slam/lagged_worker.h"
 #include "sgs/slam/session_config.h"
 
 namespace sgs::slam {
@@ -43,15 +40,8 @@ struct MapView {
 /// has no new keyframe and the tracker sees the newest snapshot.
 class MapWorker {
  public:
-  enum class Mode {
-    kInline,  ///< jobs run inside submit(): one thread, same results as kThread
-    kThread,  ///< own thread, fixed budget per job
-    kLive,    ///< own thread, iterates as long as there is time
-  };
-
   MapWorker(const SessionConfig& config, const PinholeCamera& camera, bool tracker_follows_map,
-            Mode mode, int threads);
-  ~MapWorker();
+            WorkerMode mode, int threads);
 
   /// Queues the job of the next frame; every frame has one. Rethrows a failure of the mapping
   /// thread.
@@ -76,7 +66,7 @@ class MapWorker {
   std::int64_t left_to_replay() const { return replayed_until_ - submitted_; }
 
   /// Seconds this worker has been busy so far (thread-safe).
-  double busy_s() const;
+  double busy_s() const { return worker_.busy_s(); }
   /// Newest published snapshot (thread-safe); null before the first keyframe.
   map::SnapshotPtr newest_snapshot() const;
   /// Valid after finish().
@@ -107,18 +97,19 @@ class MapWorker {
     a(keyframes_, budget_, jobs_since_snapshot_, sizes_);
   }
 
+  LaggedWorker<Order>::Tasks tasks();
   void process(const MapJob& job);
   void process(Order& order);
-  void note_done();
+  void iterate_live();
+  void show(const Order* order);
   void replay(const MapJob& job);
   std::string state(std::string before);
   void correct(const PastCorrection& correction);
   void publish();
-  void loop();
 
   SessionConfig config_;
   bool tracker_follows_map_;
-  Mode mode_;
+  WorkerMode mode_;
   ThreadPool pool_;
   mapper::Mapper mapper_;
   std::vector<KeyframePose> keyframes_;
@@ -127,23 +118,16 @@ class MapWorker {
   MapView newest_;
   map::SnapshotPtr final_snapshot_;
   std::vector<ViewSize> sizes_;  // behind each job
-  std::int64_t submitted_ = 0;   // jobs; of the submitting thread, and so is:
+  int live_iterations_ = 0;
+  std::int64_t submitted_ = 0;  // jobs; of the submitting thread, and so is:
   std::int64_t replayed_until_ = 0;
-
-  mutable std::mutex mutex_;
-  std::condition_variable changed_;
-  // Guarded by mutex_:
-  std::deque<Order> queue_;
+  // Guarded by the worker's lock:
   std::deque<MapView> views_;  // views_[i] is the state after job first_view_ + i
   std::int64_t first_view_ = 0;
   std::int64_t jobs_done_ = 0;
   MapView live_view_;
-  bool stop_ = false;
-  std::exception_ptr failure_;
-  double busy_s_ = 0;
-  double busy_since_s_ = -1;  // < 0: idle
 
-  std::thread thread_;
+  LaggedWorker<Order> worker_;  // last: its thread uses all of the above
 };
 
 }  // namespace sgs::slam

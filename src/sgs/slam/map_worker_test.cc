@@ -9,7 +9,7 @@
 namespace sgs::slam {
 namespace {
 
-bool leaves_core(MapWorker::Mode mode, int threads) {
+bool leaves_core(WorkerMode mode, int threads) {
   const auto config = make_session_config("default");
   EXPECT_TRUE(config);
   MapWorker worker(*config, {64, 48, 50, 50, 31.5, 23.5}, false, mode, threads);
@@ -18,17 +18,17 @@ bool leaves_core(MapWorker::Mode mode, int threads) {
 
 TEST(MapWorker, LeavesACoreWhereItsThreadsFillThemAll) {
   const auto cores = static_cast<int>(std::thread::hardware_concurrency());
-  EXPECT_TRUE(leaves_core(MapWorker::Mode::kThread, cores));
-  EXPECT_TRUE(leaves_core(MapWorker::Mode::kLive, cores + 1));
+  EXPECT_TRUE(leaves_core(WorkerMode::kThread, cores));
+  EXPECT_TRUE(leaves_core(WorkerMode::kLive, cores + 1));
   if (cores > 2) {
-    EXPECT_FALSE(leaves_core(MapWorker::Mode::kLive, 2));
+    EXPECT_FALSE(leaves_core(WorkerMode::kLive, 2));
   }
 }
 
 // Inline the thread that asks is the one that maps.
 TEST(MapWorker, HasNoCoreToLeaveWhenItWorksInline) {
   const auto cores = static_cast<int>(std::thread::hardware_concurrency());
-  EXPECT_FALSE(leaves_core(MapWorker::Mode::kInline, cores + 1));
+  EXPECT_FALSE(leaves_core(WorkerMode::kInline, cores + 1));
 }
 
 }  // namespace

@@ -2,17 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <condition_variable>
 #include <cstdint>
-#include <deque>
-#include <exception>
 #include <memory>
-#include <mutex>
-#include <optional>
-#include <thread>
 #include <vector>
 
-#include "sgs/slam/map_worker.h"
+#include "sgs/slam/lagged_worker.h"
 #include "sgs/slam/past_estimator.h"
 
 namespace sgs::slam {
@@ -24,8 +18,7 @@ using PastCorrections = std::vector<std::shared_ptr<const PastCorrection>>;
 /// before frame k + lag, however fast anybody is; live before the first frame after it is there.
 class PastWorker {
  public:
-  PastWorker(std::unique_ptr<PastEstimator> estimator, int lag, MapWorker::Mode mode);
-  ~PastWorker();
+  PastWorker(std::unique_ptr<PastEstimator> estimator, int lag, WorkerMode mode);
 
   /// The correction to apply before frame number `n` is tracked, or null; the caller must apply it.
   /// Waits for frame n - lag offline, never live. Rethrows a failure of the thread.
@@ -49,25 +42,18 @@ class PastWorker {
     tracker::TrackResult result;
     PastCorrections applied;  // before this frame
   };
-  void process(const Job& job);
-  void loop();
+  LaggedWorker<Job>::Tasks tasks(WorkerMode mode);
 
-  MapWorker::Mode mode_;
   std::int64_t lag_;
   std::unique_ptr<PastEstimator> estimator_;
-  PastCorrections applied_;  // since the last job
-
-  mutable std::mutex mutex_;
-  std::condition_variable changed_;
-  // Guarded by mutex_:
-  std::deque<Job> queue_;
+  std::shared_ptr<const PastCorrection> newest_;  // of the job at work
+  PastCorrections applied_;                       // since the last job
+  // Guarded by the worker's lock:
   std::vector<int> counts_;                      // found() after each job
   std::shared_ptr<const PastCorrection> found_;  // not applied yet
   std::int64_t found_by_ = 0;                    // number of the job
-  bool stop_ = false;
-  std::exception_ptr failure_;
 
-  std::thread thread_;
+  LaggedWorker<Job> worker_;  // last: its thread uses all of the above
 };
 
 }  // namespace sgs::slam

@@ -67,9 +67,9 @@ Session::Session(const SessionConfig& config, const PinholeCamera& camera,
       camera_(camera),
       live_(options.live),
       tracker_(std::move(tracker)) {
-  const auto mode = options.live           ? MapWorker::Mode::kLive
-                    : options.threads == 1 ? MapWorker::Mode::kInline
-                                           : MapWorker::Mode::kThread;
+  const auto mode = options.live           ? WorkerMode::kLive
+                    : options.threads == 1 ? WorkerMode::kInline
+                                           : WorkerMode::kThread;
   worker_ =
       std::make_unique<MapWorker>(config_, camera_, tracker_->follows_map(), mode, options.threads);
   if (config_.loops.enabled) {
