@@ -67,10 +67,10 @@ render::LossConfig refine_loss(const RefineConfig& config) {
 /// Whether learning still gets anywhere: some checks in a row without a state better than all that
 /// were learnt before end it. The map that it began with does not count: what is learnt may have to
 /// climb past it from below, and does, as long as it rises.
-class Patience {
+class EarlyStop {
  public:
   /// `checks`: so many in a row; 0 = without end.
-  explicit Patience(int checks) : checks_(checks) {}
+  explicit EarlyStop(int checks) : checks_(checks) {}
   bool ends(double psnr_db) {
     without_gain_ = psnr_db > best_db_ ? 0 : without_gain_ + 1;
     best_db_ = std::max(best_db_, psnr_db);
@@ -373,7 +373,7 @@ Refined Refiner::run(const Budget& budget, const Watch& watch, const std::stop_t
     if (m.config.exposure) m.fit_exposures();
     m.fill_holes();
   }
-  Patience patience(m.config.patience);
+  EarlyStop early_stop(m.config.patience);
   int checks = 1;
   while ((share = spent()) < 1 && !stop.stop_requested()) {
     constexpr int kRatesFor = 50;  // steps
@@ -383,7 +383,7 @@ Refined Refiner::run(const Budget& budget, const Watch& watch, const std::stop_t
     if (share * m.config.checks < checks) continue;
     checks = static_cast<int>(share * m.config.checks) + 1;
     look(share);
-    m.result.exhausted = patience.ends(m.result.last.psnr_db);
+    m.result.exhausted = early_stop.ends(m.result.last.psnr_db);
     if (m.result.exhausted) break;
   }
   if (m.steps > m.result.last.steps) look(std::min(share, 1.0));

@@ -87,7 +87,7 @@ int run_program(const Runner& runner, std::vector<std::string> words, const fs::
 }
 
 /// How one piece of work ended.
-struct Ended {
+struct JobOutcome {
   fs::path made;  ///< what it was to make
   int code = 0;
   bool well = false;
@@ -105,54 +105,54 @@ std::error_code put_in_place(const fs::path& made, const fs::path& place, const 
 }
 
 /// Renders a job's sequence.
-Ended render(const Runner& runner, const Job& job, const Claim& claim) {
-  Ended ended{job.rendered};
+JobOutcome render(const Runner& runner, const Job& job, const Claim& claim) {
+  JobOutcome outcome{job.rendered};
   const fs::path part = job.rendering(claim.generation()), log = part.string() + ".log";
   std::error_code error;
   fs::create_directories(part.parent_path(), error);
   fs::remove_all(part, error);
-  ended.code = run_program(runner, job.render_words(part), log, claim);
-  ended.well = ended.code == run::kExitDone && !claim.lost();
-  if (ended.well) {
+  outcome.code = run_program(runner, job.render_words(part), log, claim);
+  outcome.well = outcome.code == run::kExitDone && !claim.lost();
+  if (outcome.well) {
     fs::rename(part, job.rendered, error);
     fs::remove(log, error);
   } else {
-    ended.last_words = last_line(log);
+    outcome.last_words = last_line(log);
   }
   fs::remove_all(part, error);
-  return ended;
+  return outcome;
 }
 
 /// Makes a run. One that lost track has scores, too.
-Ended make(const Runner& runner, const Job& job, const Claim& claim) {
-  Ended ended{job.folder};
+JobOutcome make(const Runner& runner, const Job& job, const Claim& claim) {
+  JobOutcome outcome{job.folder};
   const fs::path part = job.making(claim.generation()), log = part / "console.txt";
   std::error_code error;
   fs::remove_all(part, error);
   fs::create_directories(part, error);
   const fs::path unfinished = part / job.unfinished_mark().filename();
   std::ofstream(unfinished).flush();
-  ended.code = run_program(runner, job.words(part), log, claim);
-  ended.last_words = last_line(log);
+  outcome.code = run_program(runner, job.words(part), log, claim);
+  outcome.last_words = last_line(log);
   if (claim.lost()) {
     fs::remove_all(part, error);
-    ended.last_words = "another worker has taken this run over";
-    return ended;
+    outcome.last_words = "another worker has taken this run over";
+    return outcome;
   }
-  ended.well = ended.code == run::kExitDone || ended.code == run::kExitLost;
-  if (ended.well) fs::remove(unfinished, error);
+  outcome.well = outcome.code == run::kExitDone || outcome.code == run::kExitLost;
+  if (outcome.well) fs::remove(unfinished, error);
   if (!runner.again && job.is_done()) {  // by a worker that was taken for dead
     fs::remove_all(part, error);
-    ended.well = true;
-    return ended;
+    outcome.well = true;
+    return outcome;
   }
   error = put_in_place(part, job.folder, job.making(claim.generation()).string() + ".old");
   if (error) {
-    ended.well = false;
-    ended.last_words = fmt::format("{}: {}", part.string(), error.message());
+    outcome.well = false;
+    outcome.last_words = fmt::format("{}: {}", part.string(), error.message());
   }
   for (int older = 0; older < claim.generation(); ++older) fs::remove_all(job.making(older), error);
-  return ended;
+  return outcome;
 }
 
 /// Workers of this process, and what is left for them.
@@ -249,7 +249,7 @@ class Crew {
   /// Does a piece of work once it is claimed, unless it is there by then.
   template <class IsThere>
   Step claimed(Item& item, const fs::path& place, const IsThere& is_there,
-               Ended (*make_it)(const Runner&, const Job&, const Claim&)) {
+               JobOutcome (*make_it)(const Runner&, const Job&, const Claim&)) {
     if (is_there()) return Step::kWell;
     Result<ClaimBoard::Reply> reply =
         boards_.at(place.parent_path())->take(place.filename().string());
@@ -275,14 +275,14 @@ class Crew {
       report_unwritten(claim.finish(ClaimState::kDone));
       return Step::kWell;
     }
-    const Ended ended = make_it(runner_, *item.job, claim);
-    const bool failed = !ended.well && !runner_.interrupted() && !claim.lost();
-    report_unwritten(claim.finish(ended.well ? ClaimState::kDone
+    const JobOutcome outcome = make_it(runner_, *item.job, claim);
+    const bool failed = !outcome.well && !runner_.interrupted() && !claim.lost();
+    report_unwritten(claim.finish(outcome.well ? ClaimState::kDone
                                   : failed   ? ClaimState::kFailed
                                              : ClaimState::kReleased));
-    say("[{}/{}] {} exit {}{}\n", item.number, all_, ended.made.string(), ended.code,
-        ended.well ? "" : ": " + ended.last_words);
-    return ended.well ? Step::kWell : Step::kBad;
+    say("[{}/{}] {} exit {}{}\n", item.number, all_, outcome.made.string(), outcome.code,
+        outcome.well ? "" : ": " + outcome.last_words);
+    return outcome.well ? Step::kWell : Step::kBad;
   }
 
   static void report_unwritten(const Status& status) {
