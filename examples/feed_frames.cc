@@ -3,8 +3,8 @@
 //
 // feed_frames INPUT OUTPUT: SLAM on a recorded folder (or synth:room_desk); prints and saves poses.
 #include <fmt/format.h>
-#include <sgs/io/trajectory_io.h>
 #include <sgs/input/input.h>
+#include <sgs/io/trajectory_io.h>
 #include <sgs/run/play.h>
 #include <sgs/runfolder/run.h>
 

@@ -4,8 +4,8 @@
 // own_tracker SEQUENCE POSES OUTPUT: maps a recorded folder with poses that something else knows (a
 // motion capture system, a robot's arm, another SLAM), given as a TUM trajectory.
 #include <fmt/format.h>
-#include <sgs/io/trajectory_io.h>
 #include <sgs/input/input.h>
+#include <sgs/io/trajectory_io.h>
 #include <sgs/run/play.h>
 #include <sgs/runfolder/run.h>
 

@@ -12,8 +12,8 @@
 #include "sgs/io/calibration_io.h"
 #include "sgs/io/depth_calibration_io.h"
 #include "sgs/io/trajectory_io.h"
-#include "sgs/upright/upright.h"
 #include "sgs/slam/frame_record.h"
+#include "sgs/upright/upright.h"
 
 namespace {
 

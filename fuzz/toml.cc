@@ -7,9 +7,9 @@
 #include <cstddef>
 
 #include "harness.h"
+#include "sgs/input/input.h"
 #include "sgs/io/calibration_io.h"
 #include "sgs/io/toml_config.h"
-#include "sgs/input/input.h"
 #include "sgs/slam/session_config.h"
 
 namespace {

@@ -9,10 +9,10 @@
 #include <string>
 
 #include "helper_end.h"
+#include "sgs/export/scene_export.h"
 #include "sgs/io/ply.h"
 #include "sgs/mesh/depth_fusion.h"
 #include "sgs/runfolder/run.h"
-#include "sgs/export/scene_export.h"
 
 namespace {
 

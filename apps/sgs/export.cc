@@ -7,17 +7,17 @@
 #include "export_mesh.h"
 #include "log_setup.h"
 #include "sgs/core/print.h"
+#include "sgs/export/bag_export.h"
+#include "sgs/export/scene_export.h"
+#include "sgs/export/turned_map.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/ply.h"
 #include "sgs/io/splat_file.h"
 #include "sgs/io/spz.h"
 #include "sgs/io/trajectory_io.h"
 #include "sgs/report/map_page.h"
-#include "sgs/export/bag_export.h"
 #include "sgs/runfolder/run.h"
 #include "sgs/runfolder/run_files.h"
-#include "sgs/export/scene_export.h"
-#include "sgs/export/turned_map.h"
 
 namespace sgs::app {
 namespace {

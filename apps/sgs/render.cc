@@ -11,6 +11,7 @@
 #include "interrupt.h"
 #include "progress.h"
 #include "sgs/core/print.h"
+#include "sgs/export/camera_path.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/image_io.h"
 #include "sgs/io/ply.h"
@@ -18,7 +19,6 @@
 #include "sgs/render/rendered_images.h"
 #include "sgs/render/view_color.h"
 #include "sgs/report/report_data.h"
-#include "sgs/export/camera_path.h"
 #include "sgs/runfolder/run.h"
 #include "sgs/runfolder/run_files.h"
 

@@ -13,14 +13,12 @@
 #include "scoring.h"
 #include "sgs/core/log.h"
 #include "sgs/core/print.h"
-#include "sgs/dataset/preloaded_source.h"
 #include "sgs/report/save_scores.h"
-#include "sgs/run/calibrate.h"
 #include "sgs/run/process_memory.h"
+#include "sgs/run/whole_run.h"
 #include "sgs/runfolder/resume.h"
 #include "sgs/runfolder/run_config.h"
 #include "sgs/runfolder/run_files.h"
-#include "sgs/run/whole_run.h"
 #include "sgs/stream/address.h"
 #include "terminal_observer.h"
 #include "viewer_link.h"
@@ -36,7 +34,7 @@ struct RunCommand {
   run::ScoreOptions score;
   std::string output;
   std::string resume;  ///< folder of a run to go on with
-  bool preload = false, no_eval = false, quiet = false, json = false;
+  bool no_eval = false, quiet = false, json = false;
   ViewerRequest viewer;
 };
 
@@ -99,22 +97,6 @@ constexpr std::array<const char*, 23> kFixedByRun = {
     "--truth-topic", "--trajectory", "--synth-seed",  "--calibration", "--seed",   "--record",
     "--preload",     "--realtime",   "--poses",       "--wait",        "--stamps"};
 
-/// What `--calibration` says where the input is to be calibrated from itself.
-constexpr const char* kCalibrateFirst = "auto";
-
-/// Once through the input before the run proper.
-Status calibrate_input(RunCommand& command, const run::RunConfig& config, run::Input& input,
-                       run::RunFolder& folder) {
-  TerminalObserver observer(input.source->size(), command.quiet);
-  const auto step = [&](const auto&, const auto*) { observer.on_calibration_frame(); };
-  const Status status =
-      run::calibrate_first(command.input, input, config.session, command.options.threads, folder,
-                           step, stop_token());
-  observer.finish();
-  if (!status) folder.end(run::Stage::kInterrupted, 0, status.error().message);
-  return status;
-}
-
 /// Goes on with a run: everything is as it was, but for how it is watched and scored.
 int resume_command(RunCommand command) {
   auto folder = run::RunFolder::resume(command.resume);
@@ -135,7 +117,7 @@ int resume_command(RunCommand command) {
 }
 
 int run_command(RunCommand command) {
-  run::return_freed_images(command.preload);
+  run::return_freed_images(command.options.preload);
   if (!command.resume.empty()) return resume_command(std::move(command));
   const auto config = run::resolve_config(command.config, command.input);
   if (!config) return report(config.error());
@@ -146,29 +128,15 @@ int run_command(RunCommand command) {
   if (const auto can = run::check_whole(command.input, *config, command.options); !can) {
     return report(can.error());
   }
-  const bool calibrate = command.input.calibration == kCalibrateFirst;
-  if (calibrate && stream::is_stream(command.input.input)) {
-    return report({ErrorCode::kInvalidArgument, "a stream comes only once",
-                   "calibrate a recording of this camera, and name the file: --calibration FILE"});
-  }
-  if (calibrate) command.input.calibration.clear();
   // There is no folder yet, and somebody has to say what is waited for.
   if (stream::is_stream(command.input.input)) setup_logging({}, command.quiet);
-  auto input = run::open_input(command.input, command.options.threads, stop_token());
+  auto input = run::open_run_input(command.input, command.options.threads, stop_token());
   if (!input) return report(input.error());
   auto folder = command.output.empty() ? run::RunFolder::create_below("runs", input->info.name)
                                        : run::RunFolder::create(command.output);
   if (!folder) return report(folder.error());
   run::point_latest_to("runs", folder->path());
   setup_logging(folder->path() / run::files::kLog, command.quiet);
-  for (const std::string& warning : input->info.warnings) log().warn("{}", warning);
-  if (calibrate) {
-    const auto status = calibrate_input(command, *config, *input, *folder);
-    if (!status) return report(status.error());
-  }
-  if (command.preload) {
-    input->source = dataset::preload(std::move(input->source), stop_token());
-  }
   return run_and_report(command, *config, *input, *folder);
 }
 
@@ -197,7 +165,7 @@ void add_run(CLI::App& app, Action& action) {
   command->viewer.add_run_options(*sub, command->input.input);
   sub->add_option("--trace", command->options.trace,
                   "Write a time line of both threads to this file (Chrome trace format)");
-  sub->add_flag("--preload", command->preload,
+  sub->add_flag("--preload", command->options.preload,
                 "Decode all frames before the clock starts (takes 2 MB per frame of 640x480)");
   sub->add_option("--wait", command->input.wait_s,
                   "Stream: end when nobody has sent a frame for so many seconds; 0 = never")

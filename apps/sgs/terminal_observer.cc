@@ -21,16 +21,14 @@ void TerminalObserver::finish() {
   stage_.clear();
 }
 
-double TerminalObserver::before_frame() {
-  return viewer_ != nullptr ? viewer_->before_frame() : 0;
-}
+double TerminalObserver::before_frame() { return viewer_ != nullptr ? viewer_->before_frame() : 0; }
 
 void TerminalObserver::on_frame(slam::Session& session, const dataset::FeedItem& item,
                                 const slam::FrameRecord& record) {
   bar("frames", frames_)
-      .step(record.bad ? std::string("bad frame")
-                       : fmt::format("{:<10} {} Gaussians", to_string(record.status),
-                                     record.gaussians));
+      .step(record.bad
+                ? std::string("bad frame")
+                : fmt::format("{:<10} {} Gaussians", to_string(record.status), record.gaussians));
   if (viewer_ != nullptr && !record.bad) viewer_->after_frame(session, item, record);
 }
 

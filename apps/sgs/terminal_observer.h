@@ -19,14 +19,13 @@ class TerminalObserver : public run::RunObserver {
   TerminalObserver(std::optional<std::int64_t> frames, bool quiet, ViewerLink* viewer = nullptr)
       : frames_(frames), quiet_(quiet), viewer_(viewer) {}
 
+  void on_calibration_frame() override;
   double before_frame() override;
   void on_frame(slam::Session& session, const dataset::FeedItem& item,
                 const slam::FrameRecord& record) override;
   void on_map(slam::Session& session) override;
   void on_evaluation(const refine::Evaluation& now) override;
   void on_frames_scored(std::int64_t frames) override;
-  /// A frame of the pass that calibrates the input first.
-  void on_calibration_frame();
   /// Ends the line of the bar that is shown.
   void finish();
 

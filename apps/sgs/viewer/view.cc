@@ -17,8 +17,8 @@
 #include "sgs/core/stopwatch.h"
 #include "sgs/report/save_scores.h"
 #include "sgs/run/refine.h"
-#include "sgs/runfolder/run_files.h"
 #include "sgs/run/score.h"
+#include "sgs/runfolder/run_files.h"
 #include "viewer/replay.h"
 #include "viewer/start.h"
 

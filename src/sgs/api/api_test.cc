@@ -368,9 +368,9 @@ TEST(ApiRun, ThePresetQualityIsWhole) {
   options.pictures = false;
   const auto steps_of = [&](const Config& used) {
     const auto summary = run("synth:room_desk", {{"frames", "0:4"}}, used, options);
-    const auto steps = std::find_if(
-        summary.metrics.begin(), summary.metrics.end(),
-        [](const Metric& metric) { return metric.key == "mapping_iterations"; });
+    const auto steps =
+        std::find_if(summary.metrics.begin(), summary.metrics.end(),
+                     [](const Metric& metric) { return metric.key == "mapping_iterations"; });
     return std::get<std::int64_t>(steps->value);
   };
   Config without = config;

@@ -63,8 +63,7 @@ Config Config::load(const std::string& path) {
   });
 }
 
-Config::Config(const Config& other)
-    : config_(std::make_unique<run::RunConfig>(*other.config_)) {}
+Config::Config(const Config& other) : config_(std::make_unique<run::RunConfig>(*other.config_)) {}
 
 Config& Config::operator=(const Config& other) {
   *config_ = *other.config_;

@@ -32,10 +32,11 @@ Metrics evaluate_run(const std::string& folder, const EvaluateOptions& options, 
     score.lpips_weights = options.lpips_weights;
     score.threads = options.threads;
     const run::Run run = internal::value_or_raise(run::load_run(folder, run::kAllParts));
-    const auto scores = options.pictures ? internal::value_or_raise(run::score_run(
-                                               run, score, run::RunObserver::nobody(),
-                                               internal::StopAccess::token(stop)))
-                                         : run::score_trajectory(run, score.association);
+    const auto scores =
+        options.pictures
+            ? internal::value_or_raise(run::score_run(run, score, run::RunObserver::nobody(),
+                                                      internal::StopAccess::token(stop)))
+            : run::score_trajectory(run, score.association);
     if (!scores.no_recording.empty()) log().warn("{}", scores.no_recording);
     if (stop.requested()) throw Error(ErrorCode::kInterrupted, "the evaluation was stopped");
     return internal::to_api(scores.metrics);

@@ -6,7 +6,6 @@
 #include "sgs/api/internal/guard.h"
 #include "sgs/api/internal/metrics.h"
 #include "sgs/api/internal/stop_token.h"
-#include "sgs/core/log.h"
 #include "sgs/report/save_scores.h"
 #include "sgs/run/whole_run.h"
 
@@ -71,8 +70,7 @@ RunSummary run(const std::string& input, const Settings& input_options, const Co
     const auto spec = internal::input_spec(input, input_options);
     internal::check_or_raise(
         run::check_whole(spec, config.modules(), whole_run_options(options).run));
-    auto opened = internal::value_or_raise(run::open_input(spec, options.threads));
-    for (const std::string& warning : opened.info.warnings) log().warn("{}", warning);
+    auto opened = internal::value_or_raise(run::open_run_input(spec, options.threads));
     return internal::value_or_raise(
         run_input(opened, spec, config, options, progress, internal::StopAccess::token(stop)));
   });

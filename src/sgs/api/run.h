@@ -34,9 +34,11 @@ struct RunSummary {
 };
 
 /// `sgs run`: SLAM on a whole input, its map refined where the configuration says so (preset
-/// "quality"), scored, with a report, kept in a folder. `input` and
-/// `options` as for Recording::open(). `progress`, where given, is told the frames done, on the
-/// calling thread. Throws what opening throws, and kIo where something could not be written.
+/// "quality"), scored, with a report, kept in a folder. `input` and `input_options` as for
+/// Recording::open(); the option "calibration" may also be "auto": the input is calibrated from
+/// itself first. `progress`, where given, is told the frames done, on the calling thread. Throws
+/// what opening throws, kInvalidArgument where frames that come only once would be needed twice,
+/// and kIo where something could not be written.
 SGS_API RunSummary run(const std::string& input, const Settings& input_options = {},
                        const Config& config = Config(), const RunOptions& options = RunOptions(),
                        const std::function<void(std::int64_t frames)>& progress = {},

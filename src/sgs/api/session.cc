@@ -47,8 +47,8 @@ struct Session::Impl {
   Impl(const Camera& camera, const Config& given, const SessionOptions& options)
       : lens(internal::value_or_raise(internal::from_api(camera))),
         config(given),
-        slam(internal::value_or_raise(
-            slam::Session::create(config.modules().session, lens.camera, session_options(options)))) {
+        slam(internal::value_or_raise(slam::Session::create(config.modules().session, lens.camera,
+                                                            session_options(options)))) {
     if (!lens.distortion.is_zero()) undistorter.emplace(lens.camera, lens.distortion);
   }
 

@@ -182,10 +182,11 @@ void visit_metrics(M&& m, Visitor&& visit) {
   visit(I{"depth_l1_novel_m", r, "Depth L1 (novel views)", "cm", kCm, 2, kLess, kDetail,
           "Mean absolute difference of rendered and true depth, views as for psnr_db_novel."},
         m.depth_l1_novel_m);
-  visit(I{"pictures", r, "Pictures", "", 1, 0, kNeither, kDetail,
-          "Whether these scores of pictures were `measured` when the run was scored last, or `kept` "
-          "from an earlier time because its recording could not be opened."},
-        m.pictures);
+  visit(
+      I{"pictures", r, "Pictures", "", 1, 0, kNeither, kDetail,
+        "Whether these scores of pictures were `measured` when the run was scored last, or `kept` "
+        "from an earlier time because its recording could not be opened."},
+      m.pictures);
   visit(I{"gaussians", p, "Gaussians", "", 1, 0, kNeither, kTile, "Gaussians of the final map."},
         m.gaussians);
   visit(I{"map_bytes", p, "Map size", "MiB", kMiB, 2, kNeither, kDetail,

@@ -4,9 +4,9 @@
 
 #include <array>
 
+#include "sgs/export/scene_export.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/runfolder/run.h"
-#include "sgs/export/scene_export.h"
 
 namespace sgs::run {
 namespace {

@@ -279,8 +279,8 @@ Result<Input> reopen_input(InputSpec spec, int threads,
   }
   SGS_ASSIGN_OR_RETURN(auto input, open_input(spec, threads));
   if (learned && !input.calibration) {
-    SGS_ASSIGN_OR_RETURN(
-        input.source, dataset::calibrated(std::move(input.source), *learned, "what the run learned"));
+    SGS_ASSIGN_OR_RETURN(input.source, dataset::calibrated(std::move(input.source), *learned,
+                                                           "what the run learned"));
     input.calibration = learned;
   }
   return input;

@@ -28,7 +28,8 @@ struct InputSpec {
   std::string camera;  ///< fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]] or empty
   double depth_scale = 0;                        ///< raw units per metre; 0 = as the folder says
   int max_width = dataset::kDefaultMaxWidth_px;  ///< wider images are reduced; 0 = never
-  std::string calibration;  ///< file of `sgs calibrate` that corrects the depths, or empty
+  /// File of `sgs calibrate` that corrects the depths, or empty; run_whole() knows "auto", too.
+  std::string calibration;
   std::string topics;  ///< bags: color=/a,depth=/b[,color_info=/c][,depth_info=/d]; empty = guessed
   std::string extrinsics;         ///< bags: tx,ty,tz,qx,qy,qz,qw of T_color_depth, or "aligned"
   std::string truth_topic;        ///< bags: a topic of poses, or world:camera of tf

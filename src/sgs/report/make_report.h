@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "sgs/report/report_data.h"
-#include "sgs/runfolder/run.h"
 #include "sgs/run/score.h"
+#include "sgs/runfolder/run.h"
 
 namespace sgs::report {
 

@@ -18,8 +18,7 @@ void save_scores(const run::Run& run, const run::Scores& scores, run::RunFolder&
   ReportData data = make_report(run, scores);
   // Those that the folder has belong to the scores that were kept.
   if (!scores.no_recording.empty()) data.pictures = run::load_pictures(folder.path());
-  folder.save(run::files::kReport,
-              [&](const fs::path& path) { return save_report(path, data); });
+  folder.save(run::files::kReport, [&](const fs::path& path) { return save_report(path, data); });
 }
 
 }  // namespace sgs::report

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "sgs/runfolder/run.h"
 #include "sgs/run/score.h"
+#include "sgs/runfolder/run.h"
 
 namespace sgs::report {
 

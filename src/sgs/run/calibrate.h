@@ -6,8 +6,8 @@
 
 #include "sgs/backend/calibrate_depth.h"
 #include "sgs/input/input.h"
-#include "sgs/runfolder/run_folder.h"
 #include "sgs/run/track_only.h"
+#include "sgs/runfolder/run_folder.h"
 #include "sgs/slam/session_config.h"
 
 namespace sgs::run {

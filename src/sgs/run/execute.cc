@@ -9,22 +9,22 @@
 #include "sgs/core/log.h"
 #include "sgs/core/memory_reserve.h"
 #include "sgs/core/stopwatch.h"
+#include "sgs/export/convert.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/ply.h"
 #include "sgs/io/trajectory_io.h"
-#include "sgs/export/convert.h"
 #include "sgs/run/input_doubts.h"
-#include "sgs/runfolder/journal.h"
 #include "sgs/run/machine.h"
-#include "sgs/runfolder/map_checkpoints.h"
 #include "sgs/run/process_memory.h"
+#include "sgs/runfolder/journal.h"
+#include "sgs/runfolder/map_checkpoints.h"
 #include "sgs/runfolder/resume_file.h"
 #include "sgs/runfolder/run_config.h"
 #include "sgs/runfolder/run_files.h"
 #include "sgs/runfolder/timings.h"
-#include "sgs/upright/upright.h"
 #include "sgs/runfolder/version.h"
 #include "sgs/stream/address.h"
+#include "sgs/upright/upright.h"
 
 namespace sgs::run {
 namespace {
@@ -149,8 +149,8 @@ void warn_of_single_views(const Input& input, const tracker::Tracker& tracker) {
 }
 
 /// Brings the session to where the run was when its checkpoint was made.
-Status resume_session(const ResumePoint& point, Input& input, slam::Session& session, RunFolder& folder,
-             RunObserver& observer, const std::stop_token& stop) {
+Status resume_session(const ResumePoint& point, Input& input, slam::Session& session,
+                      RunFolder& folder, RunObserver& observer, const std::stop_token& stop) {
   if (!point.checkpoint.empty()) {
     {
       SGS_ASSIGN_OR_RETURN(const auto state, load_resume_file(point.checkpoint));

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "sgs/run/play.h"
+#include "sgs/run/run_observer.h"
 #include "sgs/runfolder/resume.h"
 #include "sgs/runfolder/run.h"
-#include "sgs/run/run_observer.h"
 
 namespace sgs::run {
 
@@ -17,6 +17,7 @@ namespace sgs::run {
 struct RunOptions {
   int threads = 2;
   bool realtime = false;     ///< at the sensor's rate, late frames dropped
+  bool preload = false;      ///< all frames are decoded before the clock starts
   std::string record;        ///< folder that keeps the input (TUM layout); empty = none
   std::string trace;         ///< file for a time line of all threads; empty = none
   double checkpoint_s = 10;  ///< the map is kept at least this often while it grows; 0 = never

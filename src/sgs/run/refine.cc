@@ -100,8 +100,8 @@ double learned_readout_s(const Run& run) {
 
 /// Goes through the recording once, checks every frame against the run's record, and keeps those
 /// that are tracked.
-Result<Material> read_material(const Run& run, const RefineOptions& options,
-                               RunObserver& observer, const std::stop_token& stop) {
+Result<Material> read_material(const Run& run, const RefineOptions& options, RunObserver& observer,
+                               const std::stop_token& stop) {
   SGS_ASSIGN_OR_RETURN(const auto input, open_recording(run, options.threads));
   SGS_ASSIGN_OR_RETURN(const DepthCalibration* calibration, learned_calibration(run, input));
   dataset::FrameSource& source = *input.source;

@@ -6,8 +6,8 @@
 #include <stop_token>
 
 #include "sgs/refine/refiner.h"
-#include "sgs/runfolder/run.h"
 #include "sgs/run/run_observer.h"
+#include "sgs/runfolder/run.h"
 
 namespace sgs::run {
 

@@ -4,8 +4,8 @@
 
 #include <gmock/gmock.h>
 
-#include "sgs/io/temporary_folder.h"
 #include "sgs/export/convert.h"
+#include "sgs/io/temporary_folder.h"
 #include "sgs/run/execute.h"
 #include "sgs/runfolder/run_files.h"
 

@@ -8,11 +8,11 @@
 
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/temporary_folder.h"
-#include "sgs/runfolder/checkpoint_folders.h"
 #include "sgs/run/execute.h"
+#include "sgs/run/test_observer.h"
+#include "sgs/runfolder/checkpoint_folders.h"
 #include "sgs/runfolder/resume_file.h"
 #include "sgs/runfolder/run_files.h"
-#include "sgs/run/test_observer.h"
 
 namespace sgs::run {
 namespace {
@@ -62,7 +62,7 @@ class ResumeTest : public ::testing::Test {
     EXPECT_EQ(outcome->stopped, last >= 0);
   }
   static Result<RunResult> resumed_run(const std::string& name, std::int64_t last, int threads,
-                                 const std::string& frames = {}) {
+                                       const std::string& frames = {}) {
     SGS_ASSIGN_OR_RETURN(auto resumed, RunFolder::resume(folder(name)));
     SGS_ASSIGN_OR_RETURN(auto point, load_resume_point(folder(name)));
     InputSpec input_spec = point.saved.input;

@@ -17,6 +17,9 @@ class RunObserver {
  public:
   virtual ~RunObserver() = default;
 
+  // Calibration of the input, where that comes first.
+  virtual void on_calibration_frame() {}
+
   // Tracking and mapping.
   /// Before a frame is read; may hold the run (pause). Returns the seconds it was held.
   virtual double before_frame() { return 0; }

@@ -17,12 +17,12 @@
 #include "sgs/io/temporary_folder.h"
 #include "sgs/io/trajectory_io.h"
 #include "sgs/run/execute.h"
-#include "sgs/runfolder/journal.h"
 #include "sgs/run/play.h"
-#include "sgs/runfolder/run_config.h"
-#include "sgs/runfolder/run_files.h"
 #include "sgs/run/score.h"
 #include "sgs/run/test_observer.h"
+#include "sgs/runfolder/journal.h"
+#include "sgs/runfolder/run_config.h"
+#include "sgs/runfolder/run_files.h"
 
 namespace sgs::run {
 namespace {

@@ -158,8 +158,8 @@ Scores score_trajectory(const Run& run, eval::Association association) {
   return scores;
 }
 
-Result<Scores> score_run(const Run& run, const ScoreOptions& options,
-                         RunObserver& observer, const std::stop_token& stop) {
+Result<Scores> score_run(const Run& run, const ScoreOptions& options, RunObserver& observer,
+                         const std::stop_token& stop) {
   Scores scores = score_trajectory(run, options.association);
   if (run.gaussians.empty()) return scores;
   auto input = reopen_input(run.input, options.threads, run.calibration);

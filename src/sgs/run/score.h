@@ -9,8 +9,8 @@
 #include "sgs/eval/metrics.h"
 #include "sgs/eval/run_evaluator.h"
 #include "sgs/eval/trajectory_metrics.h"
-#include "sgs/runfolder/run.h"
 #include "sgs/run/run_observer.h"
+#include "sgs/runfolder/run.h"
 
 namespace sgs::run {
 
@@ -39,8 +39,8 @@ Scores score_trajectory(const Run& run, eval::Association association);
 
 /// Also renders the map at every pose and compares with the recording, which is opened anew; where
 /// that cannot be, Scores::no_recording says why, and the path is scored all the same. A stop
-/// request ends it early: the scores of the pictures are then left out of the metrics, as they would
-/// be those of a part.
+/// request ends it early: the scores of the pictures are then left out of the metrics, as they
+/// would be those of a part.
 Result<Scores> score_run(const Run& run, const ScoreOptions& options,
                          RunObserver& observer = RunObserver::nobody(),
                          const std::stop_token& stop = {});

@@ -5,12 +5,33 @@
 #include <utility>
 
 #include "sgs/core/log.h"
+#include "sgs/dataset/preloaded_source.h"
+#include "sgs/run/calibrate.h"
 #include "sgs/run/input_doubts.h"
 #include "sgs/run/refine.h"
 #include "sgs/stream/address.h"
 
 namespace sgs::run {
 namespace {
+
+bool calibrates_first(const InputSpec& spec) { return spec.calibration == kCalibrateFirst; }
+
+/// Makes the input what the run proper is to see.
+Status prepare(const RunConfig& config, const RunOptions& options, RunFolder& folder,
+               RunObserver& observer, const std::stop_token& stop, InputSpec& spec, Input& input) {
+  if (calibrates_first(spec)) {
+    spec.calibration.clear();
+    const auto watch = [&](const auto&, const auto*) { observer.on_calibration_frame(); };
+    const Status calibrated =
+        calibrate_first(spec, input, config.session, options.threads, folder, watch, stop);
+    if (!calibrated) {
+      folder.end(Stage::kInterrupted, 0, calibrated.error().message);
+      return calibrated;
+    }
+  }
+  if (options.preload) input.source = dataset::preload(std::move(input.source), stop);
+  return {};
+}
 
 /// Refines the map of a run that is complete, in its folder.
 Status refine_result(const RunConfig& config, const RunOptions& options, RunFolder& folder,
@@ -38,6 +59,11 @@ Status refine_result(const RunConfig& config, const RunOptions& options, RunFold
 }  // namespace
 
 Status check_whole(const InputSpec& spec, const RunConfig& config, const RunOptions& options) {
+  const bool once = stream::is_stream(spec.input);
+  if (calibrates_first(spec) && once) {
+    return fail(ErrorCode::kInvalidArgument, "a stream comes only once",
+                "calibrate a recording of this camera, and name the file: --calibration FILE");
+  }
   if (config.refine.steps_per_frame <= 0) return {};
   constexpr const char* kAsked = "refine.steps_per_frame (--preset quality)";
   if (options.realtime) {
@@ -45,7 +71,7 @@ Status check_whole(const InputSpec& spec, const RunConfig& config, const RunOpti
                 fmt::format("{} is for recordings, not for runs at the sensor's rate", kAsked),
                 "run live, then `sgs refine RUN`");
   }
-  if (stream::is_stream(spec.input)) {
+  if (once) {
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("{} goes through the frames twice; a stream comes once", kAsked),
                 "keep the stream (--record FOLDER), then run that folder");
@@ -53,10 +79,17 @@ Status check_whole(const InputSpec& spec, const RunConfig& config, const RunOpti
   return {};
 }
 
-Result<WholeRun> run_whole(Input& input, const InputSpec& spec, const RunConfig& config,
-                           const WholeRunOptions& options, RunFolder& folder,
-                           RunObserver& observer, const std::stop_token& stop) {
+Result<Input> open_run_input(InputSpec spec, int threads, const std::stop_token& stop) {
+  if (calibrates_first(spec)) spec.calibration.clear();
+  return open_input(spec, threads, stop);
+}
+
+Result<WholeRun> run_whole(Input& input, InputSpec spec, const RunConfig& config,
+                           const WholeRunOptions& options, RunFolder& folder, RunObserver& observer,
+                           const std::stop_token& stop) {
   SGS_RETURN_IF_ERROR(check_whole(spec, config, options.run));
+  for (const std::string& warning : input.info.warnings) log().warn("{}", warning);
+  SGS_RETURN_IF_ERROR(prepare(config, options.run, folder, observer, stop, spec, input));
   SGS_ASSIGN_OR_RETURN(auto result,
                        execute(input, spec, config, options.run, folder, observer, stop));
   const bool complete = !result.stopped && result.input && !result.run.gaussians.empty();
@@ -67,9 +100,8 @@ Result<WholeRun> run_whole(Input& input, const InputSpec& spec, const RunConfig&
   score.threads = options.run.threads;
   // What a stream has sent is gone.
   const bool pictures = options.pictures && !result.stopped && !stream::is_stream(spec.input);
-  SGS_ASSIGN_OR_RETURN(auto scores, pictures
-                                        ? score_run(result.run, score, observer, stop)
-                                        : score_trajectory(result.run, score.association));
+  SGS_ASSIGN_OR_RETURN(auto scores, pictures ? score_run(result.run, score, observer, stop)
+                                             : score_trajectory(result.run, score.association));
   if (!scores.no_recording.empty()) log().warn("{}", scores.no_recording);
   for (const std::string& doubt : doubts_about_units(result.run, scores.metrics)) {
     log().warn("{}", doubt);

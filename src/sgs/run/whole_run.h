@@ -22,17 +22,24 @@ struct WholeRun {
   Scores scores;
 };
 
-/// Whether run_whole() can do that; to be asked before anything is opened. A map is refined from
-/// the recording, gone through once more: frames that come only once, and runs at the sensor's
-/// rate, are refused where `refine.steps_per_frame` asks for it.
+/// InputSpec::calibration where the input is to be calibrated from itself, before the run.
+inline constexpr const char* kCalibrateFirst = "auto";
+
+/// Whether run_whole() can do that; to be asked before anything is opened. To calibrate first, and
+/// to refine at the end (`refine.steps_per_frame`), the recording is gone through once more: frames
+/// that come only once are refused, and so is refining a run at the sensor's rate.
 Status check_whole(const InputSpec& spec, const RunConfig& config, const RunOptions& options);
 
-/// A run from its first frame to its scores: execute(), then refinement in the same folder if
-/// `refine.steps_per_frame` is not 0, then scores. Scores and the report are the caller's to write
-/// (report::save_scores()). A run that was stopped, or has no map, is not refined; its pictures,
-/// and those of a stream, are not scored. Doubts about the units of the input go to the log. Fails
-/// where check_whole() or execute() do, and where refinement does.
-Result<WholeRun> run_whole(Input& input, const InputSpec& spec, const RunConfig& config,
+/// open_input() for run_whole(): an input that is to be calibrated first is opened as it is.
+Result<Input> open_run_input(InputSpec spec, int threads, const std::stop_token& stop = {});
+
+/// A run from an open input to its scores: calibration where `spec` asks for it (kCalibrateFirst),
+/// execute(), then refinement in the same folder if `refine.steps_per_frame` is not 0, then scores.
+/// Scores and the report are the caller's to write (report::save_scores()). A run that was stopped,
+/// or has no map, is not refined; its pictures, and those of a stream, are not scored. Warnings
+/// about the input and doubts about its units go to the log. Fails where one of these steps does;
+/// what was computed until then is in the folder.
+Result<WholeRun> run_whole(Input& input, InputSpec spec, const RunConfig& config,
                            const WholeRunOptions& options, RunFolder& folder,
                            RunObserver& observer = RunObserver::nobody(),
                            const std::stop_token& stop = {});

@@ -6,8 +6,8 @@
 
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/temporary_folder.h"
-#include "sgs/runfolder/run_files.h"
 #include "sgs/run/test_observer.h"
+#include "sgs/runfolder/run_files.h"
 
 namespace sgs::run {
 namespace {
@@ -85,6 +85,9 @@ TEST(WholeRun, WhatComesOnlyOnceIsNotRefined) {
   EXPECT_TRUE(check_whole(spec, {}, options));
   spec.input = "live:tcp://127.0.0.1:1";
   EXPECT_FALSE(check_whole(spec, quick_quality(), {}));
+  EXPECT_TRUE(check_whole(spec, {}, {}));
+  spec.calibration = kCalibrateFirst;
+  EXPECT_FALSE(check_whole(spec, {}, {}));
 }
 
 TEST(WholeRun, AStopBeforeItIsRefinedLeavesAnUnfinishedRun) {

@@ -54,7 +54,7 @@ Journal::Lines Journal::new_lines(const std::filesystem::path& path, std::string
 }
 
 std::unique_ptr<Journal> Journal::resume(std::shared_ptr<FolderLock> lock,
-                                        std::vector<NamedWriter> opening) {
+                                         std::vector<NamedWriter> opening) {
   const auto folder = lock->folder();
   auto poses = journal_of_poses(folder);
   if (!poses) log().warn("what was tracked before is written anew: {}", poses.error().text());

@@ -38,7 +38,7 @@ class Journal {
   /// the first one on; those that are there already are not written twice, and none of them is gone
   /// at any moment.
   static std::unique_ptr<Journal> resume(std::shared_ptr<FolderLock> lock,
-                                        std::vector<NamedWriter> opening);
+                                         std::vector<NamedWriter> opening);
   /// Writes what is left.
   ~Journal();
   Journal(const Journal&) = delete;

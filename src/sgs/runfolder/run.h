@@ -11,13 +11,13 @@
 #include "sgs/eval/metrics.h"
 #include "sgs/eval/run_evaluator.h"
 #include "sgs/geometry/trajectory.h"
-#include "sgs/map/gaussian.h"
 #include "sgs/input/input.h"
+#include "sgs/map/gaussian.h"
 #include "sgs/runfolder/run_config.h"
 #include "sgs/runfolder/run_folder.h"
-#include "sgs/upright/upright.h"
 #include "sgs/slam/frame_record.h"
 #include "sgs/slam/session.h"
+#include "sgs/upright/upright.h"
 
 namespace sgs::run {
 
@@ -72,8 +72,8 @@ Trajectory view_poses(const Run& run);
 /// By how much later than its stamps say depth was measured, as the run held it to be in the end,
 /// calibration included; 0 where it never did.
 double learned_depth_delay_s(const Run& run);
-/// The rotation that turns the world of a run folder upright (upright/upright.h); an error where the
-/// folder does not say which way is up.
+/// The rotation that turns the world of a run folder upright (upright/upright.h); an error where
+/// the folder does not say which way is up.
 Result<SE3> load_run_upright(const std::filesystem::path& folder);
 /// The map of a run folder; that of an unfinished run is its last checkpoint.
 Result<map::SplatMap> load_run_map(const std::filesystem::path& folder);

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "sgs/refine/refine_config.h"
 #include "sgs/input/input.h"
+#include "sgs/refine/refine_config.h"
 #include "sgs/slam/session_config.h"
 
 namespace sgs::run {

@@ -339,9 +339,8 @@ map::SnapshotPtr Session::snapshot() { return worker_->newest_snapshot(); }
 Trajectory Session::trajectory() const {
   // Refined poses make better pictures, not a truer path (docs/decisions/0042-views.md), unless the
   // path was made in the refined map, or refining it was asked for.
-  const PoseCorrection to_world = tracker_->path_follows_refinement()
-                                      ? odom_to_world(worker_->keyframes())
-                                      : PoseCorrection();
+  const PoseCorrection to_world =
+      tracker_->path_follows_refinement() ? odom_to_world(worker_->keyframes()) : PoseCorrection();
   std::vector<StampedPose> poses;
   for (const FrameBrief& f : records_.briefs()) {
     if (f.bad) continue;

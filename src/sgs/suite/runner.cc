@@ -278,8 +278,8 @@ class Crew {
     const JobOutcome outcome = make_it(runner_, *item.job, claim);
     const bool failed = !outcome.well && !runner_.interrupted() && !claim.lost();
     report_unwritten(claim.finish(outcome.well ? ClaimState::kDone
-                                  : failed   ? ClaimState::kFailed
-                                             : ClaimState::kReleased));
+                                  : failed     ? ClaimState::kFailed
+                                               : ClaimState::kReleased));
     say("[{}/{}] {} exit {}{}\n", item.number, all_, outcome.made.string(), outcome.code,
         outcome.well ? "" : ": " + outcome.last_words);
     return outcome.well ? Step::kWell : Step::kBad;

@@ -7,8 +7,8 @@
 #include "sgs/api/map.h"
 #include "sgs/api/recording.h"
 #include "sgs/camera/rgbd_frame.h"
-#include "sgs/map/gaussian.h"
 #include "sgs/input/input.h"
+#include "sgs/map/gaussian.h"
 
 namespace sgs::api::internal {
 
