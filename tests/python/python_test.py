@@ -285,8 +285,12 @@ class Runs(WithSequence):
         config["mapper.iterations_per_frame"] = 1
         config["refine.least_steps"] = 10
         out = self.folder / "quality"
-        summary = sgs.run(self.room, config, output=out, frames="0:4", pictures=False)
-        self.assertGreater(summary.metrics["mapping_iterations"], 4)
+        steps = []
+        for per_frame in (0, config["refine.steps_per_frame"]):
+            config["refine.steps_per_frame"] = per_frame
+            summary = sgs.run(self.room, config, output=out, frames="0:4", pictures=False)
+            steps.append(summary.metrics["mapping_iterations"])
+        self.assertGreater(steps[1], steps[0])
         self.assertIn("steps_per_frame = 15", (out / "config.toml").read_text())
         with self.assertRaises(ValueError):
             sgs.run(self.room, config, output=out, frames="0:4", realtime=True)
