@@ -9,7 +9,7 @@
 #include "commands.h"
 #include "input_options.h"
 #include "sgs/core/print.h"
-#include "sgs/dataset/bag_source.h"
+#include "sgs/dataset/bags/bag_source.h"
 #include "sgs/dataset/imu.h"
 #include "sgs/eval/metrics.h"
 #include "sgs/input/input.h"

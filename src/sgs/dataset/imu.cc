@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sgs/dataset/bag_topics.h"
+#include "sgs/dataset/bags/bag_topics.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/text.h"
 

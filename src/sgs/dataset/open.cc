@@ -7,7 +7,7 @@
 #include "sgs/bag/bag.h"
 #include "sgs/camera/resample.h"
 #include "sgs/core/log.h"
-#include "sgs/dataset/bag_source.h"
+#include "sgs/dataset/bags/bag_source.h"
 #include "sgs/dataset/calibration_lookup.h"
 #include "sgs/dataset/file_sequence.h"
 #include "sgs/dataset/frame_list.h"

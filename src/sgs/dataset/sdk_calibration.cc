@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "sgs/bag/wire.h"
-#include "sgs/dataset/bag_topics.h"
+#include "sgs/dataset/bags/bag_topics.h"
 #include "sgs/io/text.h"
 
 namespace sgs::dataset {

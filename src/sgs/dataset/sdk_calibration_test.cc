@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sgs/dataset/test_bag.h"
+#include "sgs/dataset/bags/test_bag.h"
 
 namespace sgs::dataset {
 namespace {

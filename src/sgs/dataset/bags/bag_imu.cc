@@ -3,9 +3,9 @@
 #include <optional>
 
 #include "sgs/bag/messages.h"
-#include "sgs/dataset/bag_time.h"
-#include "sgs/dataset/bag_topics.h"
-#include "sgs/dataset/bag_transforms.h"
+#include "sgs/dataset/bags/bag_time.h"
+#include "sgs/dataset/bags/bag_topics.h"
+#include "sgs/dataset/bags/bag_transforms.h"
 #include "sgs/dataset/imu.h"
 
 namespace sgs::dataset {

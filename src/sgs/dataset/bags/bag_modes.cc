@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/dataset/bag_modes.h"
+#include "sgs/dataset/bags/bag_modes.h"
 
 #include <algorithm>
 #include <utility>
 #include <vector>
 
-#include "sgs/dataset/bag_order.h"
+#include "sgs/dataset/bags/bag_order.h"
 #include "sgs/dataset/sdk_calibration.h"
 
 namespace sgs::dataset {

@@ -9,11 +9,11 @@
 #include "sgs/bag/pictures.h"
 #include "sgs/camera/pair_rectifier.h"
 #include "sgs/camera/rgbd_frame.h"
-#include "sgs/dataset/bag_cameras.h"
-#include "sgs/dataset/bag_lens.h"
-#include "sgs/dataset/bag_modes.h"
-#include "sgs/dataset/bag_pairs.h"
-#include "sgs/dataset/bag_topics.h"
+#include "sgs/dataset/bags/bag_cameras.h"
+#include "sgs/dataset/bags/bag_lens.h"
+#include "sgs/dataset/bags/bag_modes.h"
+#include "sgs/dataset/bags/bag_pairs.h"
+#include "sgs/dataset/bags/bag_topics.h"
 
 namespace sgs::dataset {
 

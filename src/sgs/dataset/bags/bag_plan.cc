@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/dataset/bag_plan.h"
+#include "sgs/dataset/bags/bag_plan.h"
 
 #include <algorithm>
 #include <utility>
@@ -8,8 +8,8 @@
 
 #include "sgs/bag/messages.h"
 #include "sgs/bag/pictures.h"
-#include "sgs/dataset/bag_decoder.h"
-#include "sgs/dataset/bag_time.h"
+#include "sgs/dataset/bags/bag_decoder.h"
+#include "sgs/dataset/bags/bag_time.h"
 #include "sgs/dataset/frame_fit.h"
 #include "sgs/dataset/frame_list.h"
 #include "sgs/io/calibration_io.h"

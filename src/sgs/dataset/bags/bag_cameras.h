@@ -11,7 +11,7 @@
 #include "sgs/bag/pictures.h"
 #include "sgs/camera/pinhole.h"
 #include "sgs/core/error.h"
-#include "sgs/dataset/bag_topics.h"
+#include "sgs/dataset/bags/bag_topics.h"
 #include "sgs/dataset/open.h"
 #include "sgs/geometry/se3.h"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/dataset/bag_source.h"
+#include "sgs/dataset/bags/bag_source.h"
 
 #include <algorithm>
 #include <memory>
@@ -10,12 +10,12 @@
 #include "sgs/bag/messages.h"
 #include "sgs/bag/pictures.h"
 #include "sgs/core/log.h"
-#include "sgs/dataset/bag_decoder.h"
-#include "sgs/dataset/bag_pairs.h"
-#include "sgs/dataset/bag_plan.h"
-#include "sgs/dataset/bag_time.h"
-#include "sgs/dataset/bag_topics.h"
-#include "sgs/dataset/bag_truth.h"
+#include "sgs/dataset/bags/bag_decoder.h"
+#include "sgs/dataset/bags/bag_pairs.h"
+#include "sgs/dataset/bags/bag_plan.h"
+#include "sgs/dataset/bags/bag_time.h"
+#include "sgs/dataset/bags/bag_topics.h"
+#include "sgs/dataset/bags/bag_truth.h"
 #include "sgs/dataset/frame_fit.h"
 #include "sgs/dataset/frame_list.h"
 #include "sgs/dataset/prefetch.h"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/dataset/bag_transforms.h"
+#include "sgs/dataset/bags/bag_transforms.h"
 
 #include <algorithm>
 #include <limits>

@@ -8,10 +8,10 @@
 
 #include "sgs/bag/bag.h"
 #include "sgs/core/error.h"
-#include "sgs/dataset/bag_cameras.h"
-#include "sgs/dataset/bag_clock.h"
-#include "sgs/dataset/bag_pairs.h"
-#include "sgs/dataset/bag_topics.h"
+#include "sgs/dataset/bags/bag_cameras.h"
+#include "sgs/dataset/bags/bag_clock.h"
+#include "sgs/dataset/bags/bag_pairs.h"
+#include "sgs/dataset/bags/bag_topics.h"
 #include "sgs/dataset/open.h"
 
 namespace sgs::dataset {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/dataset/bag_time.h"
+#include "sgs/dataset/bags/bag_time.h"
 
 #include <fmt/format.h>
 

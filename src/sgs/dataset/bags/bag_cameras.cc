@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/dataset/bag_cameras.h"
+#include "sgs/dataset/bags/bag_cameras.h"
 
 #include <array>
 #include <cmath>
 
-#include "sgs/dataset/bag_lens.h"
-#include "sgs/dataset/bag_modes.h"
-#include "sgs/dataset/bag_transforms.h"
+#include "sgs/dataset/bags/bag_lens.h"
+#include "sgs/dataset/bags/bag_modes.h"
+#include "sgs/dataset/bags/bag_transforms.h"
 #include "sgs/dataset/sdk_calibration.h"
 #include "sgs/io/text.h"
 

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "sgs/dataset/bag_pairs.h"
-#include "sgs/dataset/bag_time.h"
-#include "sgs/dataset/bag_transforms.h"
+#include "sgs/dataset/bags/bag_pairs.h"
+#include "sgs/dataset/bags/bag_time.h"
+#include "sgs/dataset/bags/bag_transforms.h"
+#include "sgs/dataset/bags/test_bag.h"
 #include "sgs/dataset/imu.h"
-#include "sgs/dataset/test_bag.h"
 
 namespace sgs::dataset {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "sgs/bag/bag.h"
 #include "sgs/core/error.h"
-#include "sgs/dataset/bag_order.h"
+#include "sgs/dataset/bags/bag_order.h"
 
 namespace sgs::dataset {
 

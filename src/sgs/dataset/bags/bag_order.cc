@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/dataset/bag_order.h"
+#include "sgs/dataset/bags/bag_order.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/dataset/bag_truth.h"
+#include "sgs/dataset/bags/bag_truth.h"
 
 #include <vector>
 
 #include "sgs/bag/messages.h"
-#include "sgs/dataset/bag_time.h"
-#include "sgs/dataset/bag_topics.h"
-#include "sgs/dataset/bag_transforms.h"
+#include "sgs/dataset/bags/bag_time.h"
+#include "sgs/dataset/bags/bag_topics.h"
+#include "sgs/dataset/bags/bag_transforms.h"
 
 namespace sgs::dataset {
 namespace {
