@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kBareFps = 30;
-constexpr double kMaxDifference_s = 0.02;
+constexpr double kMaxPairDifference_s = 0.02;
 
 /// The first folder of these names that has images.
 template <std::size_t N>
@@ -78,7 +78,7 @@ Result<FrameList> list_bare(const fs::path& folder) {
   if (const auto unit = named_by_time(timed_color, color.size(), timed_depth, depth.size())) {
     in_seconds(timed_color, *unit);
     in_seconds(timed_depth, *unit);
-    pair_by_time(timed_color, timed_depth, kMaxDifference_s, out);
+    pair_by_time(timed_color, timed_depth, kMaxPairDifference_s, out);
   } else {
     pair_by_number(by_number(color), by_number(depth), kBareFps, out);
     out.warnings.push_back(fmt::format(
