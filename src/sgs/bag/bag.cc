@@ -69,8 +69,24 @@ std::string kind_of(const fs::path& path) {
   return known ? extension : "";
 }
 
+/// What a file's first bytes say it is; empty where they say nothing.
+std::string kind_by_content(const fs::path& path) {
+  using namespace std::string_view_literals;
+  constexpr std::pair<std::string_view, const char*> kBeginnings[] = {
+      {"#ROSBAG", ".bag"}, {"\x89MCAP0", ".mcap"}, {"SQLite format 3\0"sv, ".db3"}};
+  constexpr std::uint64_t kBeginning_bytes = 16;
+  auto file = ByteFile::open(path);
+  if (!file) return "";
+  const auto text = file->view(0, std::min(file->size(), kBeginning_bytes));
+  for (const auto& [begins, kind] : kBeginnings) {
+    if (text && text->starts_with(begins)) return kind;
+  }
+  return "";
+}
+
 Result<std::unique_ptr<Bag>> open_bag_file(const fs::path& path) {
-  const std::string kind = kind_of(path);
+  const std::string named = kind_of(path), found = named.empty() ? "" : kind_by_content(path);
+  const std::string& kind = found.empty() ? named : found;
   if (kind == ".mcap") return open_mcap(path);
   if (kind == ".db3") return open_db3(path);
   if (kind == ".bag") return open_rosbag1(path);
@@ -247,9 +263,15 @@ Result<std::unique_ptr<Bag>> open_bag(const fs::path& path) {
   return found ? std::move(found) : std::move(listed);
 }
 
-Result<std::unique_ptr<Bag>> open_bags(const std::vector<fs::path>& files) {
-  SGS_CHECK(!files.empty(), "a recording has files");
-  if (files.size() == 1) return open_bag(files.front());
+Result<std::unique_ptr<Bag>> open_bags(const std::vector<fs::path>& paths) {
+  SGS_CHECK(!paths.empty(), "a recording has files");
+  if (paths.size() == 1) return open_bag(paths.front());
+  std::vector<fs::path> files;
+  for (const fs::path& path : paths) {
+    const auto inside = bag_files(path);
+    if (inside.empty()) files.push_back(path);
+    files.insert(files.end(), inside.begin(), inside.end());
+  }
   SGS_RETURN_IF_ERROR(check_kinds(files));
   std::vector<Part> parts;
   for (const fs::path& file : files) {

@@ -11,6 +11,8 @@
 #include <system_error>
 #include <utility>
 
+#include "sgs/io/foreign_content.h"
+
 namespace sgs::bag {
 namespace {
 
@@ -26,7 +28,8 @@ Result<ByteFile> ByteFile::open(const std::filesystem::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) {
     return fail(errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo,
-                fmt::format("{}: {}", path.string(), system_reason()));
+                fmt::format("{}: {}", path.string(), system_reason()),
+                errno == EACCES ? "you may not read it: `chmod u+r` gives you the right" : "");
   }
   struct stat status {};
   ByteFile file(path, descriptor, 0);
@@ -86,6 +89,17 @@ Result<std::string_view> ByteFile::view(std::uint64_t offset, std::uint64_t byte
     }
   }
   return std::string_view(buffer_).substr(offset - buffer_at_, bytes);
+}
+
+tl::unexpected<Error> not_of_its_name(ByteFile& file, const std::string& expected) {
+  constexpr std::uint64_t kBeginning_bytes = 64;
+  const auto begin = file.view(0, std::min(file.size(), kBeginning_bytes));
+  const auto foreign = begin ? io::foreign_content(*begin, file.path()) : std::nullopt;
+  return fail(ErrorCode::kInvalidFormat,
+              fmt::format("{}: not {}{}", file.path().string(), expected,
+                          foreign ? ", but " + foreign->what : ""),
+              foreign ? foreign->remedy
+                      : "copy or download it again: a file of this kind begins otherwise");
 }
 
 }  // namespace sgs::bag

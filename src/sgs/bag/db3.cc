@@ -168,8 +168,7 @@ Result<std::unique_ptr<Bag>> open_db3(const std::filesystem::path& path) {
   const auto head = file.view(0, std::min(file.size(), kHeadBytes));
   if (!head) return tl::unexpected(head.error());
   if (!head->starts_with(kSqliteMagic)) {
-    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: not a SQLite file", path.string()),
-                "is the file whole, and its name right?");
+    return not_of_its_name(file, "a SQLite file");
   }
   auto bag = std::make_unique<Db3>(path);
   SGS_RETURN_IF_ERROR(bag->open(*head));

@@ -150,6 +150,7 @@ Result<Sequence> open_bag_as_sequence(std::unique_ptr<bag::Bag> bag, const fs::p
   Sequence sequence;
   SequenceInfo& info = sequence.info;
   info.folder = path;
+  info.more_files = options.more_files;
   info.warnings = bag->warnings();
   SGS_ASSIGN_OR_RETURN(BagPlan plan, plan_bag(*bag, path, options));
   info.first_time_s = plan.first_time_s;

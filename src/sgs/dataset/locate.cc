@@ -133,13 +133,24 @@ bool looks_like_sequence(const fs::path& folder) {
   }
 }
 
+bool lies_beside_recording(const fs::path& file) {
+  const std::string name = file.filename().string();
+  if (name.empty() || name == "." || name == "..") return false;
+  return is_left_behind(file) || name == "metadata.yaml" || name.ends_with("-wal") ||
+         name.ends_with("-shm") || name.ends_with("-journal");
+}
+
 Result<Location> locate_recording(const fs::path& input) {
   std::error_code error;
   if (!fs::exists(input, error)) {
     return fail(ErrorCode::kNotFound, fmt::format("{}: no such file or folder", input.string()),
                 "give the folder of an RGB-D sequence, a bag, or synth:NAME");
   }
-  if (!fs::is_directory(input, error)) return Location{input, bag::looks_like_bag(input)};
+  if (!fs::is_directory(input, error)) {
+    const fs::path folder = fs::absolute(input, error).parent_path();
+    const bool list = input.filename() == "metadata.yaml" && bag::looks_like_bag(folder);
+    return list ? Location{folder, true} : Location{input, bag::looks_like_bag(input)};
+  }
   if (is_bag_folder(input)) return Location{input, true};
   if (has_layout(input)) return Location{input, false};
   constexpr int kDeeper = 1;

@@ -316,7 +316,7 @@ Result<Sequence> open_sequence(const fs::path& input, const OpenOptions& options
   SGS_RETURN_IF_ERROR(check_options(options));
   SGS_ASSIGN_OR_RETURN(const Location found, locate_recording(input));
   for (const fs::path& file : options.more_files) {
-    if (found.is_bag && bag::looks_like_bag(file)) continue;
+    if (found.is_bag && (bag::looks_like_bag(file) || !bag::bag_files(file).empty())) continue;
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("{} and {}: only bags can be given in several files", input.string(),
                             file.string()),

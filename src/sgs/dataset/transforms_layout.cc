@@ -56,6 +56,10 @@ std::optional<PinholeCamera> transforms_camera(const Json& frame, const Json& al
 Result<Distortion> transforms_distortion(const fs::path& path, const Json& json) {
   const auto number = [&](const char* key) { return json.value(key, 0.0); };
   const std::string model = json.value("camera_model", "OPENCV");
+  if (model == "OPENCV_FISHEYE") {
+    const std::array k = {number("k1"), number("k2"), number("k3"), number("k4")};
+    return *Distortion::from_coefficients(k, LensModel::kFisheye);
+  }
   const bool known = model == "OPENCV" || model == "PINHOLE" || model == "SIMPLE_PINHOLE" ||
                      model == "SIMPLE_RADIAL" || model == "RADIAL" || model == "PERSPECTIVE";
   if (!known || number("k4") != 0) {

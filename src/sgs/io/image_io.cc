@@ -8,6 +8,7 @@
 #include <string>
 
 #include "sgs/io/atomic_file.h"
+#include "sgs/io/foreign_content.h"
 #include "sgs/io/image_decoder.h"
 #include "sgs/io/image_encoder.h"
 #include "sgs/io/image_stream.h"
@@ -35,8 +36,11 @@ Result<Encoded> checked_stream(std::string bytes, const std::string& name) {
                 "copy or record the image again");
   }
   if (encoded.check.kind == StreamCheck::Kind::kUnknown) {
-    return fail(ErrorCode::kUnsupported, fmt::format("{}: neither PNG nor JPEG", name),
-                "convert the images to PNG or JPEG");
+    const auto foreign = foreign_content(encoded.bytes);
+    return fail(
+        foreign && encoded.bytes.empty() ? ErrorCode::kInvalidFormat : ErrorCode::kUnsupported,
+        fmt::format("{}: {}", name, foreign ? foreign->what : "neither PNG nor JPEG"),
+        foreign ? foreign->remedy : "convert the images to PNG or JPEG");
   }
   // A few hundred kilobytes can announce gigabytes of pixels.
   const std::int64_t pixels = std::int64_t{encoded.check.width} * encoded.check.height;
