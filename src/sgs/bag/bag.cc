@@ -250,10 +250,31 @@ std::vector<fs::path> bag_files(const fs::path& folder) {
   return files;
 }
 
+/// The recordings in a folder of which metadata.yaml says nothing: the recorder did not finish it.
+static std::vector<std::string> unlisted(const fs::path& folder) {
+  std::vector<std::string> names;
+  const auto metadata = read_metadata(folder / kRosbag2Metadata);
+  if (!metadata) return names;
+  const auto listed = [&](const std::string& name) {
+    return std::any_of(metadata->files.begin(), metadata->files.end(), [&](const fs::path& file) {
+      return file.filename() == name || file.stem() == name;  // unpacked by hand
+    });
+  };
+  for (const fs::path& file : bag_files(folder)) {
+    if (!listed(file.filename().string())) names.push_back(file.filename().string());
+  }
+  return names;
+}
+
 Result<std::unique_ptr<Bag>> open_bag(const fs::path& path) {
   std::error_code error;
   if (!fs::is_directory(path, error)) return open_bag_file(path);
   if (!is_rosbag2_folder(path)) return open_bag_folder(path, {});
+  if (const auto names = unlisted(path); !names.empty()) {
+    auto all = open_bag_folder(path, fmt::format("{} does not name {}, read as well",
+                                                 kRosbag2Metadata, fmt::join(names, ", ")));
+    if (all) return all;
+  }
   auto listed = open_rosbag2_folder(path);
   // A list that the recorder did not finish is no reason to leave the files.
   const bool other = !listed && listed.error().code != ErrorCode::kUnsupported;

@@ -206,13 +206,15 @@ Result<Relation> find_relation(const Bag& bag, const BagTopics& topics, const Op
     SGS_ASSIGN_OR_RETURN(auto recorded, recorded_relation(bag, topics, warnings));
     if (recorded) return std::move(*recorded);
   }
+  const std::string left_out =
+      warnings.empty() ? "" : fmt::format(" ({})", fmt::join(warnings, "; "));
   return fail(
       ErrorCode::kInvalidArgument,
       fmt::format(
           "{} (frame '{}') is not registered to {} (frame '{}'), and the recording does not "
-          "say how the two cameras stand to each other: no /tf_static between the frames, "
-          "no extrinsics topic",
-          depth, topics.depth.frame_id, color, topics.color.frame_id),
+          "say how the two cameras stand to each other: no usable /tf_static between the frames, "
+          "no extrinsics topic{}",
+          depth, topics.depth.frame_id, color, topics.color.frame_id, left_out),
       "give --extrinsics tx,ty,tz,qx,qy,qz,qw (depth to colour), or --extrinsics aligned if depth "
       "is registered; or record an aligned depth topic");
 }

@@ -10,8 +10,13 @@
 namespace sgs::dataset {
 namespace {
 
-/// What lies further back in time than this is of another pass of the clock, not late.
-constexpr std::int64_t kLatest_ns = 1'000'000'000;
+/// What lies further back in time than this is of another pass of the clock, not late: the images
+/// of one camera come in their order.
+constexpr std::int64_t kLatest_ns = 300'000'000;
+/// The longest step between two images that follow each other.
+constexpr std::int64_t kLongestStep_ns = 1'000'000'000;
+/// No recording has a pause of eleven days: what lies alone before or after one has no time.
+constexpr std::int64_t kAge_ns = 1'000'000'000'000'000;
 /// So many rising times in a row, all of them far back, are a clock that was set back.
 constexpr std::size_t kSure = 3;
 
@@ -58,7 +63,7 @@ bool MessageOrder::last_is_stray(std::int64_t time_ns) const {
   if (waiting_.empty() || time_ns >= waiting_.back().time_ns - kLatest_ns) return false;
   const auto before_ns =
       waiting_.size() > 1 ? std::optional(waiting_[waiting_.size() - 2].time_ns) : last_ns_;
-  return before_ns && time_ns > *before_ns && time_ns <= *before_ns + kLatest_ns;
+  return before_ns && time_ns > *before_ns && time_ns <= *before_ns + kLongestStep_ns;
 }
 
 /// Keeps what came before something already taken, until it is clear what that means.
@@ -121,12 +126,44 @@ void MessageOrder::begin_stretch() {
   behind_.clear();
 }
 
+void MessageOrder::leave_out(std::size_t place, std::int64_t neighbour_ns) {
+  const std::int64_t time_ns = waiting_[place].time_ns;
+  waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(place));
+  ++out_of_order_;
+  note(
+      {ErrorCode::kInvalidFormat,
+       fmt::format("the stamp of an image, {:.6f} s, has nothing to do with that of its neighbour, "
+                   "{:.6f} s",
+                   seconds(time_ns), seconds(neighbour_ns)),
+       ""});
+}
+
+void MessageOrder::leave_out_strays() {
+  constexpr std::size_t kMost = 3;
+  const auto gap_before = [&](std::size_t i) {
+    return waiting_[i].time_ns - waiting_[i - 1].time_ns > kAge_ns;
+  };
+  if (!begun_ && !waiting_.empty()) {
+    begun_ = true;
+    for (std::size_t i = std::min(kMost, waiting_.size() - 1); i > 0; --i) {
+      if (!gap_before(i) || waiting_.size() - i <= i) continue;
+      while (i-- > 0) leave_out(0, waiting_[1].time_ns);
+      break;
+    }
+  }
+  if (!ended_ || waiting_.empty()) return;
+  const std::int64_t before_ns = waiting_.size() > 1 ? waiting_[waiting_.size() - 2].time_ns
+                                                     : last_ns_.value_or(waiting_.back().time_ns);
+  if (waiting_.back().time_ns - before_ns > kAge_ns) leave_out(waiting_.size() - 1, before_ns);
+}
+
 void MessageOrder::fill() {
   if (next_stretch_ && waiting_.empty()) begin_stretch();
   while (!ended_ && !next_stretch_ && waiting_.size() < kAhead) {
     read_one();
     if (next_stretch_ && waiting_.empty()) begin_stretch();
   }
+  leave_out_strays();
 }
 
 MessageOrder::Waiting MessageOrder::take() {
