@@ -49,7 +49,10 @@ class Lenses(Found):
         inside = (su >= 0) & (su <= w - 2) & (sv >= 0) & (sv <= h - 2)
         u0, v0 = (np.clip(np.floor(a).astype(int), 0, n - 2) for a, n in ((su, w), (sv, h)))
         a, b = (su - u0)[..., None], (sv - v0)[..., None]
-        nearest = (np.clip(np.rint(sv).astype(int), 0, h - 1), np.clip(np.rint(su).astype(int), 0, w - 1))
+        nearest = (
+            np.clip(np.rint(sv).astype(int), 0, h - 1),
+            np.clip(np.rint(su).astype(int), 0, w - 1),
+        )
         color, depth = [], []
         for c, d in zip(self.r.color, self.r.depth):
             c = c.astype(float)
@@ -131,8 +134,12 @@ class Lenses(Found):
         for name, text, word in (
             ("two.yaml", "cam0: {}\ncam1: {}\n", "several cameras"),
             ("none.yaml", "a: b\n", "no focal lengths"),
-            ("odd.yaml", "camera_matrix: {data: [1, 0, 1, 0, 1, 1, 0, 0, 1]}\n"
-             "distortion_model: ftheta\ndistortion_coefficients: {data: [1, 2]}\n", "ftheta"),
+            (
+                "odd.yaml",
+                "camera_matrix: {data: [1, 0, 1, 0, 1, 1, 0, 0, 1]}\n"
+                "distortion_model: ftheta\ndistortion_coefficients: {data: [1, 2]}\n",
+                "ftheta",
+            ),
             ("torn.yaml", "camera_matrix: [", "torn.yaml"),
         ):
             foreign.put(self.folder / name, text)
@@ -227,7 +234,9 @@ class Clocks(Found):
     def test_stamps_of_another_age_cost_their_images(self):
         for name, odd in (("first", (0,)), ("three", (0, 1, 2)), ("last", (FRAMES - 1,))):
             with self.subTest(name):
-                other = lambda i, ns: (ns + 3 * 10**17 if name == "last" else i) if i in odd else ns
+                other = (
+                    lambda i, ns: (ns + 3 * 10**17 if name == "last" else i) if i in odd else ns
+                )
                 path, log = self.track(self.moved(other, f"{name}.db3"))
                 self.assertEqual(len(path), FRAMES - len(odd), log)
                 self.assertLess(path[-1, 0] - path[0, 0], 1)
@@ -246,13 +255,18 @@ class Clocks(Found):
         shutil.copytree(self.shared / "tum", folder)
         for file in ("rgb.txt", "depth.txt"):
             rows = [l.split() for l in (folder / file).read_text().splitlines() if l[0] != "#"]
-            text = "".join(f"{time_of(i, self.r.times[i])} {row[1]}\n" for i, row in enumerate(rows))
+            text = "".join(
+                f"{time_of(i, self.r.times[i])} {row[1]}\n" for i, row in enumerate(rows)
+            )
             (folder / file).write_text(text)
         return folder
 
     def test_lists_of_device_clocks_and_of_counts(self):
         for word, time_of in (
-            ("nanoseconds", lambda i, t: round(t * 1e9) + 123_456_789_012),  # since it was plugged in
+            (
+                "nanoseconds",
+                lambda i, t: round(t * 1e9) + 123_456_789_012,
+            ),  # since it was plugged in
             ("frame numbers", lambda i, t: f"{i}.0"),
         ):
             folder = self.lists(word.replace(" ", "_"), time_of)
