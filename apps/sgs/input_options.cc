@@ -46,7 +46,9 @@ CLI::Option* add_input_and_output(CLI::App& app, run::InputSpec& input, std::str
 }
 
 void add_recording_options(CLI::App& app, run::InputSpec& input) {
-  app.add_option("--camera", input.camera, "fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]]");
+  app.add_option("--camera", input.camera,
+                 "fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]] or fx,fy,cx,cy,fisheye,k1,k2,k3,k4, or a "
+                 "calibration of ROS, OpenCV, Kalibr, ORB-SLAM or Open3D (YAML, JSON)");
   app.add_option("--depth-scale", input.depth_scale, "Raw depth units per metre")
       ->check(CLI::PositiveNumber);
   app.add_option("--max-width", input.max_width,

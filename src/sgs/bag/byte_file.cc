@@ -34,7 +34,8 @@ Result<ByteFile> ByteFile::open(const std::filesystem::path& path) {
   struct stat status {};
   ByteFile file(path, descriptor, 0);
   if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
-    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: not a file", path.string()));
+    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: not a file", path.string()),
+                "give the file of the recording, no pipe or device");
   }
   file.size_ = static_cast<std::uint64_t>(status.st_size);
   return file;
@@ -68,7 +69,8 @@ Result<std::string_view> ByteFile::view(std::uint64_t offset, std::uint64_t byte
   if (bytes > kLargestPiece_bytes) {
     return fail(ErrorCode::kUnsupported,
                 fmt::format("{}: a record of {} bytes at byte {} is larger than {}", path_.string(),
-                            bytes, offset, kLargestPiece_bytes));
+                            bytes, offset, kLargestPiece_bytes),
+                "the file is damaged; copy or record it again");
   }
   const bool there = offset >= buffer_at_ && offset + bytes <= buffer_at_ + buffer_.size();
   if (!there) {

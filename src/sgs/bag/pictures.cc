@@ -235,7 +235,9 @@ Result<DepthImage> decode_depth(const CompressedImageMessage& image, const Depth
   Bytes config(image.data);
   config.number<std::int32_t>();
   const auto a = config.number<float>(), b = config.number<float>();
-  if (!config.ok()) return fail(ErrorCode::kInvalidFormat, "a compressed depth that is too short");
+  if (!config.ok())
+    return fail(ErrorCode::kInvalidFormat, "a compressed depth that is too short",
+                "the recording is damaged");
   std::string png(image.data.substr(kConfigBytes));
   if (image.format.find("32FC1") != std::string::npos) {
     return decode_inverse_depth(std::move(png), a, b);
