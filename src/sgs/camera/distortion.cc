@@ -8,7 +8,7 @@
 namespace sgs {
 namespace {
 
-constexpr double kFarthest = 5.67;  // tan of 80 degrees
+constexpr double kWidestTangent = 5.67;  // tan of 80 degrees
 constexpr int kMaxSteps = 50;
 constexpr double kTolerance = 1e-12;  // of coordinates of the order 1
 
@@ -59,7 +59,7 @@ double Distortion::fold_radius() const {
     return below > 0 ? r * (1 + r2 * (k1 + r2 * (k2 + r2 * k3))) / below : 0;
   };
   double before = 0;
-  for (double r = kStep; r <= kFarthest; r += kStep) {
+  for (double r = kStep; r <= kWidestTangent; r += kStep) {
     const double pictured = pictured_at(r);
     if (!(pictured > before)) return r - kStep;
     before = pictured;
@@ -80,7 +80,7 @@ std::optional<Eigen::Vector2d> Distortion::invert_fisheye(const Eigen::Vector2d&
     const double miss = pictured_angle(theta) - pictured;
     if (std::abs(miss) < kTolerance) {
       const double r = std::tan(theta);
-      if (!(theta > 0 && theta < M_PI_2 && r <= kFarthest)) return std::nullopt;
+      if (!(theta > 0 && theta < M_PI_2 && r <= kWidestTangent)) return std::nullopt;
       return Eigen::Vector2d(r / pictured * distorted);
     }
     theta -= miss / slope;

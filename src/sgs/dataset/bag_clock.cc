@@ -49,7 +49,7 @@ bool tells_apart(const std::vector<std::int64_t>& times) {
 }
 
 /// So many images tell whether their times do.
-constexpr std::size_t kEnough = 4;
+constexpr std::size_t kEnoughTimes = 4;
 
 bool all_zero(const std::vector<std::int64_t>& times) {
   return std::all_of(times.begin(), times.end(), [](std::int64_t t) { return t == 0; });
@@ -59,7 +59,7 @@ bool all_zero(const std::vector<std::int64_t>& times) {
 std::string useless(const FirstTimes& times, const char* what) {
   if (times.stamps_ns.empty()) return "";
   if (all_zero(times.stamps_ns)) return fmt::format("the {} images have no time stamps", what);
-  const bool collapsed = times.stamps_ns.size() >= kEnough && !tells_apart(times.stamps_ns) &&
+  const bool collapsed = times.stamps_ns.size() >= kEnoughTimes && !tells_apart(times.stamps_ns) &&
                          tells_apart(times.received_ns);
   if (!collapsed) return "";
   return fmt::format("{} of the first {} images share {} time stamps", times.stamps_ns.size(), what,
@@ -100,7 +100,7 @@ Result<ClockChoice> choose_clock(const bag::Bag& bag, const BagTopics& topics, S
   }
   const bool stamps = choice.clock == BagClock::kStamp;
   const std::vector<std::int64_t>& times = stamps ? color.stamps_ns : color.received_ns;
-  if (!stamps && times.size() >= kEnough && !tells_apart(times)) {
+  if (!stamps && times.size() >= kEnoughTimes && !tells_apart(times)) {
     return fail(
         ErrorCode::kInvalidFormat,
         fmt::format("{} of the first {} colour images share {} times of recording, so these "

@@ -14,7 +14,7 @@ namespace {
 /// of one camera come in their order.
 constexpr std::int64_t kLatest_ns = 300'000'000;
 /// The longest step between two images that follow each other.
-constexpr std::int64_t kLongestStep_ns = 1'000'000'000;
+constexpr std::int64_t kLongestPause_ns = 1'000'000'000;
 /// No recording has a pause of eleven days: what lies alone before or after one has no time.
 constexpr std::int64_t kAge_ns = 1'000'000'000'000'000;
 /// So many rising times in a row, all of them far back, are a clock that was set back.
@@ -63,7 +63,7 @@ bool MessageOrder::last_is_stray(std::int64_t time_ns) const {
   if (waiting_.empty() || time_ns >= waiting_.back().time_ns - kLatest_ns) return false;
   const auto before_ns =
       waiting_.size() > 1 ? std::optional(waiting_[waiting_.size() - 2].time_ns) : last_ns_;
-  return before_ns && time_ns > *before_ns && time_ns <= *before_ns + kLongestStep_ns;
+  return before_ns && time_ns > *before_ns && time_ns <= *before_ns + kLongestPause_ns;
 }
 
 /// Keeps what came before something already taken, until it is clear what that means.

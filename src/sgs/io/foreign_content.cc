@@ -14,7 +14,7 @@ namespace {
 
 using namespace std::string_view_literals;
 
-constexpr std::size_t kLooked_bytes = 64;
+constexpr std::size_t kTelling_bytes = 64;
 
 struct Kind {
   std::string_view begins;
@@ -54,7 +54,7 @@ std::optional<ForeignContent> foreign_content(std::string_view bytes,
   if (bytes.empty()) {
     return ForeignContent{"empty, a file of 0 bytes", "copy, download or record it again"};
   }
-  const std::string text = lower_case(std::string(bytes.substr(0, kLooked_bytes)));
+  const std::string text = lower_case(std::string(bytes.substr(0, kTelling_bytes)));
   if (text.starts_with("version https://git-lfs")) {
     return ForeignContent{"a pointer of Git LFS, not the file itself",
                           "fetch the files with `git lfs pull` in that repository"};

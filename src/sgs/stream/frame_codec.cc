@@ -19,7 +19,7 @@ static_assert(sizeof(Rgb8) == 3 && std::is_trivially_copyable_v<Rgb8>);
 
 constexpr double kNoMeasurement = 65535;
 constexpr int kSentJpegQuality = 92;
-constexpr const char* kHelp = "the sender must keep to docs/stream.md";
+constexpr const char* kKeepToIt = "the sender must keep to docs/stream.md";
 
 template <class T>
 Result<Image<T>> image_of(const std::string& bytes, const PinholeCamera& camera, const char* what) {
@@ -29,7 +29,7 @@ Result<Image<T>> image_of(const std::string& bytes, const PinholeCamera& camera,
     return fail(ErrorCode::kInvalidFormat,
                 fmt::format("{} has {} bytes where {}x{} pixels take {}", what, bytes.size(),
                             camera.width, camera.height, expected),
-                kHelp);
+                kKeepToIt);
   }
   Image<T> image(camera.width, camera.height);
   std::memcpy(image.data(), bytes.data(), bytes.size());
@@ -47,7 +47,7 @@ Status check_size(const Image<T>& image, const PinholeCamera& camera, const char
   return fail(ErrorCode::kInvalidFormat,
               fmt::format("{} is {}x{} but the greeting said {}x{}", what, image.width(),
                           image.height(), camera.width, camera.height),
-              kHelp);
+              kKeepToIt);
 }
 
 Result<ColorImage> color_of(Packet& packet, const Hello& hello) {
@@ -104,7 +104,7 @@ Status FrameDecoder::decode(Packet packet, RgbdFrame& frame) {
   frame.depth_delay_s = packet.depth_delay_s;
   frame.given_T_world_camera = packet.given_T_world_camera;
   if (!std::isfinite(packet.timestamp_s) || !std::isfinite(packet.depth_delay_s)) {
-    return fail(ErrorCode::kInvalidFormat, "its time is not a number", kHelp);
+    return fail(ErrorCode::kInvalidFormat, "its time is not a number", kKeepToIt);
   }
   SGS_ASSIGN_OR_RETURN(auto color, color_of(packet, hello_));
   SGS_ASSIGN_OR_RETURN(auto depth, depth_of(packet, hello_));
