@@ -101,16 +101,15 @@ Result<ClockChoice> choose_clock(const bag::Bag& bag, const BagTopics& topics, S
   const bool stamps = choice.clock == BagClock::kStamp;
   const std::vector<std::int64_t>& times = stamps ? color.stamps_ns : color.received_ns;
   if (!stamps && times.size() >= kEnoughTimes && !tells_apart(times)) {
+    const bool other_clock = option == Stamps::kReceived && problem.empty();
     return fail(
         ErrorCode::kInvalidFormat,
-        fmt::format("{} of the first {} colour images share {} times of recording, so these "
-                    "do not tell them apart{}",
-                    times.size(), times.size(), different(times),
-                    of_color.empty() ? "" : ", nor do their stamps"),
-        of_color.empty()
-            ? "the stamps do: leave out --stamps"
-            : "save the images into two folders, and describe them in an sgs.toml with "
-              "sequence.match = \"order\" and sequence.fps");
+        fmt::format("{} colour images share {} times of recording, so these do not tell them "
+                    "apart{}",
+                    times.size(), different(times), other_clock ? "" : "; " + problem),
+        other_clock ? "the stamps do: leave out --stamps"
+                    : "save the images into two folders, and describe them in an sgs.toml "
+                      "with sequence.match = \"order\" and sequence.fps");
   }
   choice.median_step_s = 1e-9 * median_step({times.begin(), times.end()});
   return choice;
