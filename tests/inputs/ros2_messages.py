@@ -89,6 +89,7 @@ def write_db3(path, messages):
     """Messages (topic, type, time of recording in ns, bytes) as rosbag2's storage has them."""
     path = pathlib.Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
+    path.unlink(missing_ok=True)
     base = sqlite3.connect(path)
     base.executescript(
         "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT,"

@@ -66,14 +66,21 @@ bool MessageOrder::last_is_stray(std::int64_t time_ns) const {
   return before_ns && time_ns > *before_ns && time_ns <= *before_ns + kLongestPause_ns;
 }
 
+/// Whether a time is the next of those that are kept behind.
+bool MessageOrder::follows_behind(std::int64_t time_ns) const {
+  if (behind_.empty()) return false;
+  const std::int64_t step_ns = time_ns - behind_.back().time_ns;
+  return step_ns > 0 && step_ns <= kLongestPause_ns;
+}
+
 /// Keeps what came before something already taken, until it is clear what that means.
 void MessageOrder::put_behind(Waiting next) {
   const std::int64_t newest_ns =
       waiting_.empty() ? last_ns_.value_or(next.time_ns) : waiting_.back().time_ns;
   const bool far = next.time_ns < newest_ns - kLatest_ns;
-  const bool goes_on = behind_.empty() || next.time_ns > behind_.back().time_ns;
-  if (!far || !goes_on) give_up_late();
-  if (!far) {
+  if (!follows_behind(next.time_ns)) give_up_late();
+  // What follows the beginning of a stretch need not be far back itself.
+  if (!far && behind_.empty()) {
     ++out_of_order_;
     note(late(next.time_ns));
     return;
@@ -94,7 +101,10 @@ void MessageOrder::put(Waiting next) {
   }
   const bool taken_already = last_ns_ && next.time_ns <= *last_ns_;
   const bool far_back = !waiting_.empty() && next.time_ns < waiting_.back().time_ns - kLatest_ns;
-  if (taken_already || far_back) return put_behind(std::move(next));
+  const bool before_newest = !waiting_.empty() && next.time_ns <= waiting_.back().time_ns;
+  if (taken_already || far_back || (before_newest && follows_behind(next.time_ns))) {
+    return put_behind(std::move(next));
+  }
   give_up_late();
   const auto place = std::lower_bound(
       waiting_.begin(), waiting_.end(), next.time_ns,

@@ -64,6 +64,7 @@ class MessageOrder {
   void put(Waiting next);
   void put_behind(Waiting next);
   bool last_is_stray(std::int64_t time_ns) const;
+  bool follows_behind(std::int64_t time_ns) const;
   void give_up_late();
   void begin_stretch();
   void leave_out(std::size_t place, std::int64_t neighbour_ns);
