@@ -528,6 +528,23 @@ class Files(Found):
 
 
 class First(Found):
+    def test_info_says_who_says_what(self):
+        foreign.write_sens(self.r, self.folder / "a.sens")
+        bag = self.bag(self.plain())
+        for what, words in (
+            (
+                bag,
+                ("camera_info", "camera_info", "millimetres", "its name", "stamps of the images"),
+            ),
+            (self.shared / "tum", ("camera.txt", "camera.txt", "camera.txt", "layout", "rgb.txt")),
+            (self.folder / "a.sens", ("a.sens", "a.sens", "a.sens", "registered", "in the file")),
+        ):
+            lines = self.sgs("info", what).stdout.splitlines()
+            for start, word in zip(
+                ("camera", "distortion", "depth scale", "extrinsics", "times"), words
+            ):
+                self.assertIn(word, [line for line in lines if line.startswith(start + " ")][0])
+
     def test_a_first_message_that_cannot_be_read(self):
         messages = self.plain()
         messages[1] = (*messages[1][:3], b"")

@@ -171,7 +171,11 @@ Result<FoundCalibration> find_calibration(const std::vector<fs::path>& folders,
     result.unit_source = options.depth_scale_source;
   }
   if (result.calibration.depth_scale == 0 && !options.depth_scale) {
-    return nothing_found(folders, list, "depth scale");
+    if (!found) return nothing_found(folders, list, "depth scale");
+    return fail(ErrorCode::kNotFound,
+                fmt::format("{}: does not say the unit of depth", result.unit_source),
+                "give --depth-scale S, raw units per metre: 1000 for millimetres, 5000 for TUM "
+                "recordings");
   }
   return result;
 }
