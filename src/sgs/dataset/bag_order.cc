@@ -157,7 +157,8 @@ void MessageOrder::leave_out_strays() {
     begun_ = true;
     for (std::size_t i = std::min(kMost, waiting_.size() - 1); i > 0; --i) {
       if (!gap_before(i) || waiting_.size() - i <= i) continue;
-      while (i-- > 0) leave_out(0, waiting_[1].time_ns);
+      const std::int64_t first_ns = waiting_[i].time_ns;
+      while (i-- > 0) leave_out(0, first_ns);
       break;
     }
   }
