@@ -177,8 +177,10 @@ Result<ColorImage> decode_color(const ImageMessage& image) {
   SGS_RETURN_IF_ERROR(check_size(image, CV_ELEM_SIZE(known->type)));
   const bool behind = has_colour_behind(*known), pairs = CV_MAT_CN(known->type) == 2 || behind;
   const std::uint64_t rows = image.height + (behind ? image.height / 2 : 0);
+  const bool no_pattern = name.starts_with("bayer") && std::min(image.width, image.height) < 3;
   const bool odd = (pairs && image.width % 2 != 0) || (behind && image.height % 2 != 0);
-  if (odd || std::uint64_t{image.step} * rows > image.data.size() + image.step - image.width) {
+  if (odd || no_pattern ||
+      std::uint64_t{image.step} * rows > image.data.size() + image.step - image.width) {
     return fail(ErrorCode::kInvalidFormat,
                 fmt::format("{} of {}x{} does not fit its {} bytes", image.encoding, image.width,
                             image.height, image.data.size()),
