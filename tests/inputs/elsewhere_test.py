@@ -421,7 +421,8 @@ class Files(Found):
             port = free.getsockname()[1]
         live = f"live:tcp://127.0.0.1:{port}"
         run = [str(SGS), "run", live, "-o", str(self.folder / "live"), *TRACK_ONLY]
-        with subprocess.Popen(run, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as receiver:
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, "cwd": self.folder}
+        with subprocess.Popen(run, **quiet) as receiver:
             self.sgs("send", *files, live, "--quiet")
             _, said = receiver.communicate(timeout=200)
             self.assertEqual(receiver.returncode, 0, said)
