@@ -10,6 +10,7 @@
 #include "sgs/eval/metrics.h"
 #include "sgs/io/append_file.h"
 #include "sgs/io/calibration_io.h"
+#include "sgs/io/camera_file.h"
 #include "sgs/io/depth_calibration_io.h"
 #include "sgs/io/trajectory_io.h"
 #include "sgs/slam/frame_record.h"
@@ -47,6 +48,11 @@ void cameras(std::string_view text) {
   (void)io::parse_camera_option(text);
   (void)io::load_cam_params_json(file.path());
   (void)io::load_depth_calibration(file.path());
+  if (const auto read = io::load_camera_yaml(file.path())) {
+    fuzz::require(read->camera.fx > 0 && std::isfinite(read->camera.fx),
+                  "a camera has a focal length");
+    (void)io::check_calibration(*read, "fuzz");
+  }
   const auto camera = io::load_camera_txt(file.path());
   if (!camera) return;
   fuzz::require(io::check_calibration(*camera, "fuzz").has_value(), "a camera that loads is one");

@@ -49,8 +49,8 @@ void add_convert(CLI::App& app, Action& action) {
   auto command = std::make_shared<ConvertCommand>();
   auto* sub = app.add_subcommand(
       "convert", "Write any input as a folder in TUM layout: images, times, calibration, truth");
-  sub->add_option("INPUT", command->input.input, "What `sgs run` takes")->required();
-  sub->add_option("OUT", command->folder, "Folder to create")->required();
+  add_input_and_output(*sub, command->input, command->folder, "OUT",
+                       "What `sgs run` takes, and the folder to create");
   sub->add_option("--frames", command->input.frames, "a:b, frames a to b-1 of the sequence");
   add_recording_options(*sub, command->input);
   sub->add_option("--threads", command->threads, "Threads that decode or render")

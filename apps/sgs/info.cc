@@ -104,6 +104,7 @@ int print_sequence(const InfoOptions& options) {
                            {"fy", c.camera.fy},
                            {"cx", c.camera.cx},
                            {"cy", c.camera.cy},
+                           {"lens", to_string(c.distortion.model)},
                            {"distortion", c.distortion.written()},
                            {"depth_scale", c.depth_scale},
                            {"delivered",
@@ -148,8 +149,11 @@ int print_sequence(const InfoOptions& options) {
     print("distortion   none  (from {})\n", info.calibration_source);
   } else {
     const std::string numbers = fmt::format("{}", fmt::join(c.distortion.written(), " "));
-    print("distortion   {} ({}; removed while reading)\n", numbers,
-          c.distortion.is_rational() ? "k1 k2 p1 p2 k3 k4 k5 k6" : "k1 k2 p1 p2 k3");
+    print("distortion   {} ({}; removed while reading)  (from {})\n", numbers,
+          c.distortion.is_fisheye()    ? "fisheye k1 k2 k3 k4"
+          : c.distortion.is_rational() ? "k1 k2 p1 p2 k3 k4 k5 k6"
+                                       : "k1 k2 p1 p2 k3",
+          info.calibration_source);
   }
   if (info.delivered != c.camera) {
     const PinholeCamera& d = info.delivered;

@@ -123,10 +123,10 @@ int run_send(const SendCommand& command) {
 void add_send(CLI::App& app, Action& action) {
   auto command = std::make_shared<SendCommand>();
   auto* sub = app.add_subcommand("send", "Send any input to `sgs run live:...`, frame by frame");
-  sub->add_option("INPUT", command->input.input, "What `sgs run` takes")->required();
-  sub->add_option("TO", command->to,
-                  "live:tcp://ADDRESS:PORT, live:PIPE or live:- (standard output)")
-      ->required();
+  add_input_and_output(
+      *sub, command->input, command->to, "TO",
+      "What `sgs run` takes, and where it goes: live:tcp://ADDRESS:PORT, live:PIPE "
+      "or live:- (standard output)");
   sub->add_option("--frames", command->input.frames, "a:b, frames a to b-1 of the sequence");
   sub->add_option("--poses", command->input.poses,
                   "Send poses, too: recorded, a TUM file, or COLMAP's images.txt");

@@ -12,6 +12,7 @@ import numpy as np
 
 IMAGE, INFO = "sensor_msgs/msg/Image", "sensor_msgs/msg/CameraInfo"
 TF, STRING = "tf2_msgs/msg/TFMessage", "std_msgs/msg/String"
+IMU = "sensor_msgs/msg/Imu"
 
 
 class Writer:
@@ -41,8 +42,10 @@ class Writer:
         return b"\0\1\0\0" + self.body
 
 
-def image(pixels, encoding, stamp_ns, frame, big_endian=0):
-    w = Writer().header(stamp_ns, frame).number("I", *pixels.shape[:2]).text(encoding)
+def image(pixels, encoding, stamp_ns, frame, big_endian=0, height=None):
+    """`height`: of the picture, where its data have more rows (NV12)."""
+    size = (height or pixels.shape[0], pixels.shape[1])
+    w = Writer().header(stamp_ns, frame).number("I", *size).text(encoding)
     data = np.ascontiguousarray(pixels)
     w.number("B", big_endian).number("I", data.nbytes // data.shape[0])
     return w.octets(data.tobytes()).done()
@@ -71,6 +74,13 @@ def transforms(stamp_ns, *edges):
     return w.done()
 
 
+def imu(stamp_ns, frame, acceleration):
+    """Accelerations in m/s^2; nothing else was measured."""
+    w = Writer().header(stamp_ns, frame).number("d", 0.0, 0.0, 0.0, 1.0, -1.0, *([0.0] * 8))
+    w.number("d", 0.0, 0.0, 0.0, -1.0, *([0.0] * 8))
+    return w.number("d", *map(float, acceleration)).number("d", *([0.0] * 9)).done()
+
+
 def string(value):
     return Writer().text(value).done()
 
@@ -79,6 +89,7 @@ def write_db3(path, messages):
     """Messages (topic, type, time of recording in ns, bytes) as rosbag2's storage has them."""
     path = pathlib.Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
+    path.unlink(missing_ok=True)
     base = sqlite3.connect(path)
     base.executescript(
         "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT,"

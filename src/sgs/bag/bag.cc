@@ -69,8 +69,24 @@ std::string kind_of(const fs::path& path) {
   return known ? extension : "";
 }
 
+/// What a file's first bytes say it is; empty where they say nothing.
+std::string kind_by_content(const fs::path& path) {
+  using namespace std::string_view_literals;
+  constexpr std::pair<std::string_view, const char*> kBeginnings[] = {
+      {"#ROSBAG", ".bag"}, {"\x89MCAP0", ".mcap"}, {"SQLite format 3\0"sv, ".db3"}};
+  constexpr std::uint64_t kBeginning_bytes = 16;
+  auto file = ByteFile::open(path);
+  if (!file) return "";
+  const auto text = file->view(0, std::min(file->size(), kBeginning_bytes));
+  for (const auto& [begins, kind] : kBeginnings) {
+    if (text && text->starts_with(begins)) return kind;
+  }
+  return "";
+}
+
 Result<std::unique_ptr<Bag>> open_bag_file(const fs::path& path) {
-  const std::string kind = kind_of(path);
+  const std::string named = kind_of(path), found = named.empty() ? "" : kind_by_content(path);
+  const std::string& kind = found.empty() ? named : found;
   if (kind == ".mcap") return open_mcap(path);
   if (kind == ".db3") return open_db3(path);
   if (kind == ".bag") return open_rosbag1(path);
@@ -234,10 +250,31 @@ std::vector<fs::path> bag_files(const fs::path& folder) {
   return files;
 }
 
+/// The recordings in a folder of which metadata.yaml says nothing: the recorder did not finish it.
+static std::vector<std::string> unlisted(const fs::path& folder) {
+  std::vector<std::string> names;
+  const auto metadata = read_metadata(folder / kRosbag2Metadata);
+  if (!metadata) return names;
+  const auto listed = [&](const std::string& name) {
+    return std::any_of(metadata->files.begin(), metadata->files.end(), [&](const fs::path& file) {
+      return file.filename() == name || file.stem() == name;  // unpacked by hand
+    });
+  };
+  for (const fs::path& file : bag_files(folder)) {
+    if (!listed(file.filename().string())) names.push_back(file.filename().string());
+  }
+  return names;
+}
+
 Result<std::unique_ptr<Bag>> open_bag(const fs::path& path) {
   std::error_code error;
   if (!fs::is_directory(path, error)) return open_bag_file(path);
   if (!is_rosbag2_folder(path)) return open_bag_folder(path, {});
+  if (const auto names = unlisted(path); !names.empty()) {
+    auto all = open_bag_folder(path, fmt::format("{} does not name {}, read as well",
+                                                 kRosbag2Metadata, fmt::join(names, ", ")));
+    if (all) return all;
+  }
   auto listed = open_rosbag2_folder(path);
   // A list that the recorder did not finish is no reason to leave the files.
   const bool other = !listed && listed.error().code != ErrorCode::kUnsupported;
@@ -247,9 +284,15 @@ Result<std::unique_ptr<Bag>> open_bag(const fs::path& path) {
   return found ? std::move(found) : std::move(listed);
 }
 
-Result<std::unique_ptr<Bag>> open_bags(const std::vector<fs::path>& files) {
-  SGS_CHECK(!files.empty(), "a recording has files");
-  if (files.size() == 1) return open_bag(files.front());
+Result<std::unique_ptr<Bag>> open_bags(const std::vector<fs::path>& paths) {
+  SGS_CHECK(!paths.empty(), "a recording has files");
+  if (paths.size() == 1) return open_bag(paths.front());
+  std::vector<fs::path> files;
+  for (const fs::path& path : paths) {
+    const auto inside = bag_files(path);
+    if (inside.empty()) files.push_back(path);
+    files.insert(files.end(), inside.begin(), inside.end());
+  }
   SGS_RETURN_IF_ERROR(check_kinds(files));
   std::vector<Part> parts;
   for (const fs::path& file : files) {

@@ -85,9 +85,9 @@ std::vector<std::filesystem::path> bag_files(const std::filesystem::path& folder
 /// kNotFound, kInvalidFormat, kUnsupported (encryption, other versions and compressions).
 Result<std::unique_ptr<Bag>> open_bag(const std::filesystem::path& path);
 
-/// Opens the files of one recording, which recorders split by size or time, as one: in order of
-/// their times where their indices tell them, else of their names. Refuses files of several kinds
-/// and those that cover the same time with the same topics.
-Result<std::unique_ptr<Bag>> open_bags(const std::vector<std::filesystem::path>& files);
+/// Opens the files of one recording, or folders of them, which recorders split by size or time, as
+/// one: in order of their times where their indices tell them, else of their names. Refuses files
+/// of several kinds and those that cover the same time with the same topics.
+Result<std::unique_ptr<Bag>> open_bags(const std::vector<std::filesystem::path>& paths);
 
 }  // namespace sgs::bag

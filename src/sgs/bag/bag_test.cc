@@ -166,8 +166,13 @@ TEST(Pictures, EveryColourEncoding) {
             (Rgb8{128, 128, 128}));
   EXPECT_EQ((*decode_color(image_of("yuv422_yuy2", 2, 1, 4, "\x7e\x80\x7e\x80")))(1, 0),
             (Rgb8{128, 128, 128}));
-  EXPECT_EQ(decode_color(image_of("bayer_rggb8", 2, 1, 2, "ab")).error().code,
-            ErrorCode::kUnsupported);
+  const auto bayer = decode_color(image_of("bayer_rggb8", 4, 4, 4, std::string(16, '\x50')));
+  ASSERT_TRUE(bayer);
+  EXPECT_EQ((*bayer)(1, 1), (Rgb8{80, 80, 80}));
+  EXPECT_FALSE(decode_color(image_of("bayer_rggb8", 2, 1, 2, "ab")));
+  const auto unknown = decode_color(image_of("bayer_rggb16", 2, 1, 4, "abcd"));
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(unknown.error().code, ErrorCode::kUnsupported);
 }
 
 TEST(Pictures, SizesThatDoNotFitAreRefused) {

@@ -11,6 +11,8 @@
 #include <system_error>
 #include <utility>
 
+#include "sgs/io/foreign_content.h"
+
 namespace sgs::bag {
 namespace {
 
@@ -26,12 +28,14 @@ Result<ByteFile> ByteFile::open(const std::filesystem::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) {
     return fail(errno == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo,
-                fmt::format("{}: {}", path.string(), system_reason()));
+                fmt::format("{}: {}", path.string(), system_reason()),
+                errno == EACCES ? "you may not read it: `chmod u+r` gives you the right" : "");
   }
   struct stat status {};
   ByteFile file(path, descriptor, 0);
   if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
-    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: not a file", path.string()));
+    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: not a file", path.string()),
+                "give the file of the recording, no pipe or device");
   }
   file.size_ = static_cast<std::uint64_t>(status.st_size);
   return file;
@@ -65,7 +69,8 @@ Result<std::string_view> ByteFile::view(std::uint64_t offset, std::uint64_t byte
   if (bytes > kLargestPiece_bytes) {
     return fail(ErrorCode::kUnsupported,
                 fmt::format("{}: a record of {} bytes at byte {} is larger than {}", path_.string(),
-                            bytes, offset, kLargestPiece_bytes));
+                            bytes, offset, kLargestPiece_bytes),
+                "the file is damaged; copy or record it again");
   }
   const bool there = offset >= buffer_at_ && offset + bytes <= buffer_at_ + buffer_.size();
   if (!there) {
@@ -86,6 +91,17 @@ Result<std::string_view> ByteFile::view(std::uint64_t offset, std::uint64_t byte
     }
   }
   return std::string_view(buffer_).substr(offset - buffer_at_, bytes);
+}
+
+tl::unexpected<Error> not_of_its_name(ByteFile& file, const std::string& expected) {
+  constexpr std::uint64_t kBeginning_bytes = 64;
+  const auto begin = file.view(0, std::min(file.size(), kBeginning_bytes));
+  const auto foreign = begin ? io::foreign_content(*begin, file.path()) : std::nullopt;
+  return fail(ErrorCode::kInvalidFormat,
+              fmt::format("{}: not {}{}", file.path().string(), expected,
+                          foreign ? ", but " + foreign->what : ""),
+              foreign ? foreign->remedy
+                      : "copy or download it again: a file of this kind begins otherwise");
 }
 
 }  // namespace sgs::bag

@@ -43,4 +43,7 @@ class ByteFile {
   std::string buffer_;
 };
 
+/// The error of a file that does not begin as what its name says, which is called `expected`.
+tl::unexpected<Error> not_of_its_name(ByteFile& file, const std::string& expected);
+
 }  // namespace sgs::bag

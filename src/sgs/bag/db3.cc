@@ -10,6 +10,7 @@
 
 #include "sgs/bag/chunked_bag.h"
 #include "sgs/bag/unpack.h"
+#include "sgs/io/archive.h"
 
 namespace sgs::bag {
 namespace {
@@ -58,8 +59,14 @@ class Db3 : public Bag {
         name.c_str(), &database, SQLITE_OPEN_READONLY | (alone ? SQLITE_OPEN_URI : 0), nullptr);
     database_.reset(database);
     if (status != SQLITE_OK) return tl::unexpected(problem());
-    SGS_ASSIGN_OR_RETURN(auto topics,
-                         prepare("SELECT id, name, type, serialization_format FROM topics"));
+    constexpr const char* kTopics = "SELECT id, name, type, serialization_format FROM topics";
+    auto first = prepare(kTopics);
+    if (!first) {
+      // SQLite refuses a file that was cut off as a whole, unless it is told not to mind.
+      sqlite3_exec(database_.get(), "PRAGMA writable_schema = ON", nullptr, nullptr, nullptr);
+      first = prepare(kTopics);
+    }
+    SGS_ASSIGN_OR_RETURN(auto topics, std::move(first));
     while (sqlite3_step(topics.get()) == SQLITE_ROW) {
       const auto encoding =
           text_column(topics.get(), 3) == "cdr" ? Encoding::kCdr : Encoding::kOther;
@@ -81,7 +88,9 @@ class Db3 : public Bag {
   Error problem() const {
     return {ErrorCode::kInvalidFormat,
             fmt::format("{}: {}", path_.string(), sqlite3_errmsg(database_.get())),
-            "the file is damaged or no recording of rosbag2; copy or record it again"};
+            fmt::format("the file is damaged or no recording of rosbag2; copy it again, or see "
+                        "what `sqlite3 {} .recover | sqlite3 NEW.db3` saves",
+                        io::shell_quoted(path_))};
   }
   const std::map<std::int64_t, std::size_t>& channel_of_id() const { return channel_of_id_; }
 
@@ -168,8 +177,7 @@ Result<std::unique_ptr<Bag>> open_db3(const std::filesystem::path& path) {
   const auto head = file.view(0, std::min(file.size(), kHeadBytes));
   if (!head) return tl::unexpected(head.error());
   if (!head->starts_with(kSqliteMagic)) {
-    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: not a SQLite file", path.string()),
-                "is the file whole, and its name right?");
+    return not_of_its_name(file, "a SQLite file");
   }
   auto bag = std::make_unique<Db3>(path);
   SGS_RETURN_IF_ERROR(bag->open(*head));

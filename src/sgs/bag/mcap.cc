@@ -217,8 +217,7 @@ Result<std::unique_ptr<Bag>> open_mcap(const std::filesystem::path& path) {
   const auto magic = file.view(0, std::min<std::uint64_t>(file.size(), kMcapMagic.size()));
   if (!magic) return tl::unexpected(magic.error());
   if (*magic != kMcapMagic) {
-    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: not an MCAP file", path.string()),
-                "is the file whole, and its name right?");
+    return not_of_its_name(file, "an MCAP file");
   }
   auto bag = std::make_unique<Mcap>(std::move(file));
   SGS_RETURN_IF_ERROR(bag->open());

@@ -37,12 +37,27 @@ constexpr ColorEncoding kColorEncodings[] = {
     {"8uc4", CV_8UC4, cv::COLOR_BGRA2RGB},
     {"mono8", CV_8UC1, cv::COLOR_GRAY2RGB},
     {"8uc1", CV_8UC1, cv::COLOR_GRAY2RGB},
+    {"bayer_rggb8", CV_8UC1, cv::COLOR_BayerBG2RGB},  // OpenCV names the second row's pixels
+    {"bayer_bggr8", CV_8UC1, cv::COLOR_BayerRG2RGB},
+    {"bayer_gbrg8", CV_8UC1, cv::COLOR_BayerGR2RGB},
+    {"bayer_grbg8", CV_8UC1, cv::COLOR_BayerGB2RGB},
+    {"rgb16", CV_16UC3, -1},
+    {"bgr16", CV_16UC3, cv::COLOR_BGR2RGB},
     {"yuv422", CV_8UC2, cv::COLOR_YUV2RGB_UYVY},
     {"uyvy", CV_8UC2, cv::COLOR_YUV2RGB_UYVY},
     {"yuv422_yuy2", CV_8UC2, cv::COLOR_YUV2RGB_YUY2},
     {"yuyv", CV_8UC2, cv::COLOR_YUV2RGB_YUY2},
     {"yuy2", CV_8UC2, cv::COLOR_YUV2RGB_YUY2},
+    {"nv12", CV_8UC1, cv::COLOR_YUV2RGB_NV12},
+    {"nv21", CV_8UC1, cv::COLOR_YUV2RGB_NV21},
 };
+
+/// Encodings of which each two rows of brightness share a row of colour, which lie behind all of
+/// them.
+bool has_colour_behind(const ColorEncoding& encoding) {
+  return encoding.conversion == cv::COLOR_YUV2RGB_NV12 ||
+         encoding.conversion == cv::COLOR_YUV2RGB_NV21;
+}
 
 /// Whether the rows of `pixel_bytes` per pixel fit the step and the data. Nothing is allocated on
 /// the word of a header that does not.
@@ -58,6 +73,17 @@ Status check_size(const ImageMessage& image, std::uint64_t pixel_bytes) {
               fmt::format("an image of {}x{} {} with rows of {} bytes does not fit its {} bytes",
                           image.width, image.height, image.encoding, image.step, image.data.size()),
               "the recording is damaged");
+}
+
+/// The upper halves of 16-bit values.
+cv::Mat upper_bytes(const cv::Mat& wide, bool big_endian) {
+  cv::Mat out(wide.size(), CV_MAKETYPE(CV_8U, wide.channels()));
+  for (int y = 0; y < wide.rows; ++y) {
+    const auto* from = wide.ptr<std::uint8_t>(y) + (big_endian ? 0 : 1);
+    auto* to = out.ptr<std::uint8_t>(y);
+    for (int i = 0; i < wide.cols * wide.channels(); ++i) to[i] = from[2 * i];
+  }
+  return out;
 }
 
 template <class T>
@@ -149,15 +175,23 @@ Result<ColorImage> decode_color(const ImageMessage& image) {
                 "record or convert it as rgb8, or choose another topic with --topics");
   }
   SGS_RETURN_IF_ERROR(check_size(image, CV_ELEM_SIZE(known->type)));
-  const bool pairs = CV_MAT_CN(known->type) == 2;
-  if (pairs && image.width % 2 != 0) {
-    return fail(ErrorCode::kInvalidFormat, fmt::format("{} of odd width", image.encoding));
+  const bool behind = has_colour_behind(*known), pairs = CV_MAT_CN(known->type) == 2 || behind;
+  const std::uint64_t rows = image.height + (behind ? image.height / 2 : 0);
+  const bool no_pattern = name.starts_with("bayer") && std::min(image.width, image.height) < 3;
+  const bool odd = (pairs && image.width % 2 != 0) || (behind && image.height % 2 != 0);
+  if (odd || no_pattern ||
+      std::uint64_t{image.step} * rows > image.data.size() + image.step - image.width) {
+    return fail(ErrorCode::kInvalidFormat,
+                fmt::format("{} of {}x{} does not fit its {} bytes", image.encoding, image.width,
+                            image.height, image.data.size()),
+                "record it as rgb8");
   }
   ColorImage out(static_cast<int>(image.width), static_cast<int>(image.height));
   // Only read; cv::Mat has no const view.
-  const cv::Mat in(out.height(), out.width(), known->type, const_cast<char*>(image.data.data()),
-                   image.step);
-  cv::Mat rgb(in.size(), CV_8UC3, out.data());
+  cv::Mat in(static_cast<int>(rows), out.width(), known->type, const_cast<char*>(image.data.data()),
+             image.step);
+  if (CV_MAT_DEPTH(known->type) == CV_16U) in = upper_bytes(in, image.big_endian);
+  cv::Mat rgb(out.height(), out.width(), CV_8UC3, out.data());
   if (known->conversion < 0) {
     in.copyTo(rgb);
   } else {
@@ -184,10 +218,10 @@ Result<DepthImage> decode_depth(const ImageMessage& image, const DepthUnit& unit
       return metres_of_raw(raw, unit.units_per_metre);
     });
   }
-  return fail(ErrorCode::kUnsupported,
-              fmt::format("depth encoding '{}' is not known", image.encoding),
-              "record it as 16UC1 (millimetres) or 32FC1 (metres), or choose another topic with "
-              "--topics");
+  return fail(
+      ErrorCode::kUnsupported, fmt::format("depth encoding '{}' is not known", image.encoding),
+      "is it the topic of colour? Record depth as 16UC1 (millimetres) or 32FC1 (metres), or "
+      "choose another topic with --topics color=/TOPIC,depth=/TOPIC");
 }
 
 Result<DepthImage> decode_depth(const CompressedImageMessage& image, const DepthUnit& unit) {
@@ -203,7 +237,9 @@ Result<DepthImage> decode_depth(const CompressedImageMessage& image, const Depth
   Bytes config(image.data);
   config.number<std::int32_t>();
   const auto a = config.number<float>(), b = config.number<float>();
-  if (!config.ok()) return fail(ErrorCode::kInvalidFormat, "a compressed depth that is too short");
+  if (!config.ok())
+    return fail(ErrorCode::kInvalidFormat, "a compressed depth that is too short",
+                "the recording is damaged");
   std::string png(image.data.substr(kConfigBytes));
   if (image.format.find("32FC1") != std::string::npos) {
     return decode_inverse_depth(std::move(png), a, b);

@@ -198,11 +198,10 @@ Result<std::unique_ptr<Bag>> open_rosbag1(const std::filesystem::path& path) {
   if (!magic) return tl::unexpected(magic.error());
   if (*magic != kRosbagMagic) {
     const bool other = magic->starts_with("#ROSBAG") || magic->starts_with("#ROSRECORD");
-    return fail(other ? ErrorCode::kUnsupported : ErrorCode::kInvalidFormat,
-                fmt::format("{}: {}", path.string(),
-                            other ? "a bag of another version than 2.0" : "not a ROS 1 bag"),
-                other ? fmt::format("convert it: rosbag fix {} NEW.bag", path.string())
-                      : "is the file whole, and its name right?");
+    if (!other) return not_of_its_name(file, "a ROS 1 bag");
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("{}: a bag of another version than 2.0", path.string()),
+                fmt::format("convert it: rosbag fix {} NEW.bag", path.string()));
   }
   auto bag = std::make_unique<Rosbag1>(std::move(file));
   SGS_RETURN_IF_ERROR(bag->open());

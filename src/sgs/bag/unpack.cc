@@ -119,8 +119,10 @@ Result<std::string> unpack_zstd(std::string_view packed, Output out) {
 Result<std::string> unpack(std::string_view compression, std::string_view packed,
                            std::uint64_t announced) {
   if (announced > kLargestPiece_bytes) {
-    return fail(ErrorCode::kUnsupported, fmt::format("a chunk of {} bytes is larger than {}",
-                                                     announced, kLargestPiece_bytes));
+    return fail(
+        ErrorCode::kUnsupported,
+        fmt::format("a chunk of {} bytes is larger than {}", announced, kLargestPiece_bytes),
+        "the file is damaged; copy or record it again");
   }
   if (compression.empty() || compression == "none") {
     if (packed.size() != announced) return damaged("plain");

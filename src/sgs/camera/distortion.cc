@@ -8,6 +8,10 @@
 namespace sgs {
 namespace {
 
+constexpr double kWidestTangent = 5.67;  // tan of 80 degrees
+constexpr int kMaxSteps = 50;
+constexpr double kTolerance = 1e-12;  // of coordinates of the order 1
+
 /// Derivative of Distortion::apply().
 Eigen::Matrix2d distortion_jacobian(const Distortion& d, const Eigen::Vector2d& xy) {
   const double x = xy.x(), y = xy.y(), r2 = x * x + y * y;
@@ -26,35 +30,66 @@ Eigen::Matrix2d distortion_jacobian(const Distortion& d, const Eigen::Vector2d& 
 
 }  // namespace
 
-std::optional<Distortion> Distortion::from_coefficients(std::span<const double> values) {
+std::optional<Distortion> Distortion::from_coefficients(std::span<const double> values,
+                                                        LensModel model) {
   const std::size_t n = values.size();
-  if (n != 0 && n != 4 && n != 5 && n != 8) return std::nullopt;
   const auto at = [&](std::size_t i) { return i < n ? values[i] : 0.0; };
+  if (model == LensModel::kFisheye) {
+    if (n != 0 && n != 4) return std::nullopt;
+    Distortion lens{at(0), at(1), 0, 0, at(2), at(3)};
+    lens.model = model;
+    return lens;
+  }
+  if (n != 0 && n != 4 && n != 5 && n != 8) return std::nullopt;
   return Distortion{at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)};
 }
 
 std::vector<double> Distortion::written() const {
+  if (is_fisheye()) return {k1, k2, k3, k4};
   const auto all = coefficients();
   return {all.begin(), is_rational() ? all.end() : all.begin() + 5};
 }
 
 double Distortion::fold_radius() const {
-  constexpr double kFarthest = 5.67;  // tan of 80 degrees
   constexpr double kStep = 1e-3;
-  double before = 0;
-  for (double r = kStep; r <= kFarthest; r += kStep) {
+  const auto pictured_at = [&](double r) {
+    if (is_fisheye()) return pictured_angle(std::atan(r));
     const double r2 = r * r;
     const double below = 1 + r2 * (k4 + r2 * (k5 + r2 * k6));
-    const double pictured = r * (1 + r2 * (k1 + r2 * (k2 + r2 * k3))) / below;
-    if (!(below > 0 && pictured > before)) return r - kStep;
+    return below > 0 ? r * (1 + r2 * (k1 + r2 * (k2 + r2 * k3))) / below : 0;
+  };
+  double before = 0;
+  for (double r = kStep; r <= kWidestTangent; r += kStep) {
+    const double pictured = pictured_at(r);
+    if (!(pictured > before)) return r - kStep;
     before = pictured;
   }
   return std::numeric_limits<double>::infinity();
 }
 
+// Newton's method on the angle, which is nearly what is pictured. Directions that no pinhole camera
+// sees have no coordinates.
+std::optional<Eigen::Vector2d> Distortion::invert_fisheye(const Eigen::Vector2d& distorted) const {
+  const double pictured = distorted.norm();
+  if (pictured == 0) return distorted;
+  double theta = pictured;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const double t2 = theta * theta;
+    const double slope = 1 + t2 * (3 * k1 + t2 * (5 * k2 + t2 * (7 * k3 + t2 * 9 * k4)));
+    if (!(slope > 0)) return std::nullopt;
+    const double miss = pictured_angle(theta) - pictured;
+    if (std::abs(miss) < kTolerance) {
+      const double r = std::tan(theta);
+      if (!(theta > 0 && theta < M_PI_2 && r <= kWidestTangent)) return std::nullopt;
+      return Eigen::Vector2d(r / pictured * distorted);
+    }
+    theta -= miss / slope;
+  }
+  return std::nullopt;
+}
+
 std::optional<Eigen::Vector2d> Distortion::invert(const Eigen::Vector2d& distorted) const {
-  constexpr int kMaxSteps = 50;
-  constexpr double kTolerance = 1e-12;  // of coordinates of the order 1
+  if (is_fisheye()) return invert_fisheye(distorted);
   Eigen::Vector2d xy = distorted;
   for (int step = 0; step < kMaxSteps; ++step) {
     const Eigen::Vector2d miss = apply(xy) - distorted;

@@ -18,6 +18,28 @@ struct Undistorter::Maps {
 
 namespace {
 
+/// Where each pixel of the picture without distortion lies in the one with it.
+cv::Mat sources(const PinholeCamera& camera, const Distortion& d) {
+  cv::Mat xy;
+  if (!d.is_fisheye()) {
+    const cv::Matx33d K(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
+    const cv::Matx<double, 8, 1> D(d.coefficients().data());
+    cv::Mat unused;
+    cv::initUndistortRectifyMap(K, D, cv::noArray(), K, {camera.width, camera.height}, CV_32FC2, xy,
+                                unused);
+    return xy;
+  }
+  xy.create(camera.height, camera.width, CV_32FC2);
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const auto bent = d.apply({(u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy});
+      xy.at<cv::Vec2f>(v, u) = {static_cast<float>(camera.fx * bent.x() + camera.cx),
+                                static_cast<float>(camera.fy * bent.y() + camera.cy)};
+    }
+  }
+  return xy;
+}
+
 /// Beyond the fold the formula leads back into the picture, to what is shown elsewhere already:
 /// such pixels get a source outside it.
 void forget_beyond_fold(const PinholeCamera& camera, const Distortion& distortion, cv::Mat& xy) {
@@ -57,11 +79,7 @@ Undistorter::Undistorter(const PinholeCamera& camera, const Distortion& d) {
   keep_opencv_to_one_thread();
   auto maps = std::make_unique<Maps>();
   maps->size = {camera.width, camera.height};
-  const cv::Matx33d K(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
-  const cv::Matx<double, 8, 1> D(d.coefficients().data());
-  cv::Mat map_x;
-  cv::initUndistortRectifyMap(K, D, cv::noArray(), K, maps->size, CV_32FC2, maps->nearest_xy,
-                              map_x);
+  maps->nearest_xy = sources(camera, d);
   forget_beyond_fold(camera, d, maps->nearest_xy);
   cv::convertMaps(maps->nearest_xy, cv::noArray(), maps->bilinear_xy, maps->bilinear_weights,
                   CV_16SC2);

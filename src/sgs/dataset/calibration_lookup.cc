@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "sgs/io/camera_file.h"
 #include "sgs/io/text.h"
 
 namespace sgs::dataset {
@@ -98,6 +99,18 @@ Result<std::optional<FoundCalibration>> from_files(const std::vector<fs::path>& 
   return Found{};
 }
 
+/// What a calibration program left in the folder. It seldom knows the unit of depth.
+Result<std::optional<FoundCalibration>> from_camera_yaml(const std::vector<fs::path>& folders) {
+  using Found = std::optional<FoundCalibration>;
+  for (const fs::path& folder : folders) {
+    const fs::path path = entry_of(folder, "camera.yaml");
+    if (!fs::exists(path)) continue;
+    SGS_ASSIGN_OR_RETURN(const auto calibration, io::load_camera_yaml(path));
+    return Found{{calibration, path.string(), false}};
+  }
+  return Found{};
+}
+
 tl::unexpected<Error> nothing_found(const std::vector<fs::path>& folders, const FrameList& list,
                                     const char* what) {
   if (!list.missing_calibration.empty()) {
@@ -111,12 +124,13 @@ tl::unexpected<Error> nothing_found(const std::vector<fs::path>& folders, const 
   }
   return fail(
       ErrorCode::kNotFound,
-      fmt::format("{} unknown: no sgs.toml with [camera], camera.txt or cam_params.json in "
-                  "{}, and the folder's name is not that of a known TUM sequence "
-                  "(freiburg1, freiburg2, freiburg3) or Bonn sequence (rgbd_bonn), nor that of one "
-                  "of the eight "
-                  "Replica scenes (room0, office0, ...)",
-                  what, places),
+      fmt::format(
+          "{} unknown: no sgs.toml with [camera], camera.txt, cam_params.json or camera.yaml in "
+          "{}, and the folder's name is not that of a known TUM sequence "
+          "(freiburg1, freiburg2, freiburg3) or Bonn sequence (rgbd_bonn), nor that of one "
+          "of the eight "
+          "Replica scenes (room0, office0, ...)",
+          what, places),
       "give --camera fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]] and --depth-scale S, or write a "
       "camera.txt with one line 'fx fy cx cy width height depth_scale [k1 k2 p1 p2 k3 "
       "[k4 k5 k6]]'");
@@ -133,6 +147,9 @@ Result<FoundCalibration> find_calibration(const std::vector<fs::path>& folders,
     if (!found && list.calibration) {
       found = {list.calibration->calibration, list.calibration->source, true};
     }
+    if (!found) {
+      SGS_ASSIGN_OR_RETURN(found, from_camera_yaml(folders));
+    }
     if (!found) found = known_sequence(folder_name(list.folder));
     if (!found) found = known_replica_scene(list);
   }
@@ -141,7 +158,8 @@ Result<FoundCalibration> find_calibration(const std::vector<fs::path>& folders,
   result.unit_source = result.source;
   if (options.camera) {
     const io::CameraOption& camera = *options.camera;
-    result.calibration.camera = {0, 0, camera.fx, camera.fy, camera.cx, camera.cy};
+    result.calibration.camera = {camera.width, camera.height, camera.fx,
+                                 camera.fy,    camera.cx,     camera.cy};
     result.calibration.distortion = camera.distortion;
     result.of_layout = false;
     result.source = found ? fmt::format("--camera, depth scale from {}", result.source)
@@ -149,11 +167,15 @@ Result<FoundCalibration> find_calibration(const std::vector<fs::path>& folders,
   }
   if (options.depth_scale) {
     result.calibration.depth_scale = *options.depth_scale;
-    result.source += " and --depth-scale";
-    result.unit_source = "--depth-scale";
+    result.source += " and " + options.depth_scale_source;
+    result.unit_source = options.depth_scale_source;
   }
   if (result.calibration.depth_scale == 0 && !options.depth_scale) {
-    return nothing_found(folders, list, "depth scale");
+    if (!found) return nothing_found(folders, list, "depth scale");
+    return fail(ErrorCode::kNotFound,
+                fmt::format("{}: does not say the unit of depth", result.unit_source),
+                "give --depth-scale S, raw units per metre: 1000 for millimetres, 5000 for TUM "
+                "recordings");
   }
   return result;
 }

@@ -23,10 +23,10 @@ struct FoundCalibration {
 };
 
 /// Looks for the calibration of a sequence: the options, then `sgs.toml`, `camera.txt`,
-/// `cam_params.json` in `folders` (in this order), then what the list's layout says, then, if the
-/// folder's name contains freiburg1..3, fr1..3 or rgbd_bonn, or is that of a Replica scene in
-/// NICE-SLAM's layout (room0..2, office0..4), the published values of that camera.
-/// Nothing found is an error that lists what was tried.
+/// `cam_params.json` in `folders` (in this order), then what the list's layout says, then
+/// `camera.yaml` (io/camera_file.h), then, if the folder's name contains freiburg1..3, fr1..3 or
+/// rgbd_bonn, or is that of a Replica scene in NICE-SLAM's layout (room0..2, office0..4), the
+/// published values of that camera. Nothing found is an error that lists what was tried.
 Result<FoundCalibration> find_calibration(const std::vector<std::filesystem::path>& folders,
                                           const FrameList& list, const OpenOptions& options);
 

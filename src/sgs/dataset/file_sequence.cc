@@ -82,13 +82,17 @@ Result<StoredFrame> read_stored(const FrameEntry& entry, const StoredFormat& for
   const bool same_view =
       same_shape({color->width(), color->height()}, {depth->width(), depth->height()});
   if (!own_camera && !same_view) {
-    return fail(ErrorCode::kUnsupported,
-                fmt::format("{} is {}x{} but {} is {}x{}, which is another shape and so another "
-                            "view",
-                            entry.color.string(), color->width(), color->height(),
-                            entry.depth.string(), depth->width(), depth->height()),
-                "depth must be registered to colour: export it again as aligned to colour, or give "
-                "the original recording (a bag knows both cameras)");
+    return fail(
+        ErrorCode::kUnsupported,
+        fmt::format("{} is {}x{} but {} is {}x{}, which is another shape and so another "
+                    "view",
+                    entry.color.string(), color->width(), color->height(), entry.depth.string(),
+                    depth->width(), depth->height()),
+        io::viewer_orientation(entry.color) != 1
+            ? "the pictures are stored turned, and say so (Exif): turn them all with "
+              "`mogrify -auto-orient FOLDER/*.jpg`"
+            : "depth must be registered to colour: export it again as aligned to colour, or "
+              "give the original recording (a bag knows both cameras)");
   }
   StoredCameras cameras;
   cameras.color = sized(entry.camera.value_or(format.calibration.camera), *color);

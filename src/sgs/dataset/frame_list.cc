@@ -26,6 +26,23 @@ std::vector<fs::path> files_where(const fs::path& folder, Predicate wanted) {
   return files;
 }
 
+/// Whether a name is the pattern with anything in the place of each '*'.
+bool name_matches(std::string_view name, std::string_view pattern) {
+  const auto star = pattern.find('*');
+  if (star == std::string_view::npos) return name == pattern;
+  if (!name.starts_with(pattern.substr(0, star))) return false;
+  name.remove_prefix(star);
+  pattern.remove_prefix(star + 1);
+  // What stands between two stars is taken where it comes first.
+  for (auto next = pattern.find('*'); next != std::string_view::npos; next = pattern.find('*')) {
+    const auto at = name.find(pattern.substr(0, next));
+    if (at == std::string_view::npos) return false;
+    name.remove_prefix(at + next);
+    pattern.remove_prefix(next + 1);
+  }
+  return name.ends_with(pattern);
+}
+
 }  // namespace
 
 fs::path entry_of(const fs::path& folder, const fs::path& name) {
@@ -73,14 +90,8 @@ void take_truth(const fs::path& file, FrameList& list) {
 }
 
 std::vector<fs::path> files_matching(const fs::path& folder, const std::string& pattern) {
-  const auto star = pattern.find('*');
-  const std::string head = pattern.substr(0, star);
-  const std::string tail = star == std::string::npos ? "" : pattern.substr(star + 1);
   return files_where(folder, [&](const fs::path& path) {
-    const std::string name = path.filename().string();
-    if (star == std::string::npos) return name == pattern;
-    return name.size() >= head.size() + tail.size() && name.starts_with(head) &&
-           name.ends_with(tail);
+    return name_matches(path.filename().string(), pattern);
   });
 }
 

@@ -109,7 +109,7 @@ std::filesystem::path entry_of(const std::filesystem::path& folder,
 /// (macOS), Thumbs.db, desktop.ini (Windows), __MACOSX, and anything hidden.
 bool is_left_behind(const std::filesystem::path& file);
 
-/// Files of a folder whose name matches `pattern` (one '*' at most stands for anything), sorted by
+/// Files of a folder whose name matches `pattern` (a '*' stands for anything), sorted by
 /// name. A missing folder has no files; what is_left_behind() counts as none.
 std::vector<std::filesystem::path> files_matching(const std::filesystem::path& folder,
                                                   const std::string& pattern);

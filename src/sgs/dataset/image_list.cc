@@ -33,7 +33,7 @@ tl::unexpected<Error> bad_line(const fs::path& list, const io::TextLine& line, c
   return fail(ErrorCode::kInvalidFormat,
               fmt::format("{}:{}: cannot read '{}'", list.string(), line.number,
                           printable(line.text.substr(0, kShown))),
-              fmt::format("each row must be '{}'", form));
+              fmt::format("each row must be '{}', times as numbers of seconds", form));
 }
 
 std::string_view trimmed(std::string_view text, std::string_view off) {
@@ -72,26 +72,53 @@ std::optional<Split> split_time(std::string_view text) {
   return Split{*time, token.find_first_of(".,eE") == std::string_view::npos, rest};
 }
 
-/// The file that a list names: as written, or else with the other slash, or in other letters.
-fs::path file_named(const fs::path& folder, std::string_view name) {
+/// A picture under this name, or of this name and another ending; empty where there is none.
+fs::path picture_there(const fs::path& file) {
+  std::error_code error;
+  if (fs::exists(file, error)) return file;
+  for (const char* ending : {".png", ".jpg", ".jpeg"}) {
+    const fs::path other = fs::path(file).replace_extension(ending);
+    if (fs::exists(other, error)) return other;
+  }
+  return {};
+}
+
+/// The file that a list names: as written, or else with the other slash, in other letters, with
+/// another ending, in the folder that is called as the list, or where a list of another machine has
+/// its last folder.
+fs::path file_named(const fs::path& folder, std::string_view name, const std::string& list) {
   name = trimmed(name, "\" \t\r");
   const fs::path plain = folder / name;
   std::error_code error;
   if (fs::exists(plain, error)) return plain;
   std::string slashed(name);
   std::replace(slashed.begin(), slashed.end(), '\\', '/');
-  const fs::path other = entry_of(folder, slashed);
-  return fs::exists(other, error) ? other : plain;
+  const fs::path written = slashed, last = written.parent_path().filename() / written.filename();
+  for (const fs::path& tried : {entry_of(folder, written.relative_path()), folder / last,
+                                folder / list / written.filename()}) {
+    if (const fs::path found = picture_there(tried); !found.empty()) return found;
+  }
+  return plain;
 }
 
 /// A name is what follows the time up to a blank, unless it is there only with its blanks.
-fs::path named_file(const fs::path& folder, std::string_view rest) {
+fs::path named_file(const fs::path& folder, std::string_view rest, const std::string& list) {
   const auto fields = io::split_fields(rest, ",;");
   const std::string_view first = fields.empty() ? rest : fields.front();
-  if (first.size() == rest.size()) return file_named(folder, first);
+  if (first.size() == rest.size()) return file_named(folder, first, list);
   std::error_code error;
-  const fs::path whole = file_named(folder, rest);
-  return fs::exists(whole, error) ? whole : file_named(folder, first);
+  const fs::path whole = file_named(folder, rest, list);
+  return fs::exists(whole, error) ? whole : file_named(folder, first, list);
+}
+
+/// Notes that pictures were found elsewhere than a list says.
+void warn_of_other_names(const fs::path& list, std::string_view written, const fs::path& found,
+                         std::vector<std::string>& warnings) {
+  const fs::path as_written = list.parent_path() / trimmed(written, "\" \t\r");
+  std::error_code error;
+  if (found == as_written || fs::exists(as_written, error) || !fs::exists(found, error)) return;
+  warnings.push_back(fmt::format("{}: '{}' is not there as it is written, {} is read, and so on",
+                                 list.string(), printable(written), found.string()));
 }
 
 /// Times of rows in seconds, with a word about what they were.
@@ -99,8 +126,13 @@ TimeUnit bring_to_seconds(std::vector<Row>& rows, const fs::path& list,
                           std::vector<std::string>& warnings) {
   std::vector<double> times;
   for (const Row& row : rows) times.push_back(row.time);
-  const bool whole = std::all_of(rows.begin(), rows.end(), [](const Row& r) { return r.whole; });
-  const TimeUnit unit = unit_of_times(std::move(times), whole);
+  const bool written_whole =
+      std::all_of(rows.begin(), rows.end(), [](const Row& r) { return r.whole; });
+  // "1.0", "2.0", ...: numbers of frames from a program that knows no whole numbers.
+  const bool counts = median_step(times) == 1 &&
+                      std::all_of(rows.begin(), rows.end(),
+                                  [](const Row& r) { return r.time == std::floor(r.time); });
+  const TimeUnit unit = unit_of_times(std::move(times), written_whole || counts);
   if (unit.name.empty()) return unit;
   for (Row& row : rows) {
     row.time /= unit.per_second;
@@ -118,20 +150,30 @@ TimeUnit bring_to_seconds(std::vector<Row>& rows, const fs::path& list,
 /// The rows at which a clock that was set back begins anew; empty where times go back for another
 /// reason.
 std::vector<std::size_t> set_back_at(const std::vector<Row>& rows) {
-  constexpr double kSetBack_s = 1;
+  constexpr double kSetBack_s = 0.3;
   constexpr std::size_t kShortest = 3, kMost = 5;
   std::vector<std::size_t> begins;
   std::size_t begin = 0;
   for (std::size_t i = 1; i < rows.size(); ++i) {
     if (rows[i].time >= rows[i - 1].time) continue;
     const bool far = rows[i].time < rows[i - 1].time - kSetBack_s;
-    // Parts in another order do not lie in each other.
-    const bool again = rows[i].time >= rows[begin].time;
-    if (!far || !again || i - begin < kShortest || rows.size() - i < kShortest) return {};
+    if (!far || i - begin < kShortest || rows.size() - i < kShortest) return {};
     begins.push_back(i);
     begin = i;
   }
   return begins.size() <= kMost ? begins : std::vector<std::size_t>{};
+}
+
+/// Whether parts of a list only stand in another order: each begins where some other one ends.
+bool are_parts_in_another_order(const std::vector<Row>& rows,
+                                const std::vector<std::size_t>& begins, double step_s) {
+  constexpr double kSteps = 20;
+  for (std::size_t k = 0; k < begins.size(); ++k) {
+    const std::size_t end = k + 1 < begins.size() ? begins[k + 1] : rows.size();
+    const double before = rows[k == 0 ? 0 : begins[k - 1]].time - rows[end - 1].time;
+    if (before < 0 || before > kSteps * step_s) return false;
+  }
+  return true;
 }
 
 /// Moves the stretches after a clock was set back behind those before. Returns by how much, as the
@@ -142,6 +184,7 @@ std::vector<double> follow_set_back(std::vector<Row>& rows, const std::vector<do
   std::vector<double> times, moved_s;
   for (const Row& row : rows) times.push_back(row.time);
   const double step_s = median_step(times);
+  if (are_parts_in_another_order(rows, begins, step_s)) return {};
   for (std::size_t k = 0; k < begins.size(); ++k) {
     const std::size_t begin = begins[k];
     const std::size_t end = k + 1 < begins.size() ? begins[k + 1] : rows.size();
@@ -193,9 +236,10 @@ Status put_in_order(std::vector<Row>& rows, const fs::path& list,
 /// Whether a row names a file that macOS left beside the real one.
 bool is_left_behind_row(const Row& row) { return is_left_behind(row.path); }
 
-Result<std::vector<Row>> read_rows(const fs::path& list) {
+Result<std::vector<Row>> read_rows(const fs::path& list, std::vector<std::string>& warnings) {
   SGS_ASSIGN_OR_RETURN(const std::string content, io::read_text(list));
   const fs::path folder = list.parent_path();
+  const std::string of_list = io::lower_case(list.stem().string());
   std::vector<Row> rows;
   for (const io::TextLine& line : io::content_lines(content)) {
     const auto split = split_time(line.text);
@@ -206,8 +250,9 @@ Result<std::vector<Row>> read_rows(const fs::path& list) {
       if (heading) continue;
       return bad_line(list, line, "timestamp filename");
     }
-    rows.push_back({split->time, split->whole, named_file(folder, split->rest),
+    rows.push_back({split->time, split->whole, named_file(folder, split->rest, of_list),
                     fmt::format("{}:{}", list.string(), line.number)});
+    if (rows.size() == 1) warn_of_other_names(list, split->rest, rows.back().path, warnings);
   }
   std::erase_if(rows, is_left_behind_row);
   if (rows.empty()) {
@@ -237,7 +282,7 @@ std::optional<Association> split_association(std::string_view text, const fs::pa
     std::error_code error;
     if (!found) found = candidate;
     if (candidate.first.rest.find_first_of(kBlanks) == std::string_view::npos) return candidate;
-    if (fs::exists(file_named(folder, candidate.first.rest), error)) return candidate;
+    if (fs::exists(file_named(folder, candidate.first.rest, "rgb"), error)) return candidate;
   }
   return found;
 }
@@ -246,7 +291,7 @@ std::optional<Association> split_association(std::string_view text, const fs::pa
 
 Result<ImageList> read_image_list(const fs::path& list, std::vector<std::string>& warnings,
                                   const std::vector<double>& moved_s) {
-  SGS_ASSIGN_OR_RETURN(auto rows, read_rows(list));
+  SGS_ASSIGN_OR_RETURN(auto rows, read_rows(list, warnings));
   ImageList out;
   out.rows = rows.size();
   const auto [first, last] = std::minmax_element(
@@ -275,9 +320,10 @@ Result<TimeUnit> read_associations(const fs::path& list, bool frame_numbers, Fra
         both->first.rest.starts_with("depth") && !both->second.rest.starts_with("depth");
     const Split &color = swapped ? both->second : both->first,
                 &depth = swapped ? both->first : both->second;
-    rows.push_back({color.time, color.whole, named_file(folder, color.rest),
+    rows.push_back({color.time, color.whole, named_file(folder, color.rest, "rgb"),
                     fmt::format("{}:{}", list.string(), line.number),
-                    named_file(folder, depth.rest), depth.time - color.time});
+                    named_file(folder, depth.rest, "depth"), depth.time - color.time});
+    if (rows.size() == 1) warn_of_other_names(list, color.rest, rows.back().path, out.warnings);
   }
   if (rows.empty()) {
     return fail(ErrorCode::kInvalidFormat, fmt::format("{}: lists no images", list.string()),

@@ -40,7 +40,9 @@ void sort_by_time(std::vector<ImuSample>& samples) {
 
 /// The colour camera's frame in a bag's tf, as the run found it.
 Result<ImuRecording> read_imu_of_bag(const SequenceInfo& info) {
-  SGS_ASSIGN_OR_RETURN(const auto bag, bag::open_bag(info.folder));
+  std::vector<fs::path> files = {info.folder};
+  files.insert(files.end(), info.more_files.begin(), info.more_files.end());
+  SGS_ASSIGN_OR_RETURN(const auto bag, bag::open_bags(files));
   SGS_ASSIGN_OR_RETURN(const auto topics, choose_topics(*bag, "color=" + info.color_topic +
                                                                   ",depth=" + info.depth_topic));
   ImuRecording imu = read_bag_imu(*bag, topics.color.frame_id);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 
 #include "sgs/bag/bag.h"
 #include "sgs/dataset/sens_source.h"
@@ -67,6 +68,57 @@ bool is_bag_folder(const fs::path& folder) {
   return bag::looks_like_bag(folder) || (!has_layout(folder) && !bag::bag_files(folder).empty());
 }
 
+/// The endings of a folder's files, the most frequent first.
+std::string endings_of(const fs::path& folder) {
+  std::map<std::string, std::size_t> counts;
+  std::error_code error;
+  for (const fs::path& file : content_of(folder)) {
+    if (!fs::is_directory(file, error)) ++counts[file.extension().string()];
+  }
+  std::vector<std::pair<std::size_t, std::string>> sorted;
+  for (const auto& [ending, count] : counts) sorted.emplace_back(count, ending);
+  std::sort(sorted.rbegin(), sorted.rend());
+  return sorted.empty() ? "" : sorted.front().second;
+}
+
+/// What makes a folder of images readable that is no layout.
+std::string how_to_describe(const fs::path& folder) {
+  constexpr std::size_t kMost = 6;
+  std::vector<std::string> images, others;
+  std::error_code error;
+  for (const fs::path& path : content_of(folder)) {
+    if (!fs::is_directory(path, error)) continue;
+    const std::string name = path.filename().string(), ending = endings_of(path);
+    if (!image_files(path).empty()) {
+      images.push_back(name);
+    } else if (!ending.empty()) {
+      others.push_back(fmt::format("{} holds {} files", name, ending));
+    }
+  }
+  if (!images.empty() && !others.empty() && images.size() + others.size() <= kMost) {
+    return fmt::format(
+        "{}, which are not read: write them as PNG (depth in 16 bits), then an "
+        "sgs.toml that names the folders",
+        fmt::join(others, ", "));
+  }
+  constexpr const char* kForm =
+      "put an sgs.toml there with [sequence] color = \"{}\", depth = \"{}\", match = \"order\", "
+      "fps = 30{}";
+  if (images.size() >= 2 && images.size() <= kMost) {
+    const auto depth = std::find_if(images.begin(), images.end(), [](const std::string& name) {
+      return io::lower_case(name).find("dep") != std::string::npos;
+    });
+    const std::size_t of_depth = depth == images.end() ? 1 : depth - images.begin();
+    return fmt::format(fmt::runtime(kForm), images[of_depth == 0 ? 1 : 0], images[of_depth],
+                       " (whichever of the folders hold them)");
+  }
+  if (!image_files(folder).empty()) {
+    return fmt::format(fmt::runtime(kForm), "*color*", "*depth*",
+                       " (patterns that tell the files apart)");
+  }
+  return "give the folder that holds one of these; an sgs.toml describes any folder of images";
+}
+
 tl::unexpected<Error> no_sequence(const fs::path& folder) {
   for (const fs::path& file : content_of(folder)) {
     if (const auto unpacking = io::unpacking_of(file)) {
@@ -81,29 +133,38 @@ tl::unexpected<Error> no_sequence(const fs::path& folder) {
                           "what marks ScanNet, 7-Scenes, Open3D, SUN3D, ICL-NUIM, nerfstudio, "
                           "Polycam and ARKitScenes, and .bag, .mcap or .db3 files",
                           folder.string()),
-              "give the folder that holds one of these; an sgs.toml describes any folder of "
-              "images");
+              how_to_describe(folder));
+}
+
+/// The recordings that lie in a folder.
+std::vector<fs::path> recordings_in(const fs::path& folder) {
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (const fs::path& path : content_of(folder)) {
+    const bool recording =
+        fs::is_directory(path, error) ? has_layout(path) || is_bag_folder(path) : is_sens(path);
+    if (recording) found.push_back(path);
+  }
+  return found;
 }
 
 /// The only recording below a folder that is none itself, at most two folders deep: archives often
 /// hold one folder more than was packed.
-Result<fs::path> only_below(const fs::path& folder, int depth) {
-  std::vector<fs::path> found;
+Result<fs::path> only_below(const fs::path& folder) {
   std::error_code error;
-  const auto content = content_of(folder);
-  for (const fs::path& path : content) {
-    const bool recording =
-        fs::is_directory(path, error) ? has_layout(path) || is_bag_folder(path) : is_sens(path);
-    if (recording) found.push_back(path);
+  auto found = recordings_in(folder);
+  if (found.empty()) {
+    for (const fs::path& path : content_of(folder)) {
+      if (!fs::is_directory(path, error)) continue;
+      const auto deeper = recordings_in(path);
+      found.insert(found.end(), deeper.begin(), deeper.end());
+    }
   }
   if (found.size() == 1) return found.front();
   if (found.size() > 1) {
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: holds {} scenes", folder.string(), found.size()),
                 fmt::format("give one of them, for example {}", io::shell_quoted(found.front())));
-  }
-  if (depth > 0 && content.size() == 1 && fs::is_directory(content.front(), error)) {
-    return only_below(content.front(), depth - 1);
   }
   return no_sequence(folder);
 }
@@ -133,17 +194,27 @@ bool looks_like_sequence(const fs::path& folder) {
   }
 }
 
+bool lies_beside_recording(const fs::path& file) {
+  const std::string name = file.filename().string();
+  if (name.empty() || name == "." || name == "..") return false;
+  return is_left_behind(file) || name == "metadata.yaml" || name.ends_with("-wal") ||
+         name.ends_with("-shm") || name.ends_with("-journal");
+}
+
 Result<Location> locate_recording(const fs::path& input) {
   std::error_code error;
   if (!fs::exists(input, error)) {
     return fail(ErrorCode::kNotFound, fmt::format("{}: no such file or folder", input.string()),
                 "give the folder of an RGB-D sequence, a bag, or synth:NAME");
   }
-  if (!fs::is_directory(input, error)) return Location{input, bag::looks_like_bag(input)};
+  if (!fs::is_directory(input, error)) {
+    const fs::path folder = fs::absolute(input, error).parent_path();
+    const bool list = input.filename() == "metadata.yaml" && bag::looks_like_bag(folder);
+    return list ? Location{folder, true} : Location{input, bag::looks_like_bag(input)};
+  }
   if (is_bag_folder(input)) return Location{input, true};
   if (has_layout(input)) return Location{input, false};
-  constexpr int kDeeper = 1;
-  SGS_ASSIGN_OR_RETURN(const fs::path below, only_below(input, kDeeper));
+  SGS_ASSIGN_OR_RETURN(const fs::path below, only_below(input));
   const bool folder = fs::is_directory(below, error);
   return Location{below, folder && is_bag_folder(below)};
 }

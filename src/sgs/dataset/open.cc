@@ -3,6 +3,7 @@
 #include "sgs/dataset/open.h"
 
 #include <algorithm>
+#include <array>
 
 #include "sgs/bag/bag.h"
 #include "sgs/camera/resample.h"
@@ -17,6 +18,7 @@
 #include "sgs/dataset/sens_source.h"
 #include "sgs/dataset/sparse_capture.h"
 #include "sgs/io/archive.h"
+#include "sgs/io/image_io.h"
 #include "sgs/io/text.h"
 
 namespace sgs::dataset {
@@ -44,6 +46,7 @@ struct Probe {
   StoredCameras cameras;
   DepthImage depth;
   ImageSize color;
+  fs::path color_file;
 };
 
 /// Whether the images of a frame have the sizes that the calibration is for.
@@ -84,7 +87,7 @@ Result<Probe> probe(const FrameList& list, const std::string& source, const Stor
       const ImageSize depth_size{depth.width(), depth.height()};
       const bool as_expected =
           format.depth_size_differs || format.depth_camera.fx > 0 || color_size == depth_size;
-      Probe seen{cameras, std::move(stored->depth), color_size};
+      Probe seen{cameras, std::move(stored->depth), color_size, entry.color};
       if (as_expected) return seen;
       if (!fallback) fallback = std::move(seen);
     } else if (first_size.message.empty()) {
@@ -203,6 +206,12 @@ void warn_of_probe(const Probe& seen, const StoredFormat& format, const OpenOpti
         "depth is {}x{}, colour {}x{}: they are taken for the same view, as registered depth is",
         depth.width, depth.height, seen.color.width, seen.color.height));
   }
+  if (const int turned = io::viewer_orientation(seen.color_file); turned != 1) {
+    warnings.push_back(fmt::format(
+        "{}: viewers turn such pictures (Exif orientation {}), here they are taken as they are "
+        "stored, as depth is; if colour and depth do not fit, `mogrify -auto-orient` turns them",
+        seen.color_file.string(), turned));
+  }
   if (!options.depth_scale) warn_of_doubtful_unit(median_depth_m(seen.depth), warnings);
 }
 
@@ -250,6 +259,33 @@ Result<Sequence> open_bag(const fs::path& input, const OpenOptions& options) {
   return sequence;
 }
 
+/// What to do with what other programs record, by the name's ending in small letters.
+std::optional<std::string> remedy_for_other_format(const std::string& name) {
+  struct Format {
+    const char* ending;
+    const char* remedy;
+  };
+  constexpr const char* kVideo =
+      "a video has no depth: give the recording that it was made from, with its depth images";
+  constexpr const char* kFolders =
+      " and give the folder; an sgs.toml in it names the folders of colour and depth (16-bit PNG)";
+  constexpr std::array kFormats = {
+      Format{".mp4", kVideo},
+      Format{".mov", kVideo},
+      Format{".avi", kVideo},
+      Format{".mkv",
+             "of an Azure Kinect: write its images with Open3D's azure_kinect_mkv_reader.py"},
+      Format{".svo", "of a ZED: write its images with the export sample of its SDK"},
+      Format{".svo2", "of a ZED: write its images with the export sample of its SDK"},
+      Format{".oni", "of OpenNI: write its images with the tools of its SDK"},
+      Format{".klg", "of Logger2: write its images with a converter for .klg"}};
+  for (const Format& format : kFormats) {
+    if (!name.ends_with(format.ending)) continue;
+    return format.remedy == kVideo ? std::string(kVideo) : std::string(format.remedy) + kFolders;
+  }
+  return std::nullopt;
+}
+
 /// What is not a folder: a file that holds a whole recording, or one that marks a folder.
 Result<Sequence> open_file(const fs::path& file, const OpenOptions& options) {
   const std::string name = io::lower_case(file.filename().string());
@@ -265,6 +301,10 @@ Result<Sequence> open_file(const fs::path& file, const OpenOptions& options) {
                     io::shell_quoted(file)));
   }
   if (const auto unpacking = io::unpacking_of(file)) return io::packed_as_a_whole(file, *unpacking);
+  if (const auto remedy = remedy_for_other_format(name)) {
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("{}: recordings of this kind are not read", file.string()), *remedy);
+  }
   return fail(ErrorCode::kUnsupported,
               fmt::format("{}: not a folder, and no recording that is known", file.string()),
               "give the folder of an RGB-D sequence, a bag (.bag, .mcap, .db3), or a ScanNet .sens "
@@ -316,7 +356,7 @@ Result<Sequence> open_sequence(const fs::path& input, const OpenOptions& options
   SGS_RETURN_IF_ERROR(check_options(options));
   SGS_ASSIGN_OR_RETURN(const Location found, locate_recording(input));
   for (const fs::path& file : options.more_files) {
-    if (found.is_bag && bag::looks_like_bag(file)) continue;
+    if (found.is_bag && (bag::looks_like_bag(file) || !bag::bag_files(file).empty())) continue;
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("{} and {}: only bags can be given in several files", input.string(),
                             file.string()),

@@ -40,7 +40,8 @@ constexpr auto enum_names(Stamps) {
 struct OpenOptions {
   std::optional<io::CameraOption> camera;  ///< intrinsics that replace the folder's own
   std::optional<double> depth_scale;       ///< raw units per metre that replace the folder's own
-  std::int64_t first = 0;                  ///< frames [first, last) of the sequence are delivered
+  std::string depth_scale_source = "--depth-scale";  ///< who says so
+  std::int64_t first = 0;  ///< frames [first, last) of the sequence are delivered
   std::int64_t last = std::numeric_limits<std::int64_t>::max();
   double max_time_difference_s = 0.02;  ///< between the colour and depth image of one frame
   // Of bags (bag_source.h); other layouts have no use for them.
@@ -74,7 +75,8 @@ struct SequenceInfo {
   std::int64_t color_images = 0;  ///< that the whole recording has, usable or not; 0 = not known
   PinholeCamera delivered;        ///< of the frames as delivered
   bool sparse = false;            ///< single views, too far apart to be tracked
-  std::string color_topic, depth_topic;     ///< of a bag
+  std::string color_topic, depth_topic;           ///< of a bag
+  std::vector<std::filesystem::path> more_files;  ///< of a bag in several files, beside `folder`
   std::optional<DepthDelays> depth_delays;  ///< empty: depth has no stamps of its own, or a bag
   std::size_t truth_rows = 0;               ///< usable ground-truth poses
   std::size_t color_without_depth = 0;      ///< colour images without a depth image near in time
@@ -108,6 +110,10 @@ struct Location {
   bool is_bag = false;  ///< of messages (bag_source.h); else of images
 };
 Result<Location> locate_recording(const std::filesystem::path& input);
+
+/// Whether a file only lies beside a recording, as a shell's `FOLDER/*` names it: the list of a ROS
+/// 2 bag, what SQLite and systems leave behind.
+bool lies_beside_recording(const std::filesystem::path& file);
 
 /// Whether a folder has the marks of a layout that open_sequence() reads, by the names of its files
 /// alone; what cannot be looked at has none.

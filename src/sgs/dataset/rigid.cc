@@ -25,7 +25,8 @@ Result<std::vector<double>> load_numbers(const fs::path& path) {
       if (!value) {
         return fail(ErrorCode::kInvalidFormat,
                     fmt::format("{}:{}: '{}' is not a number", path.string(), line.number,
-                                field.substr(0, 40)));
+                                field.substr(0, 40)),
+                    "correct the file, or take it away");
       }
       numbers.push_back(*value);
     }

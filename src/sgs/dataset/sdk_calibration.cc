@@ -71,7 +71,9 @@ Result<SE3> transform_of_text(const std::string& text) {
 Result<SE3> read_transform(const Bag& bag, std::size_t channel) {
   const bag::Channel& about = bag.channels()[channel];
   SGS_ASSIGN_OR_RETURN(const auto message, first_message(bag, channel));
-  if (!message) return fail(ErrorCode::kNotFound, fmt::format("{} is empty", about.topic));
+  if (!message)
+    return fail(ErrorCode::kNotFound, fmt::format("{} is empty", about.topic),
+                "give --extrinsics tx,ty,tz,qx,qy,qz,qw, depth to colour");
   if (about.type == kTransform) return bag::read_plain_transform(*message, about.encoding);
   SGS_ASSIGN_OR_RETURN(const std::string text, bag::read_string(*message, about.encoding));
   return transform_of_text(text);

@@ -14,6 +14,8 @@ namespace sgs::dataset {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr const char* kDamaged = "the file is damaged; download or record it again";
+
 static_assert(std::endian::native == std::endian::little, "the file is little-endian");
 
 using Floats = std::array<float, 16>;  // a 4x4, row by row
@@ -169,15 +171,17 @@ Result<ColorImage> SensFile::color(std::size_t index) {
   const std::string name = place(index, "colour");
   if (frame.color_bytes > kLargestImage_bytes) {
     return fail(ErrorCode::kInvalidFormat,
-                fmt::format("{}: {} bytes cannot be one image", name, frame.color_bytes));
+                fmt::format("{}: {} bytes cannot be one image", name, frame.color_bytes), kDamaged);
   }
   const auto bytes = read_bytes(frame.color_at, frame.color_bytes);
-  if (!bytes) return fail(ErrorCode::kIo, fmt::format("{}: cannot be read", name));
+  if (!bytes) return fail(ErrorCode::kIo, fmt::format("{}: cannot be read", name), kDamaged);
   if (color_coding_ != kColorRaw) return io::decode_color(*bytes, name);
   ColorImage image(color_camera_.width, color_camera_.height);
   if (bytes->size() != image.size() * sizeof(Rgb8)) {
-    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: {} bytes where {} make an image", name,
-                                                       bytes->size(), image.size() * sizeof(Rgb8)));
+    return fail(ErrorCode::kInvalidFormat,
+                fmt::format("{}: {} bytes where {} make an image", name, bytes->size(),
+                            image.size() * sizeof(Rgb8)),
+                kDamaged);
   }
   for (std::size_t i = 0; i < image.size(); ++i) {
     const auto byte = [&](std::size_t k) { return static_cast<std::uint8_t>((*bytes)[3 * i + k]); };
@@ -195,14 +199,14 @@ Result<io::RawDepth> SensFile::depth(std::size_t index) {
   const std::uint64_t largest = size + size / 100 + 1024;
   if (frame.depth_bytes > largest) {
     return fail(ErrorCode::kInvalidFormat,
-                fmt::format("{}: {} bytes cannot be one image", name, frame.depth_bytes));
+                fmt::format("{}: {} bytes cannot be one image", name, frame.depth_bytes), kDamaged);
   }
   auto bytes = read_bytes(frame.color_at + frame.color_bytes, frame.depth_bytes);
-  if (!bytes) return fail(ErrorCode::kIo, fmt::format("{}: cannot be read", name));
+  if (!bytes) return fail(ErrorCode::kIo, fmt::format("{}: cannot be read", name), kDamaged);
   if (depth_coding_ == kDepthZlib) bytes = io::zlib_decompressed(*bytes, size);
   if (!bytes || bytes->size() != size) {
     return fail(ErrorCode::kInvalidFormat,
-                fmt::format("{}: damaged, or not of {} bytes", name, size));
+                fmt::format("{}: damaged, or not of {} bytes", name, size), kDamaged);
   }
   io::RawDepth image(depth_camera_.width, depth_camera_.height);
   std::copy(bytes->begin(), bytes->end(), reinterpret_cast<char*>(image.data()));

@@ -132,7 +132,7 @@ Result<SensCalibration> calibrate(const SensFile& file, const fs::path& path,
   }
   out.color.camera = out.cameras.color;
   out.color.depth_scale = options.depth_scale.value_or(file.depth_scale());
-  if (options.depth_scale) out.source += " and --depth-scale";
+  if (options.depth_scale) out.source += " and " + options.depth_scale_source;
   SGS_RETURN_IF_ERROR(io::check_calibration(out.color, out.source));
   // The depth camera has to be as usable.
   Calibration depth = out.color;
@@ -189,7 +189,7 @@ Result<Sequence> open_sens(const fs::path& path, const OpenOptions& options) {
   info.last_time_s = times_s[static_cast<std::size_t>(range.second - 1)];
   info.calibration = calibration.color;
   info.calibration_source = calibration.source;
-  info.unit_source = options.depth_scale ? "--depth-scale" : path.string();
+  info.unit_source = options.depth_scale ? options.depth_scale_source : path.string();
   info.relation_source = "depth is registered, as ScanNet records it";
   info.times_source = "the times of the colour images in the file";
   info.delivered = delivered_camera(calibration.cameras, options.max_width);

@@ -32,6 +32,7 @@ double median_step(const std::vector<double>& sorted) {
 TimeUnit unit_of_times(std::vector<double> times, bool whole) {
   // Cameras deliver between a thousand and one image in two seconds.
   constexpr double kShortest_s = 0.001, kLongest_s = 2;
+  constexpr double kLongestView_s = 3600;  // between single views
   constexpr double kLatestYear_s = 1e10;   // seconds since 1970: some three centuries
   constexpr double kEarliestYear_s = 1e8;  // 1973
   constexpr std::size_t kFewest = 3;
@@ -43,10 +44,16 @@ TimeUnit unit_of_times(std::vector<double> times, bool whole) {
   if (!no_seconds && whole && step == 1 && size < kEarliestYear_s) {
     return {kGuessedFps, "frame numbers", false};
   }
+  // Every second, fifth, ... frame of a camera: no camera delivers so many a second.
+  constexpr double kMostSkipped = 7;
+  if (!no_seconds && whole && step <= kMostSkipped && step > kLongest_s && size < kEarliestYear_s) {
+    return {kGuessedFps, "frame numbers", false};
+  }
   for (const Known& unit : kUnits) {
-    const double size_s = size / unit.per_second;
+    const double size_s = size / unit.per_second, step_s = step / unit.per_second;
     const bool since_1970 = no_seconds && size_s > kEarliestYear_s && size_s < kLatestYear_s;
-    if (since_1970) return {unit.per_second, unit.name, true};
+    // What a clock that began with the device counts may be as large in another unit.
+    if (since_1970 && step_s < kLongestView_s) return {unit.per_second, unit.name, true};
   }
   // Seconds that are written with their fractions may be far apart: single views.
   if (!no_seconds && (!whole || step <= kLongest_s)) return {};

@@ -31,6 +31,8 @@ TEST(TimeUnit, IsRecognisedByTheStepsOfACameraThatCountsFromItsStart) {
   for (const double per_second : {1e3, 1e6, 1e9}) {
     EXPECT_EQ(unit_of_times(times(12, per_second), true).per_second, per_second);
   }
+  // As many nanoseconds since a start as milliseconds since 1970.
+  EXPECT_EQ(unit_of_times(times(123, 1e9), true).per_second, 1e9);
 }
 
 TEST(TimeUnit, SecondsStayWhatTheyAre) {
@@ -53,7 +55,10 @@ TEST(TimeUnit, NumbersThatGoByOneCountFrames) {
   const TimeUnit unit = unit_of_times(counts, true);
   EXPECT_EQ(unit.per_second, 30);
   EXPECT_FALSE(unit.known);
-  // "1.0", "2.0": somebody means seconds.
+  // Every fifth.
+  for (double& count : counts) count *= 5;
+  EXPECT_EQ(unit_of_times(counts, true).per_second, 30);
+  // Not written as whole numbers: whoever calls knows better.
   EXPECT_TRUE(unit_of_times(counts, false).name.empty());
 }
 

@@ -11,6 +11,7 @@
 #include "sgs/dataset/given_poses.h"
 #include "sgs/dataset/prefetch.h"
 #include "sgs/dataset/reduced_source.h"
+#include "sgs/io/camera_file.h"
 #include "sgs/io/depth_calibration_io.h"
 #include "sgs/io/trajectory_io.h"
 #include "sgs/stream/stream_source.h"
@@ -95,9 +96,16 @@ Result<Input> open_synthetic(const InputSpec& spec, const FrameRange& range, int
 Result<Input> open_recorded(const InputSpec& spec, const FrameRange& range) {
   dataset::OpenOptions options;
   if (!spec.camera.empty()) {
-    SGS_ASSIGN_OR_RETURN(options.camera, io::parse_camera_option(spec.camera));
+    SGS_ASSIGN_OR_RETURN(options.camera, io::read_camera_option(spec.camera));
   }
-  if (spec.depth_scale > 0) options.depth_scale = spec.depth_scale;
+  if (options.camera && options.camera->depth_scale > 0) {
+    options.depth_scale = options.camera->depth_scale;
+    options.depth_scale_source = spec.camera;
+  }
+  if (spec.depth_scale > 0) {
+    options.depth_scale = spec.depth_scale;
+    options.depth_scale_source = dataset::OpenOptions().depth_scale_source;
+  }
   options.topics = spec.topics;
   options.extrinsics = spec.extrinsics;
   options.truth_topic = spec.truth_topic;

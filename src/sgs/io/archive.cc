@@ -33,6 +33,8 @@ constexpr Packing kPackings[] = {
     {".txz", kTar},
     {".tar", kTar},
     {".zip", "unzip {0} -d {1}"},
+    {".zip.001", "7z x {0} -o{1}"},
+    {".7z.001", "7z x {0} -o{1}"},
     {".7z", "7z x {0} -o{1}"},
     {".rar", "unrar x {0} {1}/"},
     {".zstd", "zstd -d {0} -o {1}"},

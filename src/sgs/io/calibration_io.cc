@@ -18,7 +18,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kCameraTxtForm =
-    "one line 'fx fy cx cy width height depth_scale [k1 k2 p1 p2 k3 [k4 k5 k6]]'";
+    "one line 'fx fy cx cy width height depth_scale [k1 k2 p1 p2 k3 [k4 k5 k6]]', of a fisheye "
+    "'... "
+    "depth_scale fisheye k1 k2 k3 k4'";
 
 /// All fields as finite numbers, or nothing.
 std::optional<std::vector<double>> finite_numbers(const std::vector<std::string_view>& fields) {
@@ -31,10 +33,28 @@ std::optional<std::vector<double>> finite_numbers(const std::vector<std::string_
   return numbers;
 }
 
-/// The distortion that follows the first `fixed` numbers of a line: nothing, five or eight more.
-std::optional<Distortion> distortion_after(const std::vector<double>& n, std::size_t fixed) {
-  if (n.size() != fixed && n.size() != fixed + 5 && n.size() != fixed + 8) return std::nullopt;
-  return Distortion::from_coefficients(std::span(n).subspan(fixed));
+/// A camera as text: so many numbers, and its lens.
+struct CameraFields {
+  std::vector<double> numbers;
+  Distortion lens;
+};
+
+/// The first `fixed` fields are numbers; then come none, five or eight of a lens, or "fisheye" and
+/// four.
+std::optional<CameraFields> camera_fields(std::vector<std::string_view> fields, std::size_t fixed) {
+  const bool fisheye =
+      fields.size() == fixed + 5 && lower_case(std::string(fields[fixed])) == "fisheye";
+  if (fisheye) fields.erase(fields.begin() + static_cast<std::ptrdiff_t>(fixed));
+  auto n = finite_numbers(fields);
+  if (!n) return std::nullopt;
+  const bool fits =
+      fisheye || n->size() == fixed || n->size() == fixed + 5 || n->size() == fixed + 8;
+  if (!fits) return std::nullopt;
+  const auto lens = Distortion::from_coefficients(
+      std::span(*n).subspan(fixed), fisheye ? LensModel::kFisheye : LensModel::kBrown);
+  if (!lens) return std::nullopt;
+  n->resize(fixed);
+  return CameraFields{std::move(*n), *lens};
 }
 
 bool whole(double value) { return value == std::floor(value) && std::abs(value) < 1e9; }
@@ -42,13 +62,16 @@ bool whole(double value) { return value == std::floor(value) && std::abs(value) 
 }  // namespace
 
 Result<CameraOption> parse_camera_option(std::string_view text) {
-  const auto n = finite_numbers(split_fields(text, ","));
-  const auto distortion = n ? distortion_after(*n, 4) : std::nullopt;
-  if (!distortion) {
-    return fail(ErrorCode::kInvalidArgument, fmt::format("--camera '{}' cannot be read", text),
-                "give --camera fx,fy,cx,cy or --camera fx,fy,cx,cy,k1,k2,p1,p2,k3[,k4,k5,k6]");
+  const auto read = camera_fields(split_fields(text, ","), 4);
+  if (!read) {
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("--camera '{}' is no camera and no file", text),
+                "give --camera fx,fy,cx,cy or --camera fx,fy,cx,cy,k1,k2,p1,p2,k3[,k4,k5,k6], of a "
+                "fisheye --camera fx,fy,cx,cy,fisheye,k1,k2,k3,k4, or a file that ROS, Kalibr or "
+                "OpenCV wrote (YAML)");
   }
-  CameraOption option{(*n)[0], (*n)[1], (*n)[2], (*n)[3], *distortion};
+  const auto& n = read->numbers;
+  CameraOption option{n[0], n[1], n[2], n[3], read->lens, 0, 0, 0};
   if (!(option.fx > 0 && option.fy > 0)) {
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("--camera '{}': focal lengths must be positive", text));
@@ -81,8 +104,9 @@ static Status check_fold(const PinholeCamera& k, const Distortion& lens, std::st
                   "{:.0f} px away",
                   source, fmt::join(lens.written(), ", "), largest * k.fx, corner * k.fx),
       "calibrate with a target that reaches the corners, or with fewer coefficients; numbers of "
-      "another model (fisheye) or order (k1 k2 p1 p2 k3) are no distortion of this kind. Give "
-      "them there or as --camera fx,fy,cx,cy,k1,k2,p1,p2,k3[,k4,k5,k6]");
+      "another model or order are no distortion of this kind: --camera "
+      "fx,fy,cx,cy,k1,k2,p1,p2,k3[,k4,k5,k6], of a fisheye --camera "
+      "fx,fy,cx,cy,fisheye,k1,k2,k3,k4");
 }
 
 Status check_calibration(const Calibration& c, std::string_view source) {
@@ -132,30 +156,32 @@ Result<Calibration> load_camera_txt(const fs::path& path) {
     const auto row = split_row(lines[0].text, count);
     if (row.size() == count) fields = row;
   }
-  const auto n = finite_numbers(fields);
-  const auto distortion = n ? distortion_after(*n, 7) : std::nullopt;
-  if (!distortion || !whole((*n)[4]) || !whole((*n)[5])) {
+  const auto read = camera_fields(fields, 7);
+  if (!read || !whole(read->numbers[4]) || !whole(read->numbers[5])) {
     return fail(ErrorCode::kInvalidFormat,
                 fmt::format("{}:{}: '{}' is not a calibration", path.string(), lines[0].number,
                             lines[0].text.substr(0, 120)),
                 fmt::format("write {}", kCameraTxtForm));
   }
+  const auto& n = read->numbers;
   Calibration c;
-  c.camera = {
-      static_cast<int>((*n)[4]), static_cast<int>((*n)[5]), (*n)[0], (*n)[1], (*n)[2], (*n)[3]};
-  c.depth_scale = (*n)[6];
-  c.distortion = *distortion;
+  c.camera = {static_cast<int>(n[4]), static_cast<int>(n[5]), n[0], n[1], n[2], n[3]};
+  c.depth_scale = n[6];
+  c.distortion = read->lens;
   SGS_RETURN_IF_ERROR(check_calibration(c, fmt::format("{}:{}", path.string(), lines[0].number)));
   return c;
 }
 
 Status save_camera_txt(const fs::path& path, const Calibration& c) {
   const PinholeCamera& k = c.camera;
-  std::string text =
-      fmt::format("# fx fy cx cy width height depth_scale [k1 k2 p1 p2 k3 [k4 k5 k6]]\n");
+  const bool fisheye = c.distortion.is_fisheye();
+  std::string text = fmt::format("# fx fy cx cy width height depth_scale {}\n",
+                                 fisheye ? "fisheye k1 k2 k3 k4" : "[k1 k2 p1 p2 k3 [k4 k5 k6]]");
   text +=
       fmt::format("{} {} {} {} {} {} {}", k.fx, k.fy, k.cx, k.cy, k.width, k.height, c.depth_scale);
-  if (!c.distortion.is_zero()) text += fmt::format(" {}", fmt::join(c.distortion.written(), " "));
+  if (!c.distortion.is_zero()) {
+    text += fmt::format("{} {}", fisheye ? " fisheye" : "", fmt::join(c.distortion.written(), " "));
+  }
   return write_file(path, text + "\n");
 }
 

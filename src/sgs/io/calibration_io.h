@@ -13,14 +13,17 @@
 
 namespace sgs::io {
 
-/// Intrinsics as given on the command line: without the image size.
+/// Intrinsics as given on the command line.
 struct CameraOption {
   double fx = 0, fy = 0, cx = 0, cy = 0;
   Distortion distortion;
+  // What numbers do not say, and a file may: 0 = not said.
+  int width = 0, height = 0;  ///< of the pictures
+  double depth_scale = 0;     ///< raw units per metre
 };
 
 /// Parses `--camera fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]]`: four, nine or twelve finite
-/// numbers, fx and fy > 0.
+/// numbers, fx and fy > 0; or `fx,fy,cx,cy,fisheye,k1,k2,k3,k4`.
 Result<CameraOption> parse_camera_option(std::string_view text);
 
 /// Checks a complete calibration: sizes, focal lengths and depth scale positive, everything finite,
@@ -29,7 +32,8 @@ Result<CameraOption> parse_camera_option(std::string_view text);
 Status check_calibration(const Calibration& calibration, std::string_view source);
 
 /// Reads `camera.txt`: one line `fx fy cx cy width height depth_scale [k1 k2 p1 p2 k3
-/// [k4 k5 k6]]`, '#' comments. The result has passed check_calibration().
+/// [k4 k5 k6]]`, or `... depth_scale fisheye k1 k2 k3 k4`, '#' comments. The result has passed
+/// check_calibration().
 Result<Calibration> load_camera_txt(const std::filesystem::path& path);
 Status save_camera_txt(const std::filesystem::path& path, const Calibration& calibration);
 
@@ -58,6 +62,7 @@ constexpr auto enum_names(FrameMatching) {
 ///     height = 480
 ///     depth_scale = 5000.0          # may be left to --depth-scale
 ///     distortion = [0.0, 0.0, 0.0, 0.0, 0.0]   # k1 k2 p1 p2 k3, or k1 .. k6
+///     lens = "brown"                # or "fisheye", with distortion = [k1, k2, k3, k4]
 ///     [sequence]
 ///     name = "kitchen"
 ///     color = "color/*.jpg"         # a folder or a pattern with * in the file name; with `depth`

@@ -5,6 +5,7 @@
 
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/calibration_io.h"
+#include "sgs/io/camera_file.h"
 #include "sgs/io/temporary_folder.h"
 #include "sgs/io/toml_config.h"
 
@@ -141,10 +142,45 @@ TEST(Calibration, CameraOption) {
   EXPECT_TRUE(option->distortion.is_zero());
   EXPECT_EQ(parse_camera_option("1,1,1,1,.1,.2,.3,.4,.5")->distortion.k3, 0.5);
   EXPECT_EQ(parse_camera_option("1,1,1,1,.1,.2,.3,.4,.5,.6,.7,.8")->distortion.k6, 0.8);
+  const auto fisheye = parse_camera_option("1,1,1,1,fisheye,.1,.2,.3,.4");
+  ASSERT_TRUE(fisheye);
+  EXPECT_TRUE(fisheye->distortion.is_fisheye());
+  EXPECT_EQ(fisheye->distortion.written(), (std::vector<double>{0.1, 0.2, 0.3, 0.4}));
   for (const char* bad :
-       {"", "1,2,3", "1,2,3,4,5", "1,1,1,1,1,1,1,1,1,1", "a,b,c,d", "-1,1,1,1", "inf,1,1,1"}) {
+       {"", "1,2,3", "1,2,3,4,5", "1,1,1,1,1,1,1,1,1,1", "a,b,c,d", "-1,1,1,1", "inf,1,1,1",
+        "1,1,1,1,fisheye", "1,1,1,1,fisheye,1,2,3", "1,1,1,1,bent,1,2,3,4"}) {
     EXPECT_FALSE(parse_camera_option(bad)) << bad;
   }
+}
+
+TEST(Calibration, AFisheyeComesBackAsItWas) {
+  const TemporaryFolder folder;
+  const Calibration fisheye{
+      {640, 480, 400, 401, 320, 240},
+      *Distortion::from_coefficients(std::vector{-0.02, 0.01, -0.003, 5e-4}, LensModel::kFisheye),
+      1000};
+  ASSERT_TRUE(save_camera_txt(folder / "c.txt", fisheye));
+  EXPECT_EQ(load_camera_txt(folder / "c.txt").value(), fisheye);
+  SequenceToml toml;
+  toml.calibration = fisheye;
+  ASSERT_TRUE(save_sequence_toml(folder / "c.toml", toml));
+  EXPECT_EQ(load_sequence_toml(folder / "c.toml").value().calibration, fisheye);
+  ASSERT_TRUE(write_file(folder / "d.toml",
+                         "[camera]\nfx = 1\nfy = 1\ncx = 1\ncy = 1\nwidth = 9\nheight = 9\n"
+                         "lens = \"fisheye\"\ndistortion = [0, 0, 0, 0, 0]\n"));
+  EXPECT_THAT(load_sequence_toml(folder / "d.toml").error().message, HasSubstr("[k1, k2, k3, k4]"));
+}
+
+TEST(Calibration, LensesAreKnownByManyNames) {
+  for (const char* name : {"equidistant", "Kannala Brandt4", "OPENCV_FISHEYE", "kannala_brandt"}) {
+    EXPECT_EQ(lens_model_named(name), LensModel::kFisheye) << name;
+  }
+  for (const char* name : {"", "plumb_bob", "rational_polynomial", "Inverse Brown Conrady"}) {
+    EXPECT_EQ(lens_model_named(name), LensModel::kBrown) << name;
+  }
+  EXPECT_FALSE(lens_model_named("ftheta"));
+  EXPECT_TRUE(lens_named("plumb_bob", std::vector<double>(14, 0.0)));
+  EXPECT_FALSE(lens_named("equidistant", std::vector{0.1, 0.0, 0.0, 0.0, 0.1}));
 }
 
 TEST(Calibration, CamParamsJson) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "sgs/io/atomic_file.h"
+#include "sgs/io/foreign_content.h"
 #include "sgs/io/image_decoder.h"
 #include "sgs/io/image_encoder.h"
 #include "sgs/io/image_stream.h"
@@ -35,8 +36,10 @@ Result<Encoded> checked_stream(std::string bytes, const std::string& name) {
                 "copy or record the image again");
   }
   if (encoded.check.kind == StreamCheck::Kind::kUnknown) {
-    return fail(ErrorCode::kUnsupported, fmt::format("{}: neither PNG nor JPEG", name),
-                "convert the images to PNG or JPEG");
+    const auto foreign = foreign_content(encoded.bytes);
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("{}: {}", name, foreign ? foreign->what : "neither PNG nor JPEG"),
+                foreign ? foreign->remedy : "convert the images to PNG or JPEG");
   }
   // A few hundred kilobytes can announce gigabytes of pixels.
   const std::int64_t pixels = std::int64_t{encoded.check.width} * encoded.check.height;
@@ -69,7 +72,7 @@ Result<ColorImage> decode_color(std::string bytes, const std::string& name) {
     return fail(ErrorCode::kUnsupported,
                 fmt::format("{}: {} bits per channel where an 8-bit colour image is needed", name,
                             encoded.check.bits_per_channel),
-                "are colour and depth swapped?");
+                "are colour and depth swapped? Else convert the images to 8 bits per channel");
   }
   auto image = encoded.check.kind == StreamCheck::Kind::kJpeg ? decode_jpeg(encoded.bytes)
                                                               : decode_png_color(encoded.bytes);
@@ -114,6 +117,11 @@ DepthImage depth_in_metres(const RawDepth& raw, double depth_scale) {
 Result<DepthImage> decode_depth(std::string bytes, const std::string& name, double depth_scale) {
   SGS_ASSIGN_OR_RETURN(const RawDepth raw, decode_raw_depth(std::move(bytes), name));
   return depth_in_metres(raw, depth_scale);
+}
+
+int viewer_orientation(const fs::path& path) {
+  const auto bytes = read_file(path, kLargestImageFile_bytes);
+  return bytes ? check_image_stream(*bytes).orientation : 1;
 }
 
 Result<ColorImage> load_color(const fs::path& path) {

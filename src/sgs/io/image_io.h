@@ -16,6 +16,9 @@ namespace sgs::io {
 /// kInvalidFormat when it is empty, truncated or damaged, kUnsupported for other formats and for
 /// 16 bits per channel (most often a depth image where colour belongs).
 Result<ColorImage> load_color(const std::filesystem::path& path);
+/// How a viewer turns a picture before it shows it, which load_color() does not: 1 = not at all, 2
+/// to 8 as Exif numbers it. 1 where the file cannot be read.
+int viewer_orientation(const std::filesystem::path& path);
 
 /// Reads a 16-bit single-channel PNG of raw depth and divides by `depth_scale` (raw units per
 /// metre, > 0). Raw 0 and 65535 become 0, "no measurement". Errors as for load_color; 8-bit or

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <libdeflate.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -60,6 +61,32 @@ StreamCheck check_png(std::string_view bytes) {
   return result;
 }
 
+/// The orientation that an Exif segment says (Exif 2.32, 4.6.2 and 4.6.4); 1 where it says none.
+int orientation_of(std::string_view segment) {
+  constexpr std::string_view kExif("Exif\0\0", 6);
+  constexpr std::size_t kOrientation = 0x0112, kEntry_bytes = 12, kMostEntries = 512;
+  if (!segment.starts_with(kExif)) return 1;
+  const std::string_view tiff = segment.substr(kExif.size());
+  const bool little = tiff.starts_with("II");
+  const auto number = [&](std::size_t at, std::size_t bytes) -> std::size_t {
+    std::size_t value = 0;
+    for (std::size_t i = 0; i < bytes; ++i) {
+      const std::size_t from = little ? at + bytes - 1 - i : at + i;
+      value = value << 8 | (from < tiff.size() ? byte_at(tiff, from) : 0);
+    }
+    return value;
+  };
+  const std::size_t directory = number(4, 4),
+                    entries = std::min(number(directory, 2), kMostEntries);
+  for (std::size_t i = 0; i < entries; ++i) {
+    const std::size_t at = directory + 2 + i * kEntry_bytes;
+    if (number(at, 2) != kOrientation) continue;
+    const std::size_t value = number(at + 8, 2);
+    return value >= 1 && value <= 8 ? static_cast<int>(value) : 1;
+  }
+  return 1;
+}
+
 StreamCheck check_jpeg(std::string_view bytes) {
   StreamCheck result{StreamCheck::Kind::kJpeg, 8, ""};
   constexpr std::uint32_t kEndOfImage = 0xD9, kStartOfScan = 0xDA;
@@ -96,6 +123,10 @@ StreamCheck check_jpeg(std::string_view bytes) {
     }
     has_scan = has_scan || code == kStartOfScan;
     if (length < 2 || length > bytes.size() - at - 2) break;
+    constexpr std::uint32_t kApplication1 = 0xE1;
+    if (code == kApplication1 && result.orientation == 1) {
+      result.orientation = orientation_of(bytes.substr(at + 4, length - 2));
+    }
     at += 2 + length;
   }
   result.problem = fmt::format("truncated JPEG: it ends after {} bytes without EOI", bytes.size());

@@ -14,6 +14,9 @@ struct StreamCheck {
   /// Empty when the stream runs from its signature to its end marker; otherwise what is wrong.
   std::string problem = {};
   int width = 0, height = 0;  ///< as announced; 0 where nothing was
+  /// How a viewer turns a JPEG before it shows it: 1 = not at all, else 2 .. 8 (Exif 2.32, tag
+  /// 0x0112).
+  int orientation = 1;
 };
 
 /// Walks the chunks of a PNG (to IEND, with their checksums) or the segments of a JPEG (to EOI).

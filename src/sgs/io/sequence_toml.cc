@@ -25,6 +25,7 @@ void declare(ParameterList& list, SequenceToml& content, Calibration& c) {
     list.add("width", c.camera.width, "Image width.", "px", {1, kLargest});
     list.add("height", c.camera.height, "Image height.", "px", {1, kLargest});
     list.add("depth_scale", c.depth_scale, "Raw depth units per metre.", "1/m", {1e-6, 1e9});
+    list.add("lens", c.distortion.model, "How the lens pictures directions.");
   }
   const auto scope = list.group("sequence");
   list.add("name", content.name, "Name for reports.", {});
@@ -35,23 +36,26 @@ void declare(ParameterList& list, SequenceToml& content, Calibration& c) {
   list.add("trajectory", content.trajectory, "Ground truth, TUM text.", {});
 }
 
-Result<Distortion> read_distortion(const toml::node& node, std::string_view source) {
+Result<Distortion> read_distortion(const toml::node& node, bool fisheye, std::string_view source) {
   const auto bad = [&] {
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: camera.distortion must be five or eight numbers "
-                            "[k1, k2, p1, p2, k3, k4, k5, k6]",
+                            "[k1, k2, p1, p2, k3, k4, k5, k6], with lens = \"fisheye\" four "
+                            "[k1, k2, k3, k4]",
                             toml_place(node, source)),
-                "write five zeros or leave the key out when there is no distortion");
+                "write zeros, or leave the key out when there is no distortion");
   };
   const auto* array = node.as_array();
-  if (array == nullptr || (array->size() != 5 && array->size() != 8)) return bad();
+  if (array == nullptr) return bad();
+  const bool fits = fisheye ? array->size() == 4 : array->size() == 5 || array->size() == 8;
+  if (!fits) return bad();
   std::vector<double> values;
   for (const toml::node& item : *array) {
     const auto value = item.value<double>();
     if (!value || !(std::abs(*value) <= std::numeric_limits<double>::max())) return bad();
     values.push_back(*value);
   }
-  return *Distortion::from_coefficients(values);
+  return *Distortion::from_coefficients(values, fisheye ? LensModel::kFisheye : LensModel::kBrown);
 }
 
 }  // namespace
@@ -71,7 +75,8 @@ Result<SequenceToml> load_sequence_toml(const fs::path& path) {
       }
     }
     if (const auto* distortion = camera->get("distortion")) {
-      SGS_ASSIGN_OR_RETURN(calibration.distortion, read_distortion(*distortion, source));
+      const bool fisheye = (*camera)["lens"].value_or(std::string()) == "fisheye";
+      SGS_ASSIGN_OR_RETURN(calibration.distortion, read_distortion(*distortion, fisheye, source));
       // Arrays are not config values; what remains is checked as one list.
       camera->erase("distortion");
     }
@@ -108,9 +113,10 @@ Status save_sequence_toml(const fs::path& path, const SequenceToml& content) {
                           content.calibration->depth_scale);
     }
     if (!d.is_zero()) {
-      text +=
-          fmt::format("distortion = [{}]  # k1 k2 p1 p2 k3, k4 k5 k6 where the lens is rational\n",
-                      fmt::join(d.written(), ", "));
+      text += fmt::format(
+          "lens = \"{}\"\ndistortion = [{}]  # {}\n", to_string(d.model),
+          fmt::join(d.written(), ", "),
+          d.is_fisheye() ? "k1 k2 k3 k4" : "k1 k2 p1 p2 k3, k4 k5 k6 where the lens is rational");
     }
     text += "\n";
   }

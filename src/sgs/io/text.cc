@@ -58,6 +58,24 @@ std::string from_utf16(std::string_view bytes, bool big_endian) {
   return out;
 }
 
+/// Whether text that begins without a mark is UTF-16 of Latin letters: every second byte is 0.
+/// `high` is the place of those in each pair.
+bool zeros_at(std::string_view bytes, std::size_t high) {
+  constexpr std::size_t kLooked_bytes = 64;
+  const std::size_t end = std::min(bytes.size(), kLooked_bytes) / 2 * 2;
+  for (std::size_t at = 0; at < end; at += 2) {
+    if (bytes[at + high] != 0 || bytes[at + 1 - high] == 0) return false;
+  }
+  return end > 2;
+}
+
+/// Lines that end as old Macs ended them, with a carriage return alone.
+void end_lines_with_feeds(std::string& text) {
+  for (std::size_t at = 0; (at = text.find('\r', at)) != std::string::npos; ++at) {
+    if (at + 1 >= text.size() || text[at + 1] != '\n') text[at] = '\n';
+  }
+}
+
 }  // namespace
 
 Result<std::string> read_text(const std::filesystem::path& path, std::int64_t limit_bytes) {
@@ -67,8 +85,14 @@ Result<std::string> read_text(const std::filesystem::path& path, std::int64_t li
 
 std::string utf8_text(std::string content) {
   const std::string_view bytes = content;
-  if (bytes.starts_with("\xFF\xFE")) return from_utf16(bytes.substr(2), false);
-  if (bytes.starts_with("\xFE\xFF")) return from_utf16(bytes.substr(2), true);
+  if (bytes.starts_with("\xFF\xFE")) {
+    content = from_utf16(bytes.substr(2), false);
+  } else if (bytes.starts_with("\xFE\xFF")) {
+    content = from_utf16(bytes.substr(2), true);
+  } else if (zeros_at(bytes, 1) || zeros_at(bytes, 0)) {
+    content = from_utf16(bytes, zeros_at(bytes, 0));
+  }
+  end_lines_with_feeds(content);
   return content;
 }
 

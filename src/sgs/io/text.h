@@ -13,8 +13,8 @@
 
 namespace sgs::io {
 
-/// The content of a text file as UTF-8. What other systems write is converted: UTF-16 with a byte
-/// order mark (PowerShell's ">" writes it).
+/// The content of a text file as UTF-8 with line feeds. What other systems write is converted:
+/// UTF-16 (PowerShell's ">" writes it), carriage returns alone.
 Result<std::string> read_text(const std::filesystem::path& path,
                               std::int64_t limit_bytes = kLargestFile_bytes);
 /// The same of text in memory.

@@ -19,6 +19,7 @@ static_assert(sizeof(Rgb8) == 3 && std::is_trivially_copyable_v<Rgb8>);
 
 constexpr double kNoMeasurement = 65535;
 constexpr int kSentJpegQuality = 92;
+constexpr const char* kKeepToIt = "the sender must keep to docs/stream.md";
 
 template <class T>
 Result<Image<T>> image_of(const std::string& bytes, const PinholeCamera& camera, const char* what) {
@@ -27,7 +28,8 @@ Result<Image<T>> image_of(const std::string& bytes, const PinholeCamera& camera,
   if (bytes.size() != expected) {
     return fail(ErrorCode::kInvalidFormat,
                 fmt::format("{} has {} bytes where {}x{} pixels take {}", what, bytes.size(),
-                            camera.width, camera.height, expected));
+                            camera.width, camera.height, expected),
+                kKeepToIt);
   }
   Image<T> image(camera.width, camera.height);
   std::memcpy(image.data(), bytes.data(), bytes.size());
@@ -44,7 +46,8 @@ Status check_size(const Image<T>& image, const PinholeCamera& camera, const char
   if (image.width() == camera.width && image.height() == camera.height) return {};
   return fail(ErrorCode::kInvalidFormat,
               fmt::format("{} is {}x{} but the greeting said {}x{}", what, image.width(),
-                          image.height(), camera.width, camera.height));
+                          image.height(), camera.width, camera.height),
+              kKeepToIt);
 }
 
 Result<ColorImage> color_of(Packet& packet, const Hello& hello) {
@@ -101,7 +104,7 @@ Status FrameDecoder::decode(Packet packet, RgbdFrame& frame) {
   frame.depth_delay_s = packet.depth_delay_s;
   frame.given_T_world_camera = packet.given_T_world_camera;
   if (!std::isfinite(packet.timestamp_s) || !std::isfinite(packet.depth_delay_s)) {
-    return fail(ErrorCode::kInvalidFormat, "its time is not a number");
+    return fail(ErrorCode::kInvalidFormat, "its time is not a number", kKeepToIt);
   }
   SGS_ASSIGN_OR_RETURN(auto color, color_of(packet, hello_));
   SGS_ASSIGN_OR_RETURN(auto depth, depth_of(packet, hello_));
@@ -119,14 +122,14 @@ Result<Packet> encode_frame(const RgbdFrame& frame, const Hello& hello) {
   } else if (hello.color == ColorCoding::kRgb8) {
     packet.color = bytes_of(frame.color);
   } else {
-    return fail(ErrorCode::kUnsupported, "colour is sent as rgb8 or jpeg");
+    return fail(ErrorCode::kUnsupported, "colour is sent as rgb8 or jpeg", "give --color rgb8");
   }
   if (hello.depth == StreamDepth::kF32) {
     packet.depth = bytes_of(frame.depth);
   } else if (hello.depth == StreamDepth::kU16) {
     packet.depth = bytes_of(raw_depth(frame.depth, hello.depth_scale));
   } else {
-    return fail(ErrorCode::kUnsupported, "depth is sent as f32 or u16");
+    return fail(ErrorCode::kUnsupported, "depth is sent as f32 or u16", "give --depth f32");
   }
   return packet;
 }

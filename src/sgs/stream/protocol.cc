@@ -45,6 +45,7 @@ Json camera_json(const LensCamera& lens) {
   Json json = {{"width", c.width}, {"height", c.height}, {"fx", c.fx},
                {"fy", c.fy},       {"cx", c.cx},         {"cy", c.cy}};
   if (!lens.distortion.is_zero()) json["distortion"] = lens.distortion.written();
+  if (lens.distortion.is_fisheye()) json["lens"] = to_string(lens.distortion.model);
   return json;
 }
 
@@ -77,6 +78,13 @@ Result<std::size_t> count_of(const Json& json, const char* key, std::size_t larg
   return broken(fmt::format("'{}' is {}; allowed are whole numbers up to {}", key, value, largest));
 }
 
+template <NamedEnum E>
+Status read_word(const Json& json, const char* key, E& value) {
+  if (!json.contains(key)) return {};
+  SGS_ASSIGN_OR_RETURN(value, from_string<E>(key, json.at(key).get<std::string>()));
+  return {};
+}
+
 Result<LensCamera> camera_of(const Json& json, const char* key) {
   LensCamera lens;
   SGS_ASSIGN_OR_RETURN(const auto width, count_of(json, "width", kLargestSide_px));
@@ -84,24 +92,19 @@ Result<LensCamera> camera_of(const Json& json, const char* key) {
   lens.camera = {static_cast<int>(width),     static_cast<int>(height),
                  json.at("fx").get<double>(), json.at("fy").get<double>(),
                  json.at("cx").get<double>(), json.at("cy").get<double>()};
-  if (json.contains("distortion")) {
-    const auto values = json.at("distortion").get<std::vector<double>>();
-    const auto distortion = Distortion::from_coefficients(values);
-    if (!distortion) {
-      return broken(fmt::format("'{}': {} distortion coefficients; 4, 5 or 8 are understood", key,
-                                values.size()));
-    }
-    lens.distortion = *distortion;
+  LensModel model = LensModel::kBrown;
+  SGS_RETURN_IF_ERROR(read_word(json, "lens", model));
+  const auto values = json.value("distortion", std::vector<double>());
+  const auto distortion = Distortion::from_coefficients(values, model);
+  if (!distortion) {
+    return broken(
+        fmt::format("'{}': {} distortion coefficients; 4, 5 or 8 are understood, 4 of a "
+                    "fisheye",
+                    key, values.size()));
   }
+  lens.distortion = *distortion;
   SGS_RETURN_IF_ERROR(io::check_calibration({lens.camera, lens.distortion, 1}, key));
   return lens;
-}
-
-template <NamedEnum E>
-Status read_word(const Json& json, const char* key, E& value) {
-  if (!json.contains(key)) return {};
-  SGS_ASSIGN_OR_RETURN(value, from_string<E>(key, json.at(key).get<std::string>()));
-  return {};
 }
 
 Result<Hello> hello_of(const Json& json) {

@@ -108,7 +108,8 @@ class TcpSender final : public Sender {
       const ssize_t read = ::recv(socket_.native_handle(), &next, 1, 0);
       if (read < 0 && (errno == EAGAIN || errno == EINTR)) continue;
       if (read <= 0) {
-        return fail(ErrorCode::kIo, fmt::format("{} broke off the connection", who_));
+        return fail(ErrorCode::kIo, fmt::format("{} broke off the connection", who_),
+                    "its own messages and log say why; start it again, then this");
       }
       if (next == '\n') break;
       line += next;

@@ -64,8 +64,13 @@ Status color_camera(const Bag& bag, const BagTopics& topics, const OpenOptions& 
   if (options.camera) {
     const io::CameraOption& k = *options.camera;
     found.color_source = "--camera";
-    found.color = {{topics.color.width, topics.color.height, k.fx, k.fy, k.cx, k.cy}, k.distortion};
-    return {};
+    const ImageSize size = topic_size(topics.color), own{k.width, k.height};
+    found.color = {{size.width, size.height, k.fx, k.fy, k.cx, k.cy}, k.distortion};
+    if (!own.known() || !size.known() || own == size) return {};
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("--camera is for pictures of {}x{}, those of {} have {}x{}", own.width,
+                            own.height, topic, size.width, size.height),
+                "give the calibration of pictures of this size");
   }
   Error error{ErrorCode::kNotFound,
               fmt::format("{}: no camera info beside it, so its calibration is not known", topic),
@@ -201,13 +206,15 @@ Result<Relation> find_relation(const Bag& bag, const BagTopics& topics, const Op
     SGS_ASSIGN_OR_RETURN(auto recorded, recorded_relation(bag, topics, warnings));
     if (recorded) return std::move(*recorded);
   }
+  const std::string left_out =
+      warnings.empty() ? "" : fmt::format(" ({})", fmt::join(warnings, "; "));
   return fail(
       ErrorCode::kInvalidArgument,
       fmt::format(
           "{} (frame '{}') is not registered to {} (frame '{}'), and the recording does not "
-          "say how the two cameras stand to each other: no /tf_static between the frames, "
-          "no extrinsics topic",
-          depth, topics.depth.frame_id, color, topics.color.frame_id),
+          "say how the two cameras stand to each other: no usable /tf_static between the frames, "
+          "no extrinsics topic{}",
+          depth, topics.depth.frame_id, color, topics.color.frame_id, left_out),
       "give --extrinsics tx,ty,tz,qx,qy,qz,qw (depth to colour), or --extrinsics aligned if depth "
       "is registered; or record an aligned depth topic");
 }
@@ -218,7 +225,7 @@ Status find_unit(const Bag& bag, const BagTopics& topics, const OpenOptions& opt
   if (options.depth_scale) {
     found.unit.units_per_metre = *options.depth_scale;
     found.unit.scale_floats = true;
-    found.unit_source = "--depth-scale";
+    found.unit_source = options.depth_scale_source;
     return {};
   }
   SGS_ASSIGN_OR_RETURN(const auto unit, sdk_depth_unit(bag, topic));

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "sgs/bag/messages.h"
+#include "sgs/dataset/time_unit.h"
 
 namespace sgs::dataset {
 namespace {
@@ -47,16 +48,18 @@ bool tells_apart(const std::vector<std::int64_t>& times) {
   return 2 * different(times) > times.size();
 }
 
+/// So many images tell whether their times do.
+constexpr std::size_t kEnoughTimes = 4;
+
 bool all_zero(const std::vector<std::int64_t>& times) {
   return std::all_of(times.begin(), times.end(), [](std::int64_t t) { return t == 0; });
 }
 
 /// What is wrong with the stamps of a topic; empty where nothing is.
 std::string useless(const FirstTimes& times, const char* what) {
-  constexpr std::size_t kEnough = 4;
   if (times.stamps_ns.empty()) return "";
   if (all_zero(times.stamps_ns)) return fmt::format("the {} images have no time stamps", what);
-  const bool collapsed = times.stamps_ns.size() >= kEnough && !tells_apart(times.stamps_ns) &&
+  const bool collapsed = times.stamps_ns.size() >= kEnoughTimes && !tells_apart(times.stamps_ns) &&
                          tells_apart(times.received_ns);
   if (!collapsed) return "";
   return fmt::format("{} of the first {} images share {} time stamps", times.stamps_ns.size(), what,
@@ -65,8 +68,8 @@ std::string useless(const FirstTimes& times, const char* what) {
 
 void compare_rates(const FirstTimes& times, std::vector<std::string>& warnings) {
   constexpr double kFactor = 5;
-  constexpr std::size_t kEnough = 10;
-  if (times.stamps_ns.size() < kEnough) return;
+  constexpr std::size_t kForRates = 10;
+  if (times.stamps_ns.size() < kForRates) return;
   const double stamps_s = span_s(times.stamps_ns), received_s = span_s(times.received_ns);
   if (stamps_s <= 0 || received_s <= 0) return;
   if (stamps_s < kFactor * received_s && received_s < kFactor * stamps_s) return;
@@ -78,25 +81,37 @@ void compare_rates(const FirstTimes& times, std::vector<std::string>& warnings) 
 
 }  // namespace
 
-ClockChoice choose_clock(const bag::Bag& bag, const BagTopics& topics, Stamps option) {
+Result<ClockChoice> choose_clock(const bag::Bag& bag, const BagTopics& topics, Stamps option) {
   ClockChoice choice;
+  const FirstTimes color = first_times(bag, topics.color.channel);
+  const FirstTimes depth = first_times(bag, topics.depth.channel);
+  const std::string of_color = useless(color, "colour");
+  const std::string problem = of_color.empty() ? useless(depth, "depth") : of_color;
   if (option == Stamps::kReceived) {
     choice.clock = BagClock::kRecord;
     choice.source = "the times of recording, by --stamps received";
-    return choice;
-  }
-  const FirstTimes color = first_times(bag, topics.color.channel);
-  const FirstTimes depth = first_times(bag, topics.depth.channel);
-  std::string problem = useless(color, "colour");
-  if (problem.empty()) problem = useless(depth, "depth");
-  if (problem.empty()) {
+  } else if (problem.empty()) {
     choice.source = "the stamps of the images";
     compare_rates(color, choice.warnings);
-    return choice;
+  } else {
+    choice.clock = BagClock::kRecord;
+    choice.source = "the times of recording: the stamps tell nothing";
+    choice.warnings.push_back(problem + "; the times of recording are taken, which are less exact");
   }
-  choice.clock = BagClock::kRecord;
-  choice.source = "the times of recording: the stamps tell nothing";
-  choice.warnings.push_back(problem + "; the times of recording are taken, which are less exact");
+  const bool stamps = choice.clock == BagClock::kStamp;
+  const std::vector<std::int64_t>& times = stamps ? color.stamps_ns : color.received_ns;
+  if (!stamps && times.size() >= kEnoughTimes && !tells_apart(times)) {
+    const bool other_clock = option == Stamps::kReceived && problem.empty();
+    return fail(
+        ErrorCode::kInvalidFormat,
+        fmt::format("{} colour images share {} times of recording, so these do not tell them "
+                    "apart{}",
+                    times.size(), different(times), other_clock ? "" : "; " + problem),
+        other_clock ? "the stamps do: leave out --stamps"
+                    : "save the images into two folders, and describe them in an sgs.toml "
+                      "with sequence.match = \"order\" and sequence.fps");
+  }
+  choice.median_step_s = 1e-9 * median_step({times.begin(), times.end()});
   return choice;
 }
 

@@ -7,51 +7,47 @@
 
 #include "sgs/camera/resample.h"
 #include "sgs/io/calibration_io.h"
+#include "sgs/io/camera_file.h"
 #include "sgs/io/text.h"
 
 namespace sgs::dataset {
 namespace {
 
 constexpr const char* kGiveCamera = "give --camera fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]]";
+constexpr const char* kLensesKnown =
+    "plumb_bob and rational_polynomial with up to eight coefficients and equidistant with four are "
+    "known; rectify the images first (image_proc), or, if they are plane already, give --camera "
+    "fx,fy,cx,cy";
 
 int side_px(std::uint32_t side) { return static_cast<int>(std::min(side, 1u << 20)); }
-
-bool is_brown(const std::string& model) {
-  return model.empty() || model == "plumb_bob" || model == "rational_polynomial" ||
-         model == "radtan" || model == "none" || model.find("brown") != std::string::npos;
-}
 
 /// The lens of a camera info's D.
 Result<Distortion> distortion_of(const bag::CameraInfoMessage& info, const std::string& topic,
                                  std::vector<std::string>& warnings) {
-  const std::string model = io::lower_case(info.distortion_model);
+  const std::string& model = info.distortion_model;
   const bool straight =
       std::all_of(info.D.begin(), info.D.end(), [](double value) { return value == 0; });
-  if (straight && !is_brown(model)) {
+  if (straight && io::lens_model_named(model) != LensModel::kBrown) {
+    const auto& K = info.K;
     warnings.push_back(fmt::format(
         "{}: the lens model is '{}' without coefficients; the pictures are taken for plane ones "
         "(pinhole), as many drivers mean it. If straight lines look bent in them, the lens is a "
-        "fisheye and everything comes out wrong: record rectified images",
-        topic, info.distortion_model));
+        "fisheye and everything comes out wrong: give --camera {},{},{},{},fisheye,0,0,0,0 then, "
+        "or "
+        "record rectified images",
+        topic, model, K[0], K[4], K[2], K[5]));
   }
   if (straight) return Distortion{};
-  // OpenCV's model goes on to 12 and 14 coefficients; drivers that write them leave those at zero.
-  constexpr std::ptrdiff_t kRational = 8;
-  std::vector<double> D = info.D;
-  const bool longer = static_cast<std::ptrdiff_t>(D.size()) > kRational &&
-                      std::all_of(D.begin() + kRational, D.end(), [](double v) { return v == 0; });
-  if (longer) D.resize(kRational);
-  const auto lens = Distortion::from_coefficients(D);
-  if (!is_brown(model) || !lens) {
-    return fail(ErrorCode::kUnsupported,
-                fmt::format("{}: distortion '{}' with {} coefficients", topic,
-                            info.distortion_model, info.D.size()),
-                "plumb_bob and rational_polynomial are known; rectify the images first "
-                "(image_proc), or, if they are plane already, give --camera fx,fy,cx,cy");
+  const auto lens = io::lens_named(model, info.D);
+  if (!lens) {
+    return fail(
+        ErrorCode::kUnsupported,
+        fmt::format("{}: distortion '{}' with {} coefficients", topic, model, info.D.size()),
+        kLensesKnown);
   }
-  if (model.find("inverse") != std::string::npos) {
-    warnings.push_back(fmt::format("{}: '{}' is taken for Brown-Conrady, as realsense-ros does",
-                                   topic, info.distortion_model));
+  if (io::lower_case(model).find("inverse") != std::string::npos) {
+    warnings.push_back(
+        fmt::format("{}: '{}' is taken for Brown-Conrady, as realsense-ros does", topic, model));
   }
   return *lens;
 }

@@ -69,7 +69,7 @@ TEST(BagLens, AnotherSizeOfOneShapeIsScaledAnotherShapeIsRefused) {
   EXPECT_THAT(wide.error().text(), HasSubstr("640x360"));
 }
 
-TEST(BagLens, FisheyeIsAWarningWithoutCoefficientsAndRefusedWithThem) {
+TEST(BagLens, FisheyeIsAWarningWithoutCoefficientsAndALensWithThem) {
   auto info = info_of(640, 480, 430);
   info.distortion_model = "equidistant";
   for (const auto& none : {std::vector<double>{}, std::vector<double>(4, 0.0)}) {
@@ -78,11 +78,25 @@ TEST(BagLens, FisheyeIsAWarningWithoutCoefficientsAndRefusedWithThem) {
     ASSERT_TRUE(lens_of(info, "/info", false, {640, 480}, warnings));
     EXPECT_THAT(warnings.at(0), HasSubstr("fisheye"));
   }
-  info.D = {0.1, 0.01, 0, 0};
   std::vector<std::string> warnings;
-  const auto lens = lens_of(info, "/info", false, {640, 480}, warnings);
-  ASSERT_FALSE(lens);
-  EXPECT_THAT(lens.error().text(), HasSubstr("equidistant"));
+  for (const char* name : {"equidistant", "fisheye", "kannala_brandt", "Kannala Brandt4"}) {
+    info.distortion_model = name;
+    info.D = {0.1, 0.01, 0, 0, 0};  // RealSense's drivers write five for each model
+    const auto lens = lens_of(info, "/info", false, {640, 480}, warnings);
+    ASSERT_TRUE(lens) << lens.error().text();
+    EXPECT_TRUE(lens->distortion.is_fisheye());
+    EXPECT_EQ(lens->distortion.written(), (std::vector<double>{0.1, 0.01, 0, 0}));
+  }
+  EXPECT_TRUE(warnings.empty());
+  for (const auto& [name, D] : {std::pair("equidistant", std::vector<double>{0.1, 0, 0, 0, 0.1}),
+                                std::pair("ftheta", std::vector<double>{0.9, 0, 0, 0, 0})}) {
+    info.distortion_model = name;
+    info.D = D;
+    const auto lens = lens_of(info, "/info", false, {640, 480}, warnings);
+    ASSERT_FALSE(lens);
+    EXPECT_THAT(lens.error().text(), HasSubstr(name));
+    EXPECT_THAT(lens.error().text(), HasSubstr("--camera fx,fy,cx,cy"));
+  }
 }
 
 TEST(BagLens, CoefficientsBeyondEightMayBeThereAsZeros) {

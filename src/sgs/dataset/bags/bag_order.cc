@@ -10,8 +10,13 @@
 namespace sgs::dataset {
 namespace {
 
-/// What lies further back in time than this is of another pass of the clock, not late.
-constexpr std::int64_t kLatest_ns = 1'000'000'000;
+/// What lies further back in time than this is of another pass of the clock, not late: the images
+/// of one camera come in their order.
+constexpr std::int64_t kLatest_ns = 300'000'000;
+/// The longest step between two images that follow each other.
+constexpr std::int64_t kLongestPause_ns = 1'000'000'000;
+/// No recording has a pause of eleven days: what lies alone before or after one has no time.
+constexpr std::int64_t kAge_ns = 1'000'000'000'000'000;
 /// So many rising times in a row, all of them far back, are a clock that was set back.
 constexpr std::size_t kSure = 3;
 
@@ -58,7 +63,14 @@ bool MessageOrder::last_is_stray(std::int64_t time_ns) const {
   if (waiting_.empty() || time_ns >= waiting_.back().time_ns - kLatest_ns) return false;
   const auto before_ns =
       waiting_.size() > 1 ? std::optional(waiting_[waiting_.size() - 2].time_ns) : last_ns_;
-  return before_ns && time_ns > *before_ns && time_ns <= *before_ns + kLatest_ns;
+  return before_ns && time_ns > *before_ns && time_ns <= *before_ns + kLongestPause_ns;
+}
+
+/// Whether a time is the next of those that are kept behind.
+bool MessageOrder::follows_behind(std::int64_t time_ns) const {
+  if (behind_.empty()) return false;
+  const std::int64_t step_ns = time_ns - behind_.back().time_ns;
+  return step_ns > 0 && step_ns <= kLongestPause_ns;
 }
 
 /// Keeps what came before something already taken, until it is clear what that means.
@@ -66,9 +78,9 @@ void MessageOrder::put_behind(Waiting next) {
   const std::int64_t newest_ns =
       waiting_.empty() ? last_ns_.value_or(next.time_ns) : waiting_.back().time_ns;
   const bool far = next.time_ns < newest_ns - kLatest_ns;
-  const bool goes_on = behind_.empty() || next.time_ns > behind_.back().time_ns;
-  if (!far || !goes_on) give_up_late();
-  if (!far) {
+  if (!follows_behind(next.time_ns)) give_up_late();
+  // What follows the beginning of a stretch need not be far back itself.
+  if (!far && behind_.empty()) {
     ++out_of_order_;
     note(late(next.time_ns));
     return;
@@ -89,7 +101,10 @@ void MessageOrder::put(Waiting next) {
   }
   const bool taken_already = last_ns_ && next.time_ns <= *last_ns_;
   const bool far_back = !waiting_.empty() && next.time_ns < waiting_.back().time_ns - kLatest_ns;
-  if (taken_already || far_back) return put_behind(std::move(next));
+  const bool before_newest = !waiting_.empty() && next.time_ns <= waiting_.back().time_ns;
+  if (taken_already || far_back || (before_newest && follows_behind(next.time_ns))) {
+    return put_behind(std::move(next));
+  }
   give_up_late();
   const auto place = std::lower_bound(
       waiting_.begin(), waiting_.end(), next.time_ns,
@@ -121,12 +136,45 @@ void MessageOrder::begin_stretch() {
   behind_.clear();
 }
 
+void MessageOrder::leave_out(std::size_t place, std::int64_t neighbour_ns) {
+  const std::int64_t time_ns = waiting_[place].time_ns;
+  waiting_.erase(waiting_.begin() + static_cast<std::ptrdiff_t>(place));
+  ++out_of_order_;
+  note(
+      {ErrorCode::kInvalidFormat,
+       fmt::format("the stamp of an image, {:.6f} s, has nothing to do with that of its neighbour, "
+                   "{:.6f} s",
+                   seconds(time_ns), seconds(neighbour_ns)),
+       ""});
+}
+
+void MessageOrder::leave_out_strays() {
+  constexpr std::size_t kMost = 3;
+  const auto gap_before = [&](std::size_t i) {
+    return waiting_[i].time_ns - waiting_[i - 1].time_ns > kAge_ns;
+  };
+  if (!begun_ && !waiting_.empty()) {
+    begun_ = true;
+    for (std::size_t i = std::min(kMost, waiting_.size() - 1); i > 0; --i) {
+      if (!gap_before(i) || waiting_.size() - i <= i) continue;
+      const std::int64_t first_ns = waiting_[i].time_ns;
+      while (i-- > 0) leave_out(0, first_ns);
+      break;
+    }
+  }
+  if (!ended_ || waiting_.empty()) return;
+  const std::int64_t before_ns = waiting_.size() > 1 ? waiting_[waiting_.size() - 2].time_ns
+                                                     : last_ns_.value_or(waiting_.back().time_ns);
+  if (waiting_.back().time_ns - before_ns > kAge_ns) leave_out(waiting_.size() - 1, before_ns);
+}
+
 void MessageOrder::fill() {
   if (next_stretch_ && waiting_.empty()) begin_stretch();
   while (!ended_ && !next_stretch_ && waiting_.size() < kAhead) {
     read_one();
     if (next_stretch_ && waiting_.empty()) begin_stretch();
   }
+  leave_out_strays();
 }
 
 MessageOrder::Waiting MessageOrder::take() {

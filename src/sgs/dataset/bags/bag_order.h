@@ -24,8 +24,8 @@ Result<std::int64_t> time_of(const bag::Message& message, bag::Encoding encoding
 
 /// The messages of one topic in order of their times, a few read ahead, so that their order in the
 /// file hardly matters and memory stays small. One bad time costs one message: a late one, or one
-/// that lies far ahead of its neighbours. Where the clock was set back, by a second or more, a new
-/// stretch begins with its own times.
+/// that lies far ahead of its neighbours. Where the clock was set back, by a third of a second or
+/// more, a new stretch begins with its own times.
 class MessageOrder {
  public:
   /// Messages that wait at most; recorders interleave topics within a fraction of a second.
@@ -64,8 +64,12 @@ class MessageOrder {
   void put(Waiting next);
   void put_behind(Waiting next);
   bool last_is_stray(std::int64_t time_ns) const;
+  bool follows_behind(std::int64_t time_ns) const;
   void give_up_late();
   void begin_stretch();
+  void leave_out(std::size_t place, std::int64_t neighbour_ns);
+  /// Images at the beginning or the end whose stamps are of another age.
+  void leave_out_strays();
   void note(Error error);
 
   bag::Encoding encoding_;
@@ -75,7 +79,7 @@ class MessageOrder {
   std::vector<Waiting> behind_;          ///< late ones, or the beginning of the next stretch
   std::optional<std::int64_t> last_ns_;  ///< of what was taken of this stretch
   bool next_stretch_ = false;            ///< behind_ is one
-  bool ended_ = false;
+  bool begun_ = false, ended_ = false;
   int stretch_ = 0;
   std::deque<Problem> problems_;
   std::size_t out_of_order_ = 0;

@@ -92,9 +92,11 @@ void find_sizes(const bag::Bag& bag, BagTopics& topics) {
 void check_byte_order(const bag::Bag& bag, const BagTopics& topics, BagCameras& cameras) {
   if (topics.depth.compressed) return;
   const bag::Channel& about = bag.channels()[topics.depth.channel];
-  const auto message = first_message(bag, topics.depth.channel);
-  if (!message || !*message) return;
-  const auto image = bag::read_image(**message, about.encoding);
+  const auto message = first_readable(bag, topics.depth.channel, [&](const bag::Message& m) {
+    return bag::read_image(m, about.encoding).has_value();
+  });
+  if (!message) return;
+  const auto image = bag::read_image(*message, about.encoding);
   if (!image || !bag::byte_order_contradicts(*image)) return;
   cameras.unit.other_byte_order = true;
   cameras.warnings.push_back(fmt::format(
@@ -183,7 +185,7 @@ Result<BagPlan> plan_bag(const bag::Bag& bag, const fs::path& path, const OpenOp
   const Calibration whole{camera, plan.cameras.color.distortion, 1};
   SGS_RETURN_IF_ERROR(io::check_calibration(whole, plan.cameras.color_source));
   check_byte_order(bag, plan.topics, plan.cameras);
-  plan.clock = choose_clock(bag, plan.topics, options.stamps);
+  SGS_ASSIGN_OR_RETURN(plan.clock, choose_clock(bag, plan.topics, options.stamps));
   SGS_RETURN_IF_ERROR(probe_bag(bag, plan));
   return plan;
 }

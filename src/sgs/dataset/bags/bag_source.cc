@@ -107,10 +107,11 @@ std::int64_t expected_pairs(const bag::Bag& bag, const BagTopics& topics) {
   return color && depth ? static_cast<std::int64_t>(std::min(*color, *depth)) : 0;
 }
 
-/// What an index tells: single views, as is_sparse() means it.
-bool few_a_second(const SequenceInfo& info) {
+/// What an index and the first images tell: single views, as is_sparse() means it. A clock that
+/// jumps makes a recording long, not sparse.
+bool few_a_second(const SequenceInfo& info, double median_step_s) {
   constexpr double kGap_s = 0.2;
-  return info.frames_in_folder > 1 &&
+  return info.frames_in_folder > 1 && median_step_s > kGap_s &&
          info.last_time_s - info.first_time_s > kGap_s * static_cast<double>(info.frames_in_folder);
 }
 
@@ -128,7 +129,7 @@ void describe_plan(const bag::Bag& bag, const BagPlan& plan, const OpenOptions& 
   if (bag.first_time_ns() && bag.last_time_ns()) {
     info.last_time_s += 1e-9 * static_cast<double>(*bag.last_time_ns() - *bag.first_time_ns());
   }
-  info.sparse = few_a_second(info);
+  info.sparse = few_a_second(info, plan.clock.median_step_s);
   const bool floats = plan.topics.depth.encoding.find("32FC1") != std::string::npos;
   constexpr double kUnitsForFloats = 5000;
   info.calibration = {
@@ -150,6 +151,7 @@ Result<Sequence> open_bag_as_sequence(std::unique_ptr<bag::Bag> bag, const fs::p
   Sequence sequence;
   SequenceInfo& info = sequence.info;
   info.folder = path;
+  info.more_files = options.more_files;
   info.warnings = bag->warnings();
   SGS_ASSIGN_OR_RETURN(BagPlan plan, plan_bag(*bag, path, options));
   info.first_time_s = plan.first_time_s;

@@ -111,6 +111,30 @@ TEST(BagPairs, AClockThatIsSetBackBeginsANewStretch) {
   for (std::size_t i = 1; i < times.size(); ++i) EXPECT_EQ(times[i] - times[i - 1], 40) << i;
 }
 
+TEST(BagPairs, AClockThatIsSetBackByLittleBeginsANewStretch) {
+  TwoStreams s;
+  for (const int start : {20'000, 19'970}) {
+    for (int i = 0; i < 12; ++i) {
+      s.bag.stamp(s.color, start + 40 * i);
+      s.bag.stamp(s.depth, start + 40 * i + 5);
+    }
+  }
+  const auto times = s.run();
+  EXPECT_EQ(times.size(), 25u);  // one says that the clock was set back
+}
+
+TEST(BagPairs, StampsOfAnotherAgeCostTheirImages) {
+  TwoStreams s;
+  constexpr int kAge = 2'000'000'000;
+  for (const int ms : {0, 33, kAge, kAge + 33, kAge + 66, kAge + 100}) {
+    s.bag.stamp(s.color, ms);
+    s.bag.stamp(s.depth, ms);
+  }
+  auto times = s.run();
+  times.erase(std::remove(times.begin(), times.end(), -1), times.end());
+  EXPECT_THAT(times, ElementsAre(kAge, kAge + 33, kAge + 66, kAge + 100));
+}
+
 TEST(BagPairs, OneStampFarAheadCostsOneImage) {
   TwoStreams s;
   for (const int ms : {5000, 5033, 900'000, 5066, 5100, 5133}) s.bag.stamp(s.color, ms);

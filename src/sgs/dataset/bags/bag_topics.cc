@@ -61,20 +61,26 @@ Kind kind_of(const std::string& topic, const ImageTopic& image) {
 
 /// Empty when the topic has no message that can be read.
 std::optional<ImageTopic> look_at(const Bag& bag, std::size_t channel) {
-  const auto message = first_message(bag, channel);
-  if (!message || !*message) return std::nullopt;
   const bag::Channel& about = bag.channels()[channel];
+  const auto message = first_readable(bag, channel, [&](const bag::Message& m) {
+    if (about.type == kCompressedImageType) {
+      return bag::read_compressed_image(m, about.encoding).has_value();
+    }
+    const auto image = bag::read_image(m, about.encoding);
+    return image && image->width > 0 && image->height > 0;
+  });
+  if (!message) return std::nullopt;
   ImageTopic image;
   image.channel = channel;
   image.compressed = about.type == kCompressedImageType;
   bag::Header header;
   if (image.compressed) {
-    const auto content = bag::read_compressed_image(**message, about.encoding);
+    const auto content = bag::read_compressed_image(*message, about.encoding);
     if (!content) return std::nullopt;
     header = content->header;
     image.encoding = content->format;
   } else {
-    const auto content = bag::read_image(**message, about.encoding);
+    const auto content = bag::read_image(*message, about.encoding);
     if (!content) return std::nullopt;
     header = content->header;
     image.encoding = content->encoding;
@@ -265,6 +271,18 @@ bool named_as_registered(const std::string& topic) {
 
 Result<std::optional<bag::Message>> first_message(const Bag& bag, std::size_t channel) {
   return bag.read({channel})->next();
+}
+
+std::optional<bag::Message> first_readable(const Bag& bag, std::size_t channel,
+                                           const std::function<bool(const bag::Message&)>& fit) {
+  constexpr std::size_t kTries = 20;
+  const auto cursor = bag.read({channel});
+  for (std::size_t i = 0; i < kTries; ++i) {
+    auto message = cursor->next();
+    if (message && !*message) break;
+    if (message && fit(**message)) return std::move(**message);
+  }
+  return std::nullopt;
 }
 
 std::optional<std::size_t> find_channel(const Bag& bag, const std::string& topic,

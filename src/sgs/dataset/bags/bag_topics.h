@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,6 +42,10 @@ std::vector<TopicInfo> describe_topics(const bag::Bag& bag);
 
 /// The first message of a channel; empty if there is none.
 Result<std::optional<bag::Message>> first_message(const bag::Bag& bag, std::size_t channel);
+
+/// The first message of a channel that is fit to be read, among the first few; empty where none is.
+std::optional<bag::Message> first_readable(const bag::Bag& bag, std::size_t channel,
+                                           const std::function<bool(const bag::Message&)>& fit);
 
 /// The channel of a topic with one of these types; empty if there is none.
 std::optional<std::size_t> find_channel(const bag::Bag& bag, const std::string& topic,

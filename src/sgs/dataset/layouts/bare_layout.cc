@@ -27,11 +27,15 @@ fs::path folder_with_images(const fs::path& folder, const std::array<const char*
 }
 
 fs::path bare_color(const fs::path& folder) {
-  constexpr std::array kNames = {"color", "colour", "rgb", "image", "images", "img", "cam0/data"};
+  constexpr std::array kNames = {"color",      "colour",    "rgb",         "image",
+                                 "images",     "img",       "colors",      "color_images",
+                                 "rgb_images", "rgb_image", "color_image", "cam0/data"};
   return folder_with_images(folder, kNames);
 }
 fs::path bare_depth(const fs::path& folder) {
-  constexpr std::array kNames = {"depth", "depths", "depth_images", "depth_image", "depth0/data"};
+  constexpr std::array kNames = {"depth",       "depths",        "depth_images",
+                                 "depth_image", "aligned_depth", "depth_aligned",
+                                 "depth_maps",  "depth_map",     "depth0/data"};
   return folder_with_images(folder, kNames);
 }
 

@@ -9,6 +9,7 @@
 #include "sgs/dataset/frame_list.h"
 #include "sgs/dataset/json_file.h"
 #include "sgs/dataset/rigid.h"
+#include "sgs/dataset/time_unit.h"
 
 namespace sgs::dataset {
 namespace fs = std::filesystem;
@@ -56,6 +57,10 @@ std::optional<PinholeCamera> transforms_camera(const Json& frame, const Json& al
 Result<Distortion> transforms_distortion(const fs::path& path, const Json& json) {
   const auto number = [&](const char* key) { return json.value(key, 0.0); };
   const std::string model = json.value("camera_model", "OPENCV");
+  if (model == "OPENCV_FISHEYE") {
+    const std::array k = {number("k1"), number("k2"), number("k3"), number("k4")};
+    return *Distortion::from_coefficients(k, LensModel::kFisheye);
+  }
   const bool known = model == "OPENCV" || model == "PINHOLE" || model == "SIMPLE_PINHOLE" ||
                      model == "SIMPLE_RADIAL" || model == "RADIAL" || model == "PERSPECTIVE";
   if (!known || number("k4") != 0) {
@@ -127,6 +132,20 @@ Result<std::vector<TransformsFrame>> transforms_frames(const fs::path& path, con
   return frames;
 }
 
+/// By what the times of all frames are to be divided to be seconds.
+double times_a_second(const std::vector<TransformsFrame>& frames, FrameList& out) {
+  std::vector<double> times;
+  for (const TransformsFrame& f : frames) times.push_back(*f.time_s);
+  const bool whole =
+      std::all_of(times.begin(), times.end(), [](double t) { return t == std::floor(t); });
+  const TimeUnit unit = unit_of_times(std::move(times), whole);
+  if (!unit.name.empty()) {
+    out.warnings.push_back(fmt::format("{}: its times are {}; they are taken as {:g} a second",
+                                       out.folder.string(), unit.name, unit.per_second));
+  }
+  return unit.per_second;
+}
+
 /// In order of time, or of their names where not every frame has a time of its own.
 void put_transforms_in_order(std::vector<TransformsFrame>& frames, FrameList& out) {
   const bool timed = std::all_of(frames.begin(), frames.end(), [](const TransformsFrame& f) {
@@ -151,9 +170,9 @@ void put_transforms_in_order(std::vector<TransformsFrame>& frames, FrameList& ou
         fmt::format("{}: frames without a time were put in order of their names, {:.0f} a second",
                     out.folder.string(), kTransformsFps));
   }
+  const double per_second = timed ? times_a_second(frames, out) : kTransformsFps;
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    frames[i].entry.timestamp_s =
-        timed ? *frames[i].time_s : static_cast<double>(i) / kTransformsFps;
+    frames[i].entry.timestamp_s = (timed ? *frames[i].time_s : static_cast<double>(i)) / per_second;
   }
 }
 

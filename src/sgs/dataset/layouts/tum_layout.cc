@@ -10,6 +10,16 @@ namespace sgs::dataset {
 namespace fs = std::filesystem;
 namespace {
 
+/// The list of pairs, under the names that programs give it.
+fs::path associations_of(const fs::path& folder) {
+  for (const char* name :
+       {"associations.txt", "association.txt", "associate.txt", "associated.txt", "assoc.txt"}) {
+    const fs::path list = entry_of(folder, name);
+    if (fs::exists(list)) return list;
+  }
+  return {};
+}
+
 std::vector<double> times_of(const ImageList& list) {
   std::vector<double> times;
   for (const ListedImage& image : list.images) times.push_back(image.timestamp_s);
@@ -54,8 +64,7 @@ Result<ListedTimes> pair_lists(const fs::path& folder, double max_difference_s, 
 }
 
 Result<ListedTimes> read_pairs(const fs::path& folder, FrameList& out) {
-  SGS_ASSIGN_OR_RETURN(const TimeUnit unit,
-                       read_associations(entry_of(folder, "associations.txt"), false, out));
+  SGS_ASSIGN_OR_RETURN(const TimeUnit unit, read_associations(associations_of(folder), false, out));
   return ListedTimes{unit, out.frames.front().timestamp_s * unit.per_second,
                      out.frames.back().timestamp_s * unit.per_second};
 }
@@ -100,7 +109,7 @@ Result<std::optional<LayoutCalibration>> eth3d_calibration(const fs::path& path)
 
 bool looks_like_tum(const fs::path& folder) {
   const auto has = [&](const char* name) { return fs::exists(entry_of(folder, name)); };
-  return (has("rgb.txt") && has("depth.txt")) || has("associations.txt");
+  return (has("rgb.txt") && has("depth.txt")) || !associations_of(folder).empty();
 }
 
 Result<FrameList> list_tum(const fs::path& folder, double max_time_difference_s) {
@@ -114,8 +123,9 @@ Result<FrameList> list_tum(const fs::path& folder, double max_time_difference_s)
       const ListedTimes listed,
       lists ? pair_lists(folder, max_time_difference_s, out) : read_pairs(folder, out));
   drop_implausible_delays(out);
-  out.times_source = fmt::format("{}, {}", lists ? "rgb.txt and depth.txt" : "associations.txt",
-                                 listed.unit.name.empty() ? "seconds" : listed.unit.name);
+  out.times_source = fmt::format(
+      "{}, {}", lists ? "rgb.txt and depth.txt" : associations_of(folder).filename().string(),
+      listed.unit.name.empty() ? "seconds" : listed.unit.name);
   SGS_ASSIGN_OR_RETURN(out.calibration, eth3d_calibration(entry_of(folder, "calibration.txt")));
   const fs::path truth = entry_of(folder, "groundtruth.txt");
   if (fs::exists(truth)) {
