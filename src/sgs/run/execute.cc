@@ -25,6 +25,7 @@
 #include "sgs/run/upright.h"
 #include "sgs/run/version.h"
 #include "sgs/stream/address.h"
+#include "sgs/tracker/delay_estimator.h"
 
 namespace sgs::run {
 namespace {
@@ -233,7 +234,12 @@ Result<Outcome> run_in(Input& input, const InputSpec& spec, const slam::SessionC
   session_options.threads = options.threads;
   session_options.live = options.realtime;
   const PinholeCamera camera = input.source->camera();
-  SGS_ASSIGN_OR_RETURN(auto session, slam::Session::create(config, camera, session_options));
+  slam::SessionConfig session_config = config;
+  if (input.calibration) {
+    auto& delay = session_config.tracker.delay;
+    delay = tracker::beside(delay, *input.calibration);
+  }
+  SGS_ASSIGN_OR_RETURN(auto session, slam::Session::create(session_config, camera, session_options));
   if (options.resume) {
     SGS_RETURN_IF_ERROR(go_on(*options.resume, input, *session, folder, spectator, stop));
   }

@@ -89,7 +89,7 @@ TEST(DelayEstimator, ShiftLeavesWhatIsMeasuredWhereItWas) {
   DelayEstimator estimator(DelayConfig{});
   feed(estimator, -0.015, 300, 1e-3);
   const double before = estimator.delay_s();
-  estimator.shift(-0.012);
+  estimator.shift(-0.012, 0);
   EXPECT_NEAR(estimator.delay_s(), before + 0.012, 1e-4);
   feed(estimator, -0.003, 300, 1e-3);
   EXPECT_NEAR(estimator.delay_s(), -0.003, 1e-3);
