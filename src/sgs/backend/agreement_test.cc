@@ -84,9 +84,29 @@ TEST(Agreement, HalfOfTheDifferenceIsTold) {
   EXPECT_NEAR(d.mean.half, 0, 1e-12);
 }
 
+TEST(Agreement, ACalibrationMustFitBetterThanNone) {
+  const Fit unused{1.0, 2.0, 1000, 1200};
+  EXPECT_TRUE(fits_better({0.9, 1.0, 1000, 1200}, unused));
+  EXPECT_TRUE(fits_better({1.01, 1.0, 1000, 1200}, unused));
+  EXPECT_FALSE(fits_better(unused, unused)) << "nothing is won";
+  EXPECT_FALSE(fits_better({1.1, 1.0, 1000, 1200}, unused)) << "pictures fit worse";
+  EXPECT_FALSE(fits_better({0.9, 2.1, 1000, 1200}, unused)) << "depths fit worse";
+  EXPECT_FALSE(fits_better({0.9, 1.0, 900, 1200}, unused)) << "places are lost";
+  EXPECT_FALSE(fits_better({0.9, 1.0, 1000, 1200}, Fit{})) << "nothing to compare with";
+}
+
+TEST(Agreement, FitsOfSeveralStretchesCountByTheirResiduals) {
+  const Fit sum = Fit{1, 2, 100, 300} + Fit{4, 6, 200, 100};
+  EXPECT_NEAR(sum.grey, 3, 1e-12);
+  EXPECT_NEAR(sum.depth, 3, 1e-12);
+  EXPECT_EQ(sum.grey_residuals, 300);
+  EXPECT_EQ(sum.depth_residuals, 400);
+}
+
 TEST(Agreement, Parts) {
   const CalibrationParts a{.shift = true, .delay = true}, b{.mean = true, .delay = true};
   EXPECT_EQ((a | b).names(), "mean offset, shift, delay");
+  EXPECT_EQ((a & b).names(), "delay");
   EXPECT_EQ(without(a, b).names(), "shift");
   EXPECT_FALSE(CalibrationParts{}.any());
 }

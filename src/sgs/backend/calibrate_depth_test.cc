@@ -140,6 +140,39 @@ TEST(CalibrateDepth, AWrongRegistrationIsNamed) {
   EXPECT_THAT(e.warnings().front(), HasSubstr("registration"));
 }
 
+TEST(CalibrateDepth, ALateImageIsSuspiciousWhereNobodyElseSeesIt) {
+  DepthEstimate e;
+  e.calibration.delay_s = -0.017;
+  EXPECT_TRUE(e.is_delay_suspicious());
+  e.tracked_delay_s = -0.001;
+  EXPECT_TRUE(e.is_delay_suspicious()) << "the tracker sees another";
+  e.tracked_delay_s = -0.0155;
+  EXPECT_FALSE(e.is_delay_suspicious()) << "the tracker sees it, too";
+  e.tracked_delay_s.reset();
+  e.stamped = true;
+  EXPECT_FALSE(e.is_delay_suspicious()) << "both images have stamps: they say when each came";
+  e.calibration.delay_s = 0.05;
+  EXPECT_TRUE(e.is_delay_suspicious()) << "more than a frame";
+  e.stamped = false;
+  e.calibration.delay_s = 0.004;
+  EXPECT_FALSE(e.is_delay_suspicious());
+}
+
+TEST(CalibrateDepth, WhatIsHeldStaysNothing) {
+  TestRoom room;
+  room.distort = [](double, double, double q) { return q - 0.006; };
+  room.shift_px = {1.4, -0.8};
+  const auto views = room.keyframes(kViews);
+  const DepthEstimate e = calibrate_depth(useful_keyframes(views), 0, small_config(),
+                                          {.shape = true, .shift = true, .delay = true});
+  EXPECT_EQ(e.known.names(), "mean offset");
+  EXPECT_TRUE(e.calibration.shift_px.isZero());
+  EXPECT_EQ(e.calibration.delay_s, 0);
+  for (const double offset : e.calibration.offset_per_m) {
+    EXPECT_NEAR(offset, e.calibration.mean_offset_per_m(), 1e-9);
+  }
+}
+
 TEST(CalibrateDepth, WithoutContrastNothingIsSaid) {
   TestRoom room;
   room.contrast = 0;
