@@ -8,7 +8,7 @@ namespace sgs::backend {
 namespace {
 
 /// A half of a recording that knows everything well.
-FreeEstimate half() {
+FreeEstimate a_half() {
   FreeEstimate e;
   e.mean_per_m = 0.002;
   e.mean_sigma_per_m = 3e-4;
@@ -23,36 +23,36 @@ FreeEstimate half() {
 }
 
 TEST(Agreement, WhatIsTheSameAgrees) {
-  const Disagreement d = compare(half(), half());
+  const Disagreement d = compare(a_half(), a_half());
   EXPECT_FALSE(contradicted(d).any());
   EXPECT_EQ(d.shape.half, 0);
 }
 
 TEST(Agreement, EachPartIsJudgedOnItsOwn) {
-  FreeEstimate other = half();
+  FreeEstimate other = a_half();
   other.mean_per_m += 0.002;
-  EXPECT_EQ(contradicted(compare(half(), other)).names(), "mean offset");
-  other = half();
+  EXPECT_EQ(contradicted(compare(a_half(), other)).names(), "mean offset");
+  other = a_half();
   other.shape_per_m = {-0.001, 0.001, -0.001, 0.001};
-  EXPECT_EQ(contradicted(compare(half(), other)).names(), "shape");
-  other = half();
+  EXPECT_EQ(contradicted(compare(a_half(), other)).names(), "shape");
+  other = a_half();
   other.shift_px.y() -= 1;
-  EXPECT_EQ(contradicted(compare(half(), other)).names(), "shift");
-  other = half();
+  EXPECT_EQ(contradicted(compare(a_half(), other)).names(), "shift");
+  other = a_half();
   other.delay_s = -0.014;
   other.shift_px.x() += 1;
-  EXPECT_EQ(contradicted(compare(half(), other)).names(), "shift, delay");
+  EXPECT_EQ(contradicted(compare(a_half(), other)).names(), "shift, delay");
 }
 
 TEST(Agreement, WhoIsNotSureContradictsNobody) {
-  FreeEstimate other = half();
+  FreeEstimate other = a_half();
   other.delay_s = 0;
   other.delay_sigma_s = 0.01;
-  EXPECT_FALSE(contradicted(compare(half(), other)).any());
+  EXPECT_FALSE(contradicted(compare(a_half(), other)).any());
 }
 
 TEST(Agreement, AShiftCountsAlongTheAxisThatIsKnown) {
-  FreeEstimate a = half(), b = half();
+  FreeEstimate a = a_half(), b = a_half();
   a.shift_covariance << 4, 0, 0, 1e-4;
   b.shift_covariance = a.shift_covariance;
   b.shift_px.x() += 2;
@@ -62,7 +62,7 @@ TEST(Agreement, AShiftCountsAlongTheAxisThatIsKnown) {
 }
 
 TEST(Agreement, WhatIsOfNoConsequenceIsNoContradiction) {
-  FreeEstimate a = half();
+  FreeEstimate a = a_half();
   a.delay_sigma_s = 1e-6;
   a.shift_covariance *= 1e-4;
   FreeEstimate b = a;
@@ -72,11 +72,11 @@ TEST(Agreement, WhatIsOfNoConsequenceIsNoContradiction) {
 }
 
 TEST(Agreement, HalfOfTheDifferenceIsTold) {
-  FreeEstimate other = half();
+  FreeEstimate other = a_half();
   other.delay_s = -0.015;
   other.shift_px = {1, 4};
   other.shape_per_m[2] += 4e-4;
-  const Disagreement d = compare(half(), other);
+  const Disagreement d = compare(a_half(), other);
   EXPECT_NEAR(d.delay.half, 0.001, 1e-12);
   EXPECT_NEAR(d.half_shift_px.y(), 1, 1e-12);
   EXPECT_NEAR(d.shape.half, 1e-4, 1e-12);

@@ -16,7 +16,7 @@ DepthEstimate with_offset(double per_m) {
   return e;
 }
 
-std::vector<Keyframe> at(double depth_m) {
+std::vector<Keyframe> all_at(double depth_m) {
   std::vector<Keyframe> out(3);
   for (Keyframe& k : out) k.mean_depth_m = depth_m;
   return out;
@@ -33,14 +33,14 @@ TEST(Metre, ScaleIsThatOfThePathAboutItsMiddle) {
 }
 
 TEST(Metre, PathAndDepthTogetherContradict) {
-  const auto said = metre_contradiction(with_offset(0.005), 1.022, at(2));
+  const auto said = metre_contradiction(with_offset(0.005), 1.022, all_at(2));
   ASSERT_TRUE(said);
   EXPECT_THAT(*said, testing::HasSubstr("disagree on the metre by 2.2 %"));
 }
 
 TEST(Metre, EitherAloneDoesNot) {
-  EXPECT_FALSE(metre_contradiction(with_offset(0.005), 1.01, at(2)));
-  EXPECT_FALSE(metre_contradiction(with_offset(0.001), 1.022, at(2)));
+  EXPECT_FALSE(metre_contradiction(with_offset(0.005), 1.01, all_at(2)));
+  EXPECT_FALSE(metre_contradiction(with_offset(0.001), 1.022, all_at(2)));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr int kViews = 24;
+constexpr int kViewsOfBoth = 24;
 
 CalibrationConfig coarse_config() {
   CalibrationConfig config;
@@ -24,13 +24,13 @@ CalibrationConfig coarse_config() {
 
 /// Views of two cameras, one after the other: whatever they lie about changes in the middle.
 std::vector<Keyframe> keyframes_of(const TestRoom& first, const TestRoom& second) {
-  std::vector<Keyframe> out = first.keyframes(kViews);
-  std::vector<Keyframe> later = second.keyframes(kViews);
-  for (std::size_t k = kViews / 2; k < out.size(); ++k) out[k] = std::move(later[k]);
+  std::vector<Keyframe> out = first.keyframes(kViewsOfBoth);
+  std::vector<Keyframe> later = second.keyframes(kViewsOfBoth);
+  for (std::size_t k = kViewsOfBoth / 2; k < out.size(); ++k) out[k] = std::move(later[k]);
   return out;
 }
 
-DepthEstimate calibrated(const TestRoom& first, const TestRoom& second) {
+DepthEstimate both_say(const TestRoom& first, const TestRoom& second) {
   return calibrate_surely(keyframes_of(first, second), 0, coarse_config());
 }
 
@@ -39,7 +39,7 @@ TEST(SureCalibration, ARecordingThatAgreesIsBelieved) {
   room.distort = [](double, double, double q) { return q - 0.006; };
   room.shift_px = {1.4, -0.8};
   room.delay_s = 0.002;
-  const DepthEstimate e = calibrated(room, room);
+  const DepthEstimate e = both_say(room, room);
   EXPECT_THAT(e.refused, IsEmpty());
   EXPECT_FALSE(e.contradicted.any()) << e.contradicted.names();
   EXPECT_TRUE(e.known.mean && e.known.shift && e.known.delay);
@@ -48,7 +48,7 @@ TEST(SureCalibration, ARecordingThatAgreesIsBelieved) {
 }
 
 TEST(SureCalibration, ACameraThatIsRightStaysAsItIs) {
-  const DepthEstimate e = calibrated({}, {});
+  const DepthEstimate e = both_say({}, {});
   EXPECT_FALSE(e.useful());
   EXPECT_THAT(e.refused, IsEmpty());
 }
@@ -57,7 +57,7 @@ TEST(SureCalibration, ADelayThatDriftsIsNotUsed) {
   TestRoom early, late;
   early.delay_s = 0.001;
   late.delay_s = 0.009;
-  const DepthEstimate e = calibrated(early, late);
+  const DepthEstimate e = both_say(early, late);
   EXPECT_TRUE(e.contradicted.delay);
   EXPECT_EQ(e.calibration.delay_s, 0);
   EXPECT_GT(e.calibration.delay_sigma_s, 0.002);  // who says nothing does not say that it is sure
@@ -67,7 +67,7 @@ TEST(SureCalibration, WhatIsSaidDifferentlyIsRefusedAndNamed) {
   TestRoom early, late;
   early.shift_px = {2, 0};
   late.shift_px = {-2, 1.5};
-  const DepthEstimate e = calibrated(early, late);
+  const DepthEstimate e = both_say(early, late);
   EXPECT_TRUE(e.contradicted.shift);
   EXPECT_TRUE(e.calibration.shift_px.isZero());
   EXPECT_GT(e.calibration.shift_sigma_px.x(), 1);
