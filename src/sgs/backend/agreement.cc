@@ -45,32 +45,37 @@ Disagreement compare(const FreeEstimate& a, const FreeEstimate& b) {
   SGS_CHECK(a.shape_per_m.size() == b.shape_per_m.size(), "estimates over two grids");
   Disagreement d;
   const double mean = a.mean_per_m - b.mean_per_m, delay = a.delay_s - b.delay_s;
-  d.mean = {in_deviations(mean, a.mean_sigma_per_m, b.mean_sigma_per_m), std::abs(mean) / 2};
-  d.delay = {in_deviations(delay, a.delay_sigma_s, b.delay_sigma_s), std::abs(delay) / 2};
+  d.mean = {in_deviations(mean, a.mean_sigma_per_m, b.mean_sigma_per_m), std::abs(mean) / 2,
+            std::abs(a.mean_per_m + b.mean_per_m) / 2};
+  d.delay = {in_deviations(delay, a.delay_sigma_s, b.delay_sigma_s), std::abs(delay) / 2,
+             std::abs(a.delay_s + b.delay_s) / 2};
   const Eigen::Vector2d shift = a.shift_px - b.shift_px;
   const Eigen::Matrix2d covariance = a.shift_covariance + b.shift_covariance;
   d.half_shift_px = shift.cwiseAbs() / 2;
   d.shift.half = shift.norm() / 2;
+  d.shift.size = (a.shift_px + b.shift_px).norm() / 2;
   if (covariance.determinant() > 0) {
     d.shift.sigmas = std::sqrt(shift.dot(covariance.inverse() * shift));
   }
-  double chi2 = 0, square = 0;
+  double chi2 = 0, square = 0, sum = 0;
   for (std::size_t k = 0; k < a.shape_per_m.size(); ++k) {
     const double off = a.shape_per_m[k] - b.shape_per_m[k];
     const double sigmas = in_deviations(off, a.shape_sigma_per_m[k], b.shape_sigma_per_m[k]);
     chi2 += a.area[k] * sigmas * sigmas;
     square += a.area[k] * off * off;
+    sum += a.area[k] * std::pow(a.shape_per_m[k] + b.shape_per_m[k], 2);
     d.half_shape_per_m.push_back(std::abs(off) / 2);
   }
-  d.shape = {std::sqrt(chi2), std::sqrt(square) / 2};
+  d.shape = {std::sqrt(chi2), std::sqrt(square) / 2, std::sqrt(sum) / 2};
   return d;
 }
 
 CalibrationParts contradicted(const Disagreement& d) {
   constexpr double kDeviations = 3, kShapeChi2 = 3;
+  constexpr double kOfSize = 0.2;
   constexpr double kNothing_per_m = 1e-4, kNothing_px = 0.1, kNothing_s = 5e-4;
   const auto differ = [](const Disagreement::Of& part, double deviations, double nothing) {
-    return part.sigmas > deviations && 2 * part.half > nothing;
+    return part.sigmas > deviations && 2 * part.half > nothing && part.half > kOfSize * part.size;
   };
   return {differ(d.mean, kDeviations, kNothing_per_m),
           differ(d.shape, std::sqrt(kShapeChi2), kNothing_per_m),

@@ -40,6 +40,7 @@ struct Disagreement {
   struct Of {
     double sigmas = 0;  ///< RMS over the nodes for the shape
     double half = 0;    ///< in the part's own unit; RMS over the image for the shape
+    double size = 0;    ///< of their mean, likewise
   };
   Of mean, shape, shift, delay;
   std::vector<double> half_shape_per_m;  ///< per node
@@ -51,7 +52,9 @@ Disagreement compare(const FreeEstimate& a, const FreeEstimate& b);
 
 /// Which parts two halves of a recording say differently: by more than three deviations (the shape:
 /// more than the square root of three of them, in the mean over the image), and by more than what
-/// is of no consequence (0.1 px, 0.5 ms, 0.0001 /m).
+/// is of no consequence (0.1 px, 0.5 ms, 0.0001 /m), and by
+/// so much that half of it is more than a fifth of what they say together: 16 and 17 ms are still a
+/// delay of 16.5 to half a millisecond.
 CalibrationParts contradicted(const Disagreement& d);
 
 /// How well keyframes fit together: mean cost of a residual, in units of its noise.
@@ -63,9 +66,9 @@ struct Fit {
 /// Adds those of other keyframes.
 Fit operator+(const Fit& a, const Fit& b);
 
-/// Whether keyframes fit better with a calibration than without it: pictures and depths together, in
-/// units of what either costs without it; neither alone worse by more than 2 %, nor fewer than 95 %
-/// of the places found again.
+/// Whether keyframes fit better with a calibration than without it: pictures and depths together,
+/// in units of what either costs without it; neither alone worse by more than 2 %, nor fewer than
+/// 95 % of the places found again.
 bool fits_better(const Fit& with, const Fit& without);
 
 }  // namespace sgs::backend

@@ -36,11 +36,11 @@ TEST(Agreement, EachPartIsJudgedOnItsOwn) {
   other.shape_per_m = {-0.001, 0.001, -0.001, 0.001};
   EXPECT_EQ(contradicted(compare(a_half(), other)).names(), "shape");
   other = a_half();
-  other.shift_px.y() -= 1;
+  other.shift_px.y() -= 2;
   EXPECT_EQ(contradicted(compare(a_half(), other)).names(), "shift");
   other = a_half();
-  other.delay_s = -0.014;
-  other.shift_px.x() += 1;
+  other.delay_s = -0.009;
+  other.shift_px.x() += 2;
   EXPECT_EQ(contradicted(compare(a_half(), other)).names(), "shift, delay");
 }
 
@@ -51,13 +51,22 @@ TEST(Agreement, WhoIsNotSureContradictsNobody) {
   EXPECT_FALSE(contradicted(compare(a_half(), other)).any());
 }
 
+TEST(Agreement, WhatIsLargeBesideTheDifferenceStands) {
+  FreeEstimate other = a_half();
+  other.delay_s = -0.0152;
+  const Disagreement d = compare(a_half(), other);
+  EXPECT_GT(d.delay.sigmas, 4);
+  EXPECT_FALSE(contradicted(d).any());
+  EXPECT_NEAR(d.delay.half, 9e-4, 1e-12);
+}
+
 TEST(Agreement, AShiftCountsAlongTheAxisThatIsKnown) {
   FreeEstimate a = a_half(), b = a_half();
   a.shift_covariance << 4, 0, 0, 1e-4;
   b.shift_covariance = a.shift_covariance;
   b.shift_px.x() += 2;
   EXPECT_FALSE(contradicted(compare(a, b)).any());
-  b.shift_px.y() += 0.2;
+  b.shift_px.y() -= 2;
   EXPECT_TRUE(contradicted(compare(a, b)).shift);
 }
 

@@ -143,8 +143,8 @@ void Bundle::add_priors(BundleEquations& out) const {
     pull(out, kKeyframeUnknowns * k + 6, e.log_gain, kLogGainSigma);
     pull(out, kKeyframeUnknowns * k + 7, e.offset, kBrightnessSigma);
     for (int n = 0; n < 3; ++n) {
-      pull(out, kKeyframeUnknowns * k + 8 + n,
-           state_.readout_turns[static_cast<std::size_t>(k)][n], c.readout_sigma_rad);
+      pull(out, kKeyframeUnknowns * k + 8 + n, state_.readout_turns[static_cast<std::size_t>(k)][n],
+           c.readout_sigma_rad);
     }
   }
   // The first camera stands where it stands.

@@ -90,8 +90,8 @@ KeyframeList thinned(const KeyframeList& keyframes, int most) {
   return out;
 }
 
-Bundle make_bundle(KeyframeList keyframes, double readout_s,
-                   const CalibrationConfig& config, const DepthCalibration* known) {
+Bundle make_bundle(KeyframeList keyframes, double readout_s, const CalibrationConfig& config,
+                   const DepthCalibration* known) {
   BundleProblem problem;
   problem.targets = choose_targets(keyframes, config);
   problem.keyframes = std::move(keyframes);

@@ -69,8 +69,8 @@ FreeEstimate free_estimate(const Bundle& bundle, const Solution& solution) {
   const Eigen::VectorXd with_mean = solution.covariance.topLeftCorner(n, n) * area;
   for (int k = 0; k < n; ++k) {
     out.shape_per_m.push_back(bundle.state().offsets_per_m[k] - solution.mean);
-    const double variance = solution.covariance(k, k) - 2 * with_mean[k] +
-                            solution.mean_sigma * solution.mean_sigma;
+    const double variance =
+        solution.covariance(k, k) - 2 * with_mean[k] + solution.mean_sigma * solution.mean_sigma;
     out.shape_sigma_per_m.push_back(std::sqrt(std::max(0.0, variance)));
   }
   out.shift_px = bundle.state().shift_px;
@@ -128,8 +128,7 @@ void fill(const Bundle& bundle, const Solution& first, const Solution& solution,
   out.shape_rms_per_m = solution.shape_rms;
   out.shape_sigma_per_m = solution.shape_sigma;
   out.known.shape = !held.shape && solution.shape_rms > solution.shape_sigma;
-  out.known.mean =
-      !held.mean && solution.mean_sigma < 0.5 * bundle.problem().config.mean_sigma;
+  out.known.mean = !held.mean && solution.mean_sigma < 0.5 * bundle.problem().config.mean_sigma;
   out.known.shift = !held.shift && shift_is_significant(bundle, solution);
   out.known.delay = !held.delay && delay_is_significant(bundle, solution);
   for (int k = 0; k < n; ++k) {

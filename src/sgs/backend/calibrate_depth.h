@@ -18,7 +18,7 @@ struct DepthEstimate {
   /// delay.
   DepthCalibration calibration;
   CalibrationParts known;
-  FreeEstimate free;  ///< before anything was held near nothing
+  FreeEstimate free;                                  ///< before anything was held near nothing
   double shape_rms_per_m = 0, shape_sigma_per_m = 0;  ///< of the offsets about their mean
   int keyframes = 0;
   int grey_residuals = 0, depth_residuals = 0;
@@ -34,8 +34,8 @@ struct DepthEstimate {
 
   /// Whether there is anything to correct.
   bool useful() const { return known.any() && refused.empty(); }
-  /// Whether depth is later than a camera's may be: by more than a frame; or by more than 15 ms where
-  /// both images have the same stamps, and the tracker does not see it too, to 5 ms.
+  /// Whether depth is later than a camera's may be: by more than a frame; or by more than 15 ms
+  /// where both images have the same stamps, and the tracker does not see it too, to 5 ms.
   bool is_delay_suspicious() const;
   /// What a user should know about the recording; empty where all is well.
   std::vector<std::string> warnings() const;
@@ -44,9 +44,9 @@ struct DepthEstimate {
 /// Bundle adjustment of up to config.keyframes keyframes with the depth camera's offset, shift and
 /// delay among the unknowns. What the first solution does not show to differ from nothing (at three
 /// standard deviations) is held near nothing in a second one: a camera that is right stays as it
-/// is. `readout_s`: readout time of the rolling shutter; `held`: parts that are held at nothing from
-/// the beginning; `known`: an earlier estimate of the same camera to start from; `fewest`: keyframes
-/// below which nothing is said.
+/// is. `readout_s`: readout time of the rolling shutter; `held`: parts that are held at nothing
+/// from the beginning; `known`: an earlier estimate of the same camera to start from; `fewest`:
+/// keyframes below which nothing is said.
 DepthEstimate calibrate_depth(const KeyframeList& keyframes, double readout_s,
                               const CalibrationConfig& config, const CalibrationParts& held = {},
                               const DepthEstimate* known = nullptr, int fewest = 8);

@@ -13,12 +13,10 @@ namespace {
 constexpr double kContradiction = 0.015;        // of the path's length
 constexpr double kContradictionDepth = 0.0075;  // of depth itself
 
-/// By how much depth itself is off in the mean, as a share of it.
-double depth_share(const DepthEstimate& estimate, const std::vector<Keyframe>& keyframes) {
-  double depth_m = 0;
-  for (const Keyframe& k : keyframes) depth_m += k.mean_depth_m;
-  return std::abs(estimate.calibration.mean_offset_per_m()) * depth_m /
-         static_cast<double>(std::max<std::size_t>(1, keyframes.size()));
+double mean_depth_m(const std::vector<Keyframe>& keyframes) {
+  double sum = 0;
+  for (const Keyframe& k : keyframes) sum += k.mean_depth_m;
+  return sum / static_cast<double>(std::max<std::size_t>(1, keyframes.size()));
 }
 
 }  // namespace
@@ -37,10 +35,23 @@ double scale_of(const std::vector<MovedPose>& poses) {
   return square > 0 ? product / square : 1;
 }
 
+double mean_depth_share(const DepthCalibration& calibration, const std::vector<Keyframe>& seen) {
+  return std::abs(calibration.mean_offset_per_m()) * mean_depth_m(seen);
+}
+
+double rms_depth_share(const DepthCalibration& calibration, const std::vector<Keyframe>& seen) {
+  const std::vector<double> area = calibration.grid.area();
+  double square = 0;
+  for (std::size_t k = 0; k < area.size(); ++k) {
+    square += area[k] * calibration.offset_per_m[k] * calibration.offset_per_m[k];
+  }
+  return std::sqrt(square) * mean_depth_m(seen);
+}
+
 std::optional<std::string> metre_contradiction(const DepthEstimate& estimate, double scale,
-                                               const std::vector<Keyframe>& keyframes) {
+                                               double share) {
   const double off = std::abs(scale - 1);
-  if (off <= kContradiction || depth_share(estimate, keyframes) <= kContradictionDepth) return {};
+  if (off <= kContradiction || share <= kContradictionDepth) return {};
   return fmt::format(
       "pictures and depth disagree on the metre by {:.1f} % ({} keyframes, an offset of {:+.4f} "
       "/m): the intrinsics or the registration of the two cameras are probably wrong",

@@ -32,15 +32,23 @@ TEST(Metre, ScaleIsThatOfThePathAboutItsMiddle) {
   EXPECT_EQ(scale_of({}), 1);
 }
 
+TEST(Metre, SharesAreOfTheMeanDepth) {
+  DepthCalibration c = with_offset(0.003).calibration;
+  EXPECT_NEAR(mean_depth_share(c, all_at(2)), 0.006, 1e-12);
+  c.offset_per_m = {0.003, -0.003, 0.003, -0.003};
+  EXPECT_NEAR(mean_depth_share(c, all_at(2)), 0, 1e-12);
+  EXPECT_NEAR(rms_depth_share(c, all_at(2)), 0.006, 1e-12);
+}
+
 TEST(Metre, PathAndDepthTogetherContradict) {
-  const auto said = metre_contradiction(with_offset(0.005), 1.022, all_at(2));
+  const auto said = metre_contradiction(with_offset(0.005), 1.022, 0.01);
   ASSERT_TRUE(said);
   EXPECT_THAT(*said, testing::HasSubstr("disagree on the metre by 2.2 %"));
 }
 
 TEST(Metre, EitherAloneDoesNot) {
-  EXPECT_FALSE(metre_contradiction(with_offset(0.005), 1.01, all_at(2)));
-  EXPECT_FALSE(metre_contradiction(with_offset(0.001), 1.022, all_at(2)));
+  EXPECT_FALSE(metre_contradiction(with_offset(0.005), 1.01, 0.01));
+  EXPECT_FALSE(metre_contradiction(with_offset(0.001), 1.022, 0.002));
 }
 
 }  // namespace

@@ -118,7 +118,8 @@ std::optional<DepthEstimate> OnlineCalibration::attempt() {
 // Says so once.
 bool OnlineCalibration::is_contradiction(const DepthEstimate& estimate, double scale) {
   std::vector<std::string> warnings = estimate.warnings();
-  if (auto metre = metre_contradiction(estimate, scale_ * scale, archive_.keyframes())) {
+  if (auto metre = metre_contradiction(
+          estimate, scale_ * scale, mean_depth_share(estimate.calibration, archive_.keyframes()))) {
     warnings.push_back(std::move(*metre));
   }
   for (const std::string& warning : warnings) {

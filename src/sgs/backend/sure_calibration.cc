@@ -60,8 +60,8 @@ class Witnesses {
   bool ask(const CalibrationParts& held) {
     for (Pair* pair : {&in_time_, &in_turns_}) {
       for (std::size_t k = 0; k < 2; ++k) {
-        pair->said[k] = calibrate_depth(pair->keyframes[k], readout_s_, config_, held, nullptr,
-                                        kFewestOfHalf);
+        pair->said[k] =
+            calibrate_depth(pair->keyframes[k], readout_s_, config_, held, nullptr, kFewestOfHalf);
       }
       if (!pair->complete()) return false;
     }
@@ -182,7 +182,8 @@ DepthEstimate calibrate_surely(const std::vector<Keyframe>& all, double readout_
                                 contradictions.names());
   } else if (!witnesses.fit_better(whole.known)) {
     whole.refused = "parts of the recording fit no better with what the other parts say";
-  } else if (auto metre = metre_contradiction(whole, scale_of(whole.poses), all)) {
+  } else if (auto metre = metre_contradiction(whole, scale_of(whole.poses),
+                                              rms_depth_share(whole.calibration, all))) {
     whole.refused = std::move(*metre);
   }
   return whole;

@@ -8,8 +8,8 @@
 
 namespace sgs::backend {
 
-/// calibrate_depth(), and whether the recording stands by it. Two pairs of halves, the first and the
-/// second one, and stretches taken in turns, are calibrated each on its own:
+/// calibrate_depth(), and whether the recording stands by it. Two pairs of halves, the first and
+/// the second one, and stretches taken in turns, are calibrated each on its own:
 /// - a part that the halves of a pair say differently (agreement.h) is held at nothing and the rest
 ///   estimated again; `contradicted` names it. Deviations are at least half of the difference.
 /// - each half of the second pair must fit better with what the other one says than without it;

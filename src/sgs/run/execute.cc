@@ -239,7 +239,8 @@ Result<Outcome> run_in(Input& input, const InputSpec& spec, const slam::SessionC
     auto& delay = session_config.tracker.delay;
     delay = tracker::beside(delay, *input.calibration);
   }
-  SGS_ASSIGN_OR_RETURN(auto session, slam::Session::create(session_config, camera, session_options));
+  SGS_ASSIGN_OR_RETURN(auto session,
+                       slam::Session::create(session_config, camera, session_options));
   if (options.resume) {
     SGS_RETURN_IF_ERROR(go_on(*options.resume, input, *session, folder, spectator, stop));
   }

@@ -41,8 +41,8 @@ class DelayEstimator {
 };
 
 /// How sure a delay of 0 is at the start where depth comes with a calibration that tells it: frames
-/// that follow each other hardly show a delay that all of them share, so what they seem to show must
-/// not be added to what is known.
+/// that follow each other hardly show a delay that all of them share, so what they seem to show
+/// must not be added to what is known.
 DelayConfig beside(DelayConfig config, const DepthCalibration& calibration);
 
 }  // namespace sgs::tracker
