@@ -27,18 +27,19 @@ struct CalibrateCommand {
 
 void print_estimate(const backend::DepthEstimate& e) {
   const DepthCalibration& c = e.calibration;
-  const auto used = [](bool known) {
+  const auto used = [](bool known, bool contradicted) {
+    if (contradicted) return "parts of the recording contradict each other, not used";
     return known ? "used" : "not told apart from none, not used";
   };
   print("keyframes      {}\nmean offset    {:+.5f} /m, sigma {:.5f}: {}\n", e.keyframes,
-        c.mean_offset_per_m(), c.mean_sigma_per_m, used(e.mean_known));
+        c.mean_offset_per_m(), c.mean_sigma_per_m, used(e.known.mean, e.contradicted.mean));
   print("shape          {:.5f} /m rms, sigma {:.5f}: {}\n", e.shape_rms_per_m, e.shape_sigma_per_m,
-        used(e.shape_known));
+        used(e.known.shape, e.contradicted.shape));
   print("shift          {:+.2f} {:+.2f} px of depth against colour, sigma {:.2f} {:.2f}: {}\n",
         c.shift_px.x(), c.shift_px.y(), c.shift_sigma_px.x(), c.shift_sigma_px.y(),
-        used(e.shift_known));
+        used(e.known.shift, e.contradicted.shift));
   print("delay          {:+.1f} ms of depth after colour, sigma {:.1f}: {}\n", 1e3 * c.delay_s,
-        1e3 * c.delay_sigma_s, used(e.delay_known));
+        1e3 * c.delay_sigma_s, used(e.known.delay, e.contradicted.delay));
 }
 
 int run_calibrate(CalibrateCommand command) {
@@ -60,6 +61,11 @@ int run_calibrate(CalibrateCommand command) {
   }
   print_estimate(*estimate);
   for (const std::string& warning : estimate->warnings()) say("sgs: {}\n", warning);
+  if (!estimate->refused.empty()) {
+    say("sgs: {}: {}: the depth camera is used as it is, {} is not written\n", input->info.name,
+        estimate->refused, command.output);
+    return kExitLost;
+  }
   if (const auto saved = io::save_depth_calibration(command.output, estimate->calibration);
       !saved) {
     return report(saved.error());

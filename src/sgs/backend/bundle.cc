@@ -32,6 +32,13 @@ double robust_sigma(std::vector<double>& magnitudes) {
   return 1.4826 * *middle;
 }
 
+/// A prior of one unknown: near nothing.
+void pull(BundleEquations& out, int unknown, double value, double sigma) {
+  out.H(unknown, unknown) += 1 / (sigma * sigma);
+  out.b[unknown] += value / (sigma * sigma);
+  out.cost += 0.5 * value * value / (sigma * sigma);
+}
+
 }  // namespace
 
 /// Magnitudes of the residuals: grey, and depth in units of the sensor's noise.
@@ -131,28 +138,44 @@ void Bundle::add_host(int host, const BundleSums& sums, BundleEquations& out) co
 void Bundle::add_priors(BundleEquations& out) const {
   const CalibrationConfig& c = problem_.config;
   const auto keyframes = static_cast<int>(problem_.keyframes.size());
-  const auto pull = [&](int unknown, double value, double sigma) {
-    out.H(unknown, unknown) += 1 / (sigma * sigma);
-    out.b[unknown] += value / (sigma * sigma);
-    out.cost += 0.5 * value * value / (sigma * sigma);
-  };
   for (int k = 0; k < keyframes; ++k) {
     const Exposure& e = state_.exposures[static_cast<std::size_t>(k)];
-    pull(kKeyframeUnknowns * k + 6, e.log_gain, kLogGainSigma);
-    pull(kKeyframeUnknowns * k + 7, e.offset, kBrightnessSigma);
+    pull(out, kKeyframeUnknowns * k + 6, e.log_gain, kLogGainSigma);
+    pull(out, kKeyframeUnknowns * k + 7, e.offset, kBrightnessSigma);
     for (int n = 0; n < 3; ++n) {
-      pull(kKeyframeUnknowns * k + 8 + n, state_.readout_turns[static_cast<std::size_t>(k)][n],
+      pull(out, kKeyframeUnknowns * k + 8 + n, state_.readout_turns[static_cast<std::size_t>(k)][n],
            c.readout_sigma_rad);
     }
   }
-  add_offset_priors(out);
-  const int after_grid = first_global() + grid_size();
-  pull(after_grid, state_.shift_px.x(), c.shift_sigma_px);
-  pull(after_grid + 1, state_.shift_px.y(), c.shift_sigma_px);
-  pull(after_grid + 2, state_.delay_s, c.delay_sigma_s);
   // The first camera stands where it stands.
   constexpr double kHeld = 1e-9;
-  for (int k = 0; k < 6; ++k) pull(k, 0, kHeld);
+  for (int k = 0; k < 6; ++k) pull(out, k, 0, kHeld);
+}
+
+void Bundle::add_calibration_priors(BundleEquations& out) const {
+  const CalibrationConfig& c = problem_.config;
+  add_offset_priors(out);
+  const int after_grid = first_global() + grid_size();
+  pull(out, after_grid, state_.shift_px.x(), c.shift_sigma_px);
+  pull(out, after_grid + 1, state_.shift_px.y(), c.shift_sigma_px);
+  pull(out, after_grid + 2, state_.delay_s, c.delay_sigma_s);
+}
+
+// Equations that say: no step.
+void Bundle::hold_calibration(BundleEquations& out) const {
+  const int first = first_global(), n = calibration_size();
+  out.H.topRightCorner(first, n).setZero();
+  out.H.bottomRightCorner(n, n).setIdentity();
+  out.b.tail(n).setZero();
+}
+
+void Bundle::hold(const DepthCalibration& calibration) {
+  SGS_CHECK(calibration.grid == problem_.grid, "a calibration over another grid");
+  state_.offsets_per_m = Eigen::Map<const Eigen::VectorXd>(calibration.offset_per_m.data(),
+                                                           std::ssize(calibration.offset_per_m));
+  state_.shift_px = calibration.shift_px;
+  state_.delay_s = calibration.delay_s;
+  problem_.calibration_held = true;
 }
 
 void Bundle::add_offset_priors(BundleEquations& out) const {
@@ -204,7 +227,9 @@ BundleEquations Bundle::linearize(int level, const BundleNoise& noise) {
       for (const BundleRow& r : rows) {
         measured.add(r);
         const double sigma = r.sigma * (r.is_depth ? noise.depth : noise.grey);
-        out.cost += problem_.config.information * t_cost(r.residual, sigma);
+        const double cost = t_cost(r.residual, sigma);
+        (r.is_depth ? out.depth_cost : out.grey_cost) += cost;
+        out.cost += problem_.config.information * cost;
         summed.push_back(weighted(host, r, noise));
       }
       sums_.add_pixel(summed, eliminated_[i][p]);
@@ -214,6 +239,11 @@ BundleEquations Bundle::linearize(int level, const BundleNoise& noise) {
   out.H.bottomRightCorner(calibration_size(), calibration_size()) += sums_.calibration_H();
   out.b.tail(calibration_size()) += sums_.calibration_b();
   add_priors(out);
+  if (problem_.calibration_held) {
+    hold_calibration(out);
+  } else {
+    add_calibration_priors(out);
+  }
   out.grey_residuals = static_cast<int>(measured.grey.size());
   out.depth_residuals = static_cast<int>(measured.depth.size());
   out.measured = {robust_sigma(measured.grey), robust_sigma(measured.depth)};

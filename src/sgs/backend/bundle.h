@@ -26,6 +26,7 @@ struct BundleEquations {
   Eigen::MatrixXd H;  ///< upper triangle
   Eigen::VectorXd b;  ///< gradient: the step solves H x = -b
   double cost = 0;
+  double grey_cost = 0, depth_cost = 0;  ///< of the residuals alone, as if all were independent
   int grey_residuals = 0, depth_residuals = 0;
   BundleNoise measured;  ///< from this linearization's residuals
 };
@@ -45,6 +46,8 @@ class Bundle {
   void apply(const Eigen::VectorXd& step);
   /// Other priors of the calibration from here on.
   void set_priors(const CalibrationConfig& config) { problem_.config = config; }
+  /// Holds the calibration at these values from here on; only the rest is adjusted.
+  void hold(const DepthCalibration& calibration);
 
   const BundleState& state() const { return state_; }
   const BundleProblem& problem() const { return problem_; }
@@ -62,6 +65,8 @@ class Bundle {
                     std::vector<BundleRow>& rows) const;
   void add_host(int host, const BundleSums& sums, BundleEquations& equations) const;
   void add_priors(BundleEquations& equations) const;
+  void add_calibration_priors(BundleEquations& equations) const;
+  void hold_calibration(BundleEquations& equations) const;
   void add_offset_priors(BundleEquations& equations) const;
 
   BundleProblem problem_;

@@ -37,6 +37,7 @@ struct BundleProblem {
   double readout_s = 0;                   ///< of the rolling shutter, first row to last
   ImageGrid grid;
   CalibrationConfig config;
+  bool calibration_held = false;  ///< stays as the state begins with it; only the rest is adjusted
 };
 
 }  // namespace sgs::backend

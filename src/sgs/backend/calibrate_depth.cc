@@ -11,125 +11,14 @@
 #include <iterator>
 #include <optional>
 
-#include "sgs/core/error.h"
+#include "sgs/backend/descent.h"
 #include "sgs/core/log.h"
 
 namespace sgs::backend {
 namespace {
 
-constexpr int kFewestKeyframes = 8;
-constexpr int kFewestPixels = 40;   // per keyframe, below which it is of no use
-constexpr double kSameView = 0.45;  // view distance up to which pixels are looked for
-constexpr int kOtherPlace = 8;      // keyframes apart that make a view a revisit
-
-/// Which keyframes are adjusted: those with enough contrast, thinned evenly if they are too many.
-std::vector<const Keyframe*> choose_keyframes(const std::vector<Keyframe>& all, int most) {
-  std::vector<const Keyframe*> useful;
-  for (const Keyframe& k : all) {
-    if (static_cast<int>(k.pixels.size()) >= kFewestPixels) useful.push_back(&k);
-  }
-  const auto n = static_cast<int>(useful.size());
-  if (n <= most) return useful;
-  std::vector<const Keyframe*> out;
-  for (int i = 0; i < most; ++i) {
-    out.push_back(useful[static_cast<std::size_t>(std::int64_t{i} * n / most)]);
-  }
-  return out;
-}
-
-/// For each keyframe its neighbours in time and the nearest views from other times.
-std::vector<std::vector<int>> choose_targets(const std::vector<const Keyframe*>& keyframes,
-                                             const CalibrationConfig& config) {
-  const auto n = static_cast<int>(keyframes.size());
-  std::vector<std::vector<int>> targets(keyframes.size());
-  for (int i = 0; i < n; ++i) {
-    const Keyframe& host = *keyframes[static_cast<std::size_t>(i)];
-    std::vector<std::pair<double, int>> revisits;
-    for (int j = 0; j < n; ++j) {
-      if (j == i) continue;
-      const double distance =
-          view_distance(host, keyframes[static_cast<std::size_t>(j)]->T_world_camera);
-      if (std::abs(i - j) <= config.neighbours) {
-        if (distance < 2 * kSameView) targets[static_cast<std::size_t>(i)].push_back(j);
-      } else if (std::abs(i - j) >= kOtherPlace && distance < kSameView) {
-        revisits.emplace_back(distance, j);
-      }
-    }
-    std::sort(revisits.begin(), revisits.end());
-    for (std::size_t k = 0;
-         k < std::min(revisits.size(), static_cast<std::size_t>(config.revisits)); ++k) {
-      targets[static_cast<std::size_t>(i)].push_back(revisits[k].second);
-    }
-    std::sort(targets[static_cast<std::size_t>(i)].begin(),
-              targets[static_cast<std::size_t>(i)].end());
-  }
-  return targets;
-}
-
-/// As tracked and measured, corrected by what is known already.
-BundleState start_of(const std::vector<const Keyframe*>& keyframes, int grid_size,
-                     const DepthEstimate* known) {
-  BundleState state;
-  state.offsets_per_m.setZero(grid_size);
-  const DepthCalibration none;
-  const DepthCalibration& calibration = known ? known->calibration : none;
-  if (known) {
-    state.offsets_per_m = Eigen::Map<const Eigen::VectorXd>(calibration.offset_per_m.data(),
-                                                            std::ssize(calibration.offset_per_m));
-    state.shift_px = calibration.shift_px;
-    state.delay_s = calibration.delay_s;
-  }
-  SGS_CHECK(state.offsets_per_m.size() == grid_size, "an estimate of another grid");
-  for (const Keyframe* k : keyframes) {
-    state.T_world_camera.push_back(k->T_world_camera);
-    state.exposures.emplace_back();
-    state.readout_turns.push_back(Eigen::Vector3d::Zero());
-    auto& depths = state.inverse_depths.emplace_back();
-    for (const HostPixel& p : k->pixels) {
-      const double corrected = p.inverse_depth + calibration.offset_at(p.u, p.v);
-      depths.push_back(corrected > 0 ? corrected : p.inverse_depth);
-    }
-  }
-  return state;
-}
-
 /// Factors that take the place of what is factored.
 using Factors = Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>, Eigen::Upper>;
-
-/// None where the equations have no solution. Their H is lost.
-std::optional<Eigen::VectorXd> newton_step(BundleEquations& equations) {
-  const Factors factors(equations.H);
-  if (factors.info() != Eigen::Success) return {};
-  Eigen::VectorXd step = -factors.solve(equations.b);
-  if (!step.allFinite()) return {};
-  return step;
-}
-
-/// Gauss-Newton steps at a level, until the cost falls by no more than a small part of what one
-/// unknown's standard deviation is worth; `noise` follows the residuals. False when they lead
-/// nowhere.
-bool descend(Bundle& bundle, int level, int steps, BundleNoise& noise) {
-  constexpr double kConverged = 0.05;
-  constexpr BundleNoise kLeast{1, 0.1};
-  for (int k = 0; k < steps; ++k) {
-    BundleEquations equations = bundle.linearize(level, noise);
-    noise.grey = std::max(kLeast.grey, equations.measured.grey);
-    noise.depth = std::max(kLeast.depth, equations.measured.depth);
-    const auto step = newton_step(equations);
-    if (!step) return false;
-    bundle.apply(*step);
-    log().debug(
-        "bundle: level {} step {}: cost {:.1f}, {} + {} residuals, grey {:.2f}, depth {:.2f}, "
-        "mean offset {:.5f} /m, shift {:.2f} {:.2f} px, delay {:.4f} s",
-        level, k, equations.cost, equations.grey_residuals, equations.depth_residuals, noise.grey,
-        noise.depth, bundle.state().offsets_per_m.mean(), bundle.state().shift_px.x(),
-        bundle.state().shift_px.y(), bundle.state().delay_s);
-    const bool converged = -0.5 * equations.b.dot(*step) < kConverged;
-    bundle.reuse(std::move(equations));
-    if (converged) break;
-  }
-  return true;
-}
 
 /// What a solution says of the calibration.
 struct Solution {
@@ -169,6 +58,28 @@ std::optional<Solution> solution_of(Bundle& bundle, const BundleNoise& noise) {
   return out;
 }
 
+/// The same for whoever compares it with another's.
+FreeEstimate free_estimate(const Bundle& bundle, const Solution& solution) {
+  FreeEstimate out;
+  const int n = bundle.grid_size();
+  out.mean_per_m = solution.mean;
+  out.mean_sigma_per_m = solution.mean_sigma;
+  out.area = bundle.problem().grid.area();
+  const Eigen::Map<const Eigen::VectorXd> area(out.area.data(), n);
+  const Eigen::VectorXd with_mean = solution.covariance.topLeftCorner(n, n) * area;
+  for (int k = 0; k < n; ++k) {
+    out.shape_per_m.push_back(bundle.state().offsets_per_m[k] - solution.mean);
+    const double variance =
+        solution.covariance(k, k) - 2 * with_mean[k] + solution.mean_sigma * solution.mean_sigma;
+    out.shape_sigma_per_m.push_back(std::sqrt(std::max(0.0, variance)));
+  }
+  out.shift_px = bundle.state().shift_px;
+  out.shift_covariance = solution.covariance.block<2, 2>(n, n);
+  out.delay_s = bundle.state().delay_s;
+  out.delay_sigma_s = std::sqrt(solution.covariance(n + 2, n + 2));
+  return out;
+}
+
 constexpr double kSignificant = 3;  // standard deviations
 
 bool shift_is_significant(const Bundle& bundle, const Solution& solution) {
@@ -184,11 +95,21 @@ bool delay_is_significant(const Bundle& bundle, const Solution& solution) {
          kSignificant * std::sqrt(solution.covariance(last, last));
 }
 
+constexpr double kHeld_per_m = 1e-7, kHeldShift_px = 1e-3, kHeldDelay_s = 1e-6;
+
+/// Priors that hold some parts near nothing.
+CalibrationConfig holding(CalibrationConfig config, const CalibrationParts& held) {
+  if (held.mean) config.mean_sigma = kHeld_per_m;
+  if (held.shape) config.smooth_sigma = kHeld_per_m;
+  if (held.shift) config.shift_sigma_px = kHeldShift_px;
+  if (held.delay) config.delay_sigma_s = kHeldDelay_s;
+  return config;
+}
+
 /// The priors of the second solution: what the first has not shown is held near nothing. A camera
 /// whose offsets vary over the image is likely to have a mean of that size, too.
 CalibrationConfig held_where_unknown(CalibrationConfig config, const Bundle& bundle,
                                      const Solution& first) {
-  constexpr double kHeldShift_px = 1e-3, kHeldDelay_s = 1e-6;
   if (std::abs(first.mean) < kSignificant * first.mean_sigma) {
     const double shape = first.shape_rms > first.shape_sigma ? first.shape_rms : 0;
     config.mean_sigma = std::min(config.mean_sigma, std::max(shape, 0.1 * first.mean_sigma));
@@ -200,18 +121,19 @@ CalibrationConfig held_where_unknown(CalibrationConfig config, const Bundle& bun
 
 /// What was held in the second solution is known as well as the first one knew it.
 void fill(const Bundle& bundle, const Solution& first, const Solution& solution,
-          DepthEstimate& out) {
+          const CalibrationParts& held, DepthEstimate& out) {
   const BundleState& state = bundle.state();
   const int n = bundle.grid_size();
   DepthCalibration& c = out.calibration;
   out.shape_rms_per_m = solution.shape_rms;
   out.shape_sigma_per_m = solution.shape_sigma;
-  out.shape_known = solution.shape_rms > solution.shape_sigma;
-  out.mean_known = solution.mean_sigma < 0.5 * bundle.problem().config.mean_sigma;
-  out.shift_known = shift_is_significant(bundle, solution);
+  out.known.shape = !held.shape && solution.shape_rms > solution.shape_sigma;
+  out.known.mean = !held.mean && solution.mean_sigma < 0.5 * bundle.problem().config.mean_sigma;
+  out.known.shift = !held.shift && shift_is_significant(bundle, solution);
+  out.known.delay = !held.delay && delay_is_significant(bundle, solution);
   for (int k = 0; k < n; ++k) {
-    c.offset_per_m.push_back((out.shape_known ? state.offsets_per_m[k] - solution.mean : 0) +
-                             (out.mean_known ? solution.mean : 0));
+    c.offset_per_m.push_back((out.known.shape ? state.offsets_per_m[k] - solution.mean : 0) +
+                             (out.known.mean ? solution.mean : 0));
     c.sigma_per_m.push_back(std::sqrt(std::max(first.covariance(k, k), solution.covariance(k, k))));
   }
   c.mean_sigma_per_m = std::max(first.mean_sigma, solution.mean_sigma);
@@ -219,10 +141,9 @@ void fill(const Bundle& bundle, const Solution& first, const Solution& solution,
                                      .tail<3>()
                                      .cwiseMax(solution.covariance.diagonal().tail<3>())
                                      .cwiseSqrt();
-  if (out.shift_known) c.shift_px = state.shift_px;
+  if (out.known.shift) c.shift_px = state.shift_px;
   c.shift_sigma_px = sigmas.head<2>();
-  out.delay_known = delay_is_significant(bundle, solution);
-  if (out.delay_known) c.delay_s = state.delay_s;
+  if (out.known.delay) c.delay_s = state.delay_s;
   c.delay_sigma_s = sigmas.z();
   out.grey_residuals = solution.equations.grey_residuals;
   out.depth_residuals = solution.equations.depth_residuals;
@@ -234,18 +155,6 @@ void fill(const Bundle& bundle, const Solution& first, const Solution& solution,
   }
 }
 
-Bundle make_bundle(std::vector<const Keyframe*> keyframes, double readout_s,
-                   const CalibrationConfig& config, const DepthEstimate* known) {
-  BundleProblem problem;
-  problem.targets = choose_targets(keyframes, config);
-  problem.keyframes = std::move(keyframes);
-  problem.readout_s = readout_s;
-  problem.grid = {config.columns, config.rows};
-  problem.config = config;
-  BundleState start = start_of(problem.keyframes, problem.grid.size(), known);
-  return Bundle(std::move(problem), std::move(start));
-}
-
 /// Coarse to fine; what starts near the solution is there sooner.
 std::optional<Solution> solve_freely(Bundle& bundle, bool near, BundleNoise& noise) {
   if (!near && !descend(bundle, 2, 3, noise)) return {};
@@ -254,29 +163,38 @@ std::optional<Solution> solve_freely(Bundle& bundle, bool near, BundleNoise& noi
 }
 
 /// Both solutions, coarse to fine, then the second from the first. False when they lead nowhere.
-bool solve(Bundle& bundle, bool near, DepthEstimate& out) {
+bool solve(Bundle& bundle, bool near, const CalibrationParts& held, DepthEstimate& out) {
   BundleNoise noise;
   const auto first = solve_freely(bundle, near, noise);
   if (!first) return false;
+  out.free = free_estimate(bundle, *first);
   bundle.set_priors(held_where_unknown(bundle.problem().config, bundle, *first));
   if (!descend(bundle, 0, 3, noise)) return false;
   const auto second = solution_of(bundle, noise);
-  if (second) fill(bundle, *first, *second, out);
+  if (second) fill(bundle, *first, *second, held, out);
   return second.has_value();
 }
 
 }  // namespace
 
+bool DepthEstimate::is_delay_suspicious() const {
+  constexpr double kLate_s = 0.015, kFrame_s = 0.033, kSame_s = 0.005;
+  const double delay = calibration.delay_s;
+  if (std::abs(delay) > kFrame_s) return true;
+  if (std::abs(delay) <= kLate_s || stamped) return false;
+  return !tracked_delay_s || std::abs(delay - *tracked_delay_s) > kSame_s;
+}
+
 std::vector<std::string> DepthEstimate::warnings() const {
   std::vector<std::string> out;
-  constexpr double kSuspicious_px = 4, kSuspicious_s = 0.015;
+  constexpr double kSuspicious_px = 4;
   if (calibration.shift_px.norm() > kSuspicious_px) {
     out.push_back(fmt::format(
         "depth lies {:.1f} px off colour: the registration of the two cameras is probably wrong "
         "(their extrinsics, or the image size that the intrinsics are for)",
         calibration.shift_px.norm()));
   }
-  if (std::abs(calibration.delay_s) > kSuspicious_s) {
+  if (is_delay_suspicious()) {
     out.push_back(fmt::format(
         "depth comes {:.0f} ms after colour: the time stamps of one of the two are probably wrong",
         1e3 * calibration.delay_s));
@@ -284,26 +202,36 @@ std::vector<std::string> DepthEstimate::warnings() const {
   return out;
 }
 
-DepthEstimate calibrate_depth(const std::vector<Keyframe>& all, double readout_s,
-                              const CalibrationConfig& config, const DepthEstimate* known) {
+DepthEstimate calibrate_depth(const KeyframeList& useful, double readout_s,
+                              const CalibrationConfig& config, const CalibrationParts& held,
+                              const DepthEstimate* known, int fewest) {
   DepthEstimate out;
-  auto keyframes = choose_keyframes(all, config.keyframes);
+  KeyframeList keyframes = thinned(useful, config.keyframes);
   out.keyframes = static_cast<int>(keyframes.size());
-  if (out.keyframes < kFewestKeyframes) {
+  if (out.keyframes < fewest) {
     out.why_not =
         fmt::format("{} keyframes show enough contrast on measured surfaces, {} are needed",
-                    out.keyframes, kFewestKeyframes);
+                    out.keyframes, fewest);
     return out;
   }
-  log().debug("bundle: {} of {} keyframes, readout {:.4f} s", out.keyframes, all.size(), readout_s);
-  Bundle bundle = make_bundle(std::move(keyframes), readout_s, config, known);
+  log().debug("bundle: {} of {} keyframes, readout {:.4f} s", out.keyframes, useful.size(),
+              readout_s);
+  out.stamped = std::any_of(keyframes.begin(), keyframes.end(),
+                            [](const Keyframe* k) { return k->depth_delay_s != 0; });
+  Bundle bundle = make_bundle(std::move(keyframes), readout_s, holding(config, held),
+                              known != nullptr ? &known->calibration : nullptr);
   out.calibration.camera = bundle.problem().keyframes.front()->gray.level(0).camera;
   out.calibration.grid = bundle.problem().grid;
-  if (!solve(bundle, known != nullptr, out)) {
+  if (!solve(bundle, known != nullptr, held, out)) {
     out = {};
     out.why_not = "the adjustment did not converge";
   }
   return out;
+}
+
+DepthEstimate calibrate_depth(const std::vector<Keyframe>& keyframes, double readout_s,
+                              const CalibrationConfig& config, const DepthEstimate* known) {
+  return calibrate_depth(useful_keyframes(keyframes), readout_s, config, {}, known);
 }
 
 }  // namespace sgs::backend

@@ -50,7 +50,7 @@ TEST(CalibrateDepth, FindsAnOffsetOfDisparity) {
   TestRoom room;
   room.distort = [](double, double, double q) { return q - 0.006; };
   const DepthEstimate e = calibrated(room);
-  EXPECT_TRUE(e.mean_known);
+  EXPECT_TRUE(e.known.mean);
   EXPECT_NEAR(e.calibration.mean_offset_per_m(), 0.006, 5e-4);
 }
 
@@ -61,7 +61,7 @@ TEST(CalibrateDepth, FindsAShapeOverTheImage) {
   };
   room.distort = [&](double u, double v, double q) { return q - truth(u, v); };
   const DepthEstimate e = calibrated(room);
-  EXPECT_TRUE(e.shape_known && e.mean_known);
+  EXPECT_TRUE(e.known.shape && e.known.mean);
   for (const auto& [u, v] : {std::pair{40.0, 60.0}, {160.0, 120.0}, {270.0, 60.0}, {80.0, 190.0}}) {
     EXPECT_NEAR(e.calibration.offset_at(u, v), truth(u, v), 1e-3) << u << " " << v;
   }
@@ -71,7 +71,7 @@ TEST(CalibrateDepth, FindsAShiftOfDepthAgainstColour) {
   TestRoom room;
   room.shift_px = {1.4, -0.8};
   const DepthEstimate e = calibrated(room);
-  EXPECT_TRUE(e.shift_known);
+  EXPECT_TRUE(e.known.shift);
   EXPECT_NEAR(e.calibration.shift_px.x(), 1.4, 0.2);
   EXPECT_NEAR(e.calibration.shift_px.y(), -0.8, 0.2);
 }
@@ -80,7 +80,7 @@ TEST(CalibrateDepth, FindsADelayOfDepthAfterColour) {
   TestRoom room;
   room.delay_s = 0.002;
   const DepthEstimate e = calibrated(room);
-  EXPECT_TRUE(e.delay_known);
+  EXPECT_TRUE(e.known.delay);
   EXPECT_NEAR(e.calibration.delay_s, 0.002, 3e-4);
   EXPECT_LT(e.calibration.delay_sigma_s, 5e-4);
 }
@@ -138,6 +138,39 @@ TEST(CalibrateDepth, AWrongRegistrationIsNamed) {
   const DepthEstimate e = calibrated(room);
   ASSERT_EQ(e.warnings().size(), 1u);
   EXPECT_THAT(e.warnings().front(), HasSubstr("registration"));
+}
+
+TEST(CalibrateDepth, ALateImageIsSuspiciousWhereNobodyElseSeesIt) {
+  DepthEstimate e;
+  e.calibration.delay_s = -0.017;
+  EXPECT_TRUE(e.is_delay_suspicious());
+  e.tracked_delay_s = -0.001;
+  EXPECT_TRUE(e.is_delay_suspicious()) << "the tracker sees another";
+  e.tracked_delay_s = -0.0155;
+  EXPECT_FALSE(e.is_delay_suspicious()) << "the tracker sees it, too";
+  e.tracked_delay_s.reset();
+  e.stamped = true;
+  EXPECT_FALSE(e.is_delay_suspicious()) << "both images have stamps: they say when each came";
+  e.calibration.delay_s = 0.05;
+  EXPECT_TRUE(e.is_delay_suspicious()) << "more than a frame";
+  e.stamped = false;
+  e.calibration.delay_s = 0.004;
+  EXPECT_FALSE(e.is_delay_suspicious());
+}
+
+TEST(CalibrateDepth, WhatIsHeldStaysNothing) {
+  TestRoom room;
+  room.distort = [](double, double, double q) { return q - 0.006; };
+  room.shift_px = {1.4, -0.8};
+  const auto views = room.keyframes(kViews);
+  const DepthEstimate e = calibrate_depth(useful_keyframes(views), 0, small_config(),
+                                          {.shape = true, .shift = true, .delay = true});
+  EXPECT_EQ(e.known.names(), "mean offset");
+  EXPECT_TRUE(e.calibration.shift_px.isZero());
+  EXPECT_EQ(e.calibration.delay_s, 0);
+  for (const double offset : e.calibration.offset_per_m) {
+    EXPECT_NEAR(offset, e.calibration.mean_offset_per_m(), 1e-9);
+  }
 }
 
 TEST(CalibrateDepth, WithoutContrastNothingIsSaid) {

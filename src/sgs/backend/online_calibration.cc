@@ -2,13 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/backend/online_calibration.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 
+#include "sgs/backend/metre.h"
 #include "sgs/core/log.h"
 
 namespace sgs::backend {
@@ -19,39 +18,12 @@ constexpr double kLeastChange_per_m = 2e-4;
 constexpr double kLeastShift_px = 0.1;
 constexpr double kLeastDelay_s = 5e-4;
 constexpr double kSure_per_m = 5e-4;  // of the mean: more keyframes are not needed
-// A depth camera that is off by more is not a little distorted but something else. A path alone may
-// be: distortion that varies over the image bends it.
-constexpr double kContradiction = 0.015;        // of the path's length
-constexpr double kContradictionDepth = 0.0075;  // of depth itself
 
 /// Whether an estimate is sure enough to be acted on unasked.
 bool is_sure_enough(const DepthEstimate& e) {
   constexpr double kLeastSure_per_m = 1.5e-3, kLeastSure_px = 0.5;
   return e.useful() && e.calibration.mean_sigma_per_m < kLeastSure_per_m &&
          e.calibration.shift_sigma_px.maxCoeff() < kLeastSure_px;
-}
-
-/// By how much the path grows, about its middle.
-double scale_of(const std::vector<MovedPose>& poses) {
-  Eigen::Vector3d before = Eigen::Vector3d::Zero(), after = Eigen::Vector3d::Zero();
-  for (const MovedPose& p : poses) {
-    before += p.before.t / static_cast<double>(poses.size());
-    after += p.after.t / static_cast<double>(poses.size());
-  }
-  double square = 0, product = 0;
-  for (const MovedPose& p : poses) {
-    square += (p.before.t - before).squaredNorm();
-    product += (p.before.t - before).dot(p.after.t - after);
-  }
-  return square > 0 ? product / square : 1;
-}
-
-/// By how much depth itself is off in the mean, as a share of it.
-double depth_share(const DepthEstimate& estimate, const std::vector<Keyframe>& keyframes) {
-  double depth_m = 0;
-  for (const Keyframe& k : keyframes) depth_m += k.mean_depth_m;
-  return std::abs(estimate.calibration.mean_offset_per_m()) * depth_m /
-         static_cast<double>(std::max<std::size_t>(1, keyframes.size()));
 }
 
 /// The same path in another scale; the first pose stays.
@@ -93,7 +65,7 @@ OnlineCalibration::OnlineCalibration(const BackendConfig& config)
 
 std::optional<LearnedCalibration> OnlineCalibration::add(
     const std::shared_ptr<const RgbdFrame>& raw, const std::optional<SE3>& T_world_camera,
-    double readout_s) {
+    double readout_s, std::optional<double> tracked_delay_s) {
   if (done_) return std::nullopt;
   if (!T_world_camera) {
     archive_.note_gap();
@@ -101,6 +73,7 @@ std::optional<LearnedCalibration> OnlineCalibration::add(
   }
   archive_.add(raw, *T_world_camera);
   readout_s_ = readout_s;
+  tracked_delay_s_ = tracked_delay_s;
   if (in_flight_ || archive_.keyframes().size() < next_) return std::nullopt;
   auto learned = learn();
   const auto enough = static_cast<std::size_t>(enough_keyframes());
@@ -131,6 +104,7 @@ std::optional<DepthEstimate> OnlineCalibration::attempt() {
   DepthEstimate estimate =
       calibrate_depth(archive_.keyframes(), readout_s_, config, last_ ? &*last_ : nullptr);
   if (!estimate.why_not.empty()) return std::nullopt;
+  estimate.tracked_delay_s = tracked_delay_s_;
   const auto last = std::exchange(last_, estimate);
   if (!last || !is_sure_enough(estimate)) return std::nullopt;
   if (confirms(estimate.calibration, last->calibration)) return estimate;
@@ -141,15 +115,12 @@ std::optional<DepthEstimate> OnlineCalibration::attempt() {
   return std::nullopt;
 }
 
-// Two cameras that do not belong together look like a distorted one. Says so once.
+// Says so once.
 bool OnlineCalibration::is_contradiction(const DepthEstimate& estimate, double scale) {
   std::vector<std::string> warnings = estimate.warnings();
-  const double off = std::abs(scale_ * scale - 1);
-  if (off > kContradiction && depth_share(estimate, archive_.keyframes()) > kContradictionDepth) {
-    warnings.push_back(fmt::format(
-        "pictures and depth disagree on the metre by {:.1f} % ({} keyframes, an offset of {:+.4f} "
-        "/m): the intrinsics or the registration of the two cameras are probably wrong",
-        100 * off, estimate.keyframes, estimate.calibration.mean_offset_per_m()));
+  if (auto metre = metre_contradiction(
+          estimate, scale_ * scale, mean_depth_share(estimate.calibration, archive_.keyframes()))) {
+    warnings.push_back(std::move(*metre));
   }
   for (const std::string& warning : warnings) {
     log().warn("{}; no calibration is learned from this recording", warning);

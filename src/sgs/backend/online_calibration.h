@@ -36,9 +36,11 @@ class OnlineCalibration {
   explicit OnlineCalibration(const BackendConfig& config);
 
   /// Takes in the next frame, its depth as measured. `T_world_camera`: as tracked, empty where it
-  /// was lost; `readout_s`: readout time of the rolling shutter as known now.
+  /// was lost; `readout_s`: readout time of the rolling shutter as known now; `tracked_delay_s`: by
+  /// how much later than stamped the tracker takes depth for measured, where it learns that.
   std::optional<LearnedCalibration> add(const std::shared_ptr<const RgbdFrame>& raw,
-                                        const std::optional<SE3>& T_world_camera, double readout_s);
+                                        const std::optional<SE3>& T_world_camera, double readout_s,
+                                        std::optional<double> tracked_delay_s = {});
   /// A last attempt when no more frames come, if there are a few new keyframes.
   std::optional<LearnedCalibration> finish();
   /// Poses of frames that come from now on are corrected, by this or by whatever else there is.
@@ -57,6 +59,7 @@ class OnlineCalibration {
   CalibrationConfig config_;
   KeyframeArchive archive_;
   double readout_s_ = 0;
+  std::optional<double> tracked_delay_s_;
   std::size_t next_;                   // keyframes that make the next attempt
   std::optional<DepthEstimate> last_;  // of the last attempt
   DepthCalibration current_;

@@ -24,6 +24,7 @@
 #include "sgs/runfolder/timings.h"
 #include "sgs/runfolder/version.h"
 #include "sgs/stream/address.h"
+#include "sgs/tracker/delay_estimator.h"
 #include "sgs/upright/upright.h"
 
 namespace sgs::run {
@@ -294,8 +295,12 @@ Result<RunResult> execute(Input& input, const InputSpec& spec, const RunConfig& 
                           const RunOptions& options, RunFolder& folder, RunObserver& observer,
                           const std::stop_token& stop) {
   RunConfig used = config;
-  // It would see no raw depth.
-  if (input.calibration) used.session.backend.calibration.online = false;
+  if (input.calibration) {
+    // It would see no raw depth; and the delay is known.
+    used.session.backend.calibration.online = false;
+    auto& delay = used.session.tracker.delay;
+    delay = tracker::beside(delay, *input.calibration);
+  }
   auto result = run_in(input, spec, used, options, folder, observer, stop);
   if (!result && !folder.resumed()) folder.end(Stage::kInterrupted, 0, result.error().message);
   return result;

@@ -10,7 +10,7 @@ enum ExitCode : int {
   kExitFailed = 1,  ///< something went wrong while running
   kExitUsage = 2,   ///< the command line or a config value makes no sense
   /// Finished, but tracking was lost at the end or for most of the run, or hardly any frame was
-  /// used.
+  /// used; a calibration that its own recording does not stand by.
   kExitLost = 3,
   kExitInterrupted = 130,
 };

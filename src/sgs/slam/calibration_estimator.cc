@@ -12,9 +12,12 @@ namespace sgs::slam {
 std::shared_ptr<const PastCorrection> CalibrationEstimator::add(
     const std::shared_ptr<const RgbdFrame>& frame, const tracker::TrackResult& result) {
   if (std::isfinite(result.diagnostics.readout_s)) readout_s_ = result.diagnostics.readout_s;
+  // `frame` is as measured: beyond its stamp there is what was calibrated and what the tracker
+  // adds.
+  const double delay_s = result.motion.depth_delay_s - frame->depth_delay_s;
   const bool tracked = result.status != tracker::TrackingStatus::kLost && result.information;
   return told(calibration_.add(frame, tracked ? std::optional(result.T_world_camera) : std::nullopt,
-                               readout_s_));
+                               readout_s_, delay_s));
 }
 
 std::shared_ptr<const PastCorrection> CalibrationEstimator::told(

@@ -7,6 +7,15 @@
 #include <cmath>
 
 namespace sgs::tracker {
+namespace {
+
+/// 0 where nobody says how sure.
+double prior_sigma_beside(double own_s, double known_s) {
+  constexpr double kSurest_s = 5e-4;
+  return known_s > 0 ? std::min(own_s, std::max(known_s, kSurest_s)) : own_s;
+}
+
+}  // namespace
 
 void DelayEstimator::update(const Matrix6d& H_geometry, const Matrix6d& H_vision,
                             const Vector6d& b_vision, const Vector6d& velocity) {
@@ -25,14 +34,20 @@ void DelayEstimator::update(const Matrix6d& H_geometry, const Matrix6d& H_vision
   solve();
 }
 
-void DelayEstimator::shift(double delay_s) {
+void DelayEstimator::shift(double delay_s, double sigma_s) {
   weighted_ -= information_ * delay_s;
+  prior_sigma_s_ = prior_sigma_beside(config_.prior_sigma_s, sigma_s);
   solve();
 }
 
 void DelayEstimator::solve() {
-  const double prior = 1 / (config_.prior_sigma_s * config_.prior_sigma_s);
+  const double prior = 1 / (prior_sigma_s_ * prior_sigma_s_);
   delay_s_ = std::clamp(weighted_ / (information_ + prior), -config_.most_s, config_.most_s);
+}
+
+DelayConfig beside(DelayConfig config, const DepthCalibration& calibration) {
+  config.prior_sigma_s = prior_sigma_beside(config.prior_sigma_s, calibration.delay_sigma_s);
+  return config;
 }
 
 }  // namespace sgs::tracker

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "sgs/camera/depth_calibration.h"
 #include "sgs/geometry/se3.h"
 #include "sgs/tracker/tracker_config.h"
 
@@ -18,7 +19,8 @@ namespace sgs::tracker {
 /// twist per second. Sums over frames forget slowly; a prior keeps tau at 0 until there is motion.
 class DelayEstimator {
  public:
-  explicit DelayEstimator(const DelayConfig& config) : config_(config) {}
+  explicit DelayEstimator(const DelayConfig& config)
+      : config_(config), prior_sigma_s_(config.prior_sigma_s) {}
 
   /// By how much later depth is measured than stamped, as believed now, seconds.
   double delay_s() const { return delay_s_; }
@@ -26,8 +28,8 @@ class DelayEstimator {
   /// at its pose, and its camera twist per second. Its points were corrected for delay_s().
   void update(const Matrix6d& H_geometry, const Matrix6d& H_vision, const Vector6d& b_vision,
               const Vector6d& velocity);
-  /// Stamps are read with `delay_s` more from now on.
-  void shift(double delay_s);
+  /// Stamps are read with `delay_s` more from now on, by a calibration that knows it to `sigma_s`.
+  void shift(double delay_s, double sigma_s);
 
  private:
   void solve();
@@ -35,6 +37,12 @@ class DelayEstimator {
   DelayConfig config_;
   double information_ = 0, weighted_ = 0;  // 1/s^2, and times the delay that was measured
   double delay_s_ = 0;
+  double prior_sigma_s_;
 };
+
+/// How sure a delay of 0 is at the start where depth comes with a calibration that tells it: frames
+/// that follow each other hardly show a delay that all of them share, so what they seem to show
+/// must not be added to what is known.
+DelayConfig beside(DelayConfig config, const DepthCalibration& calibration);
 
 }  // namespace sgs::tracker

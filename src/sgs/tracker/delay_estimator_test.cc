@@ -89,10 +89,28 @@ TEST(DelayEstimator, ShiftLeavesWhatIsMeasuredWhereItWas) {
   DelayEstimator estimator(DelayConfig{});
   feed(estimator, -0.015, 300, 1e-3);
   const double before = estimator.delay_s();
-  estimator.shift(-0.012);
+  estimator.shift(-0.012, 0);
   EXPECT_NEAR(estimator.delay_s(), before + 0.012, 1e-4);
   feed(estimator, -0.003, 300, 1e-3);
   EXPECT_NEAR(estimator.delay_s(), -0.003, 1e-3);
+}
+
+// Frames that hardly move against each other seem to show a delay that nobody has.
+TEST(DelayEstimator, WhatACalibrationKnowsIsNotLearnedOnTop) {
+  DepthCalibration calibration;
+  EXPECT_EQ(beside(DelayConfig{}, calibration).prior_sigma_s, DelayConfig{}.prior_sigma_s);
+  calibration.delay_sigma_s = 0.05;
+  EXPECT_EQ(beside(DelayConfig{}, calibration).prior_sigma_s, DelayConfig{}.prior_sigma_s);
+  calibration.delay_sigma_s = 0.001;
+  EXPECT_EQ(beside(DelayConfig{}, calibration).prior_sigma_s, 0.001);
+  calibration.delay_sigma_s = 1e-9;
+  EXPECT_GT(beside(DelayConfig{}, calibration).prior_sigma_s, 1e-4);
+
+  DelayEstimator told(DelayConfig{}), untold(DelayConfig{});
+  told.shift(0, 1e-3);
+  feed(told, -0.01, 3, 1e-3, 0.05);
+  feed(untold, -0.01, 3, 1e-3, 0.05);
+  EXPECT_LT(std::abs(told.delay_s()), 0.5 * std::abs(untold.delay_s()));
 }
 
 TEST(DelayEstimator, LearnsNothingWhereItIsOffOrNumbersAreNone) {

@@ -225,7 +225,9 @@ bool SpectralTracker::extend_map(const RgbdFrame& frame, const Alignment& a,
 void SpectralTracker::correct(const PastCorrection& correction) {
   const PastCorrection local = correction.in_frame(T_world_local_.inverse());
   aligner_.correct(local);
-  if (correction.depth) delay_.shift(correction.depth->delay_s());
+  if (const auto& depth = correction.depth) {
+    delay_.shift(depth->delay_s(), depth->after().delay_sigma_s);
+  }
   relocaliser_.correct(local);
   motion_.correct(local.corrected(motion_.pose(), motion_.timestamp_s()));
   T_bridge_ = local.corrected(T_bridge_, motion_.timestamp_s());
