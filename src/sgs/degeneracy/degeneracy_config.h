@@ -19,7 +19,8 @@ struct DegeneracyConfig {
   double planarity_full_prior = 0.5;
   bool planarity_alone = false;
   bool soft_gate = true;
-  double geometry_weight = 0.3;
+  double geometry_weight = 0.6;
+  double geometry_turn_share = 0.1;
   double damping = 1e-3;
 
   void declare(ParameterList& p) {
@@ -49,6 +50,10 @@ struct DegeneracyConfig {
     p.add("geometry_weight", geometry_weight,
           "Factor on the geometric normal equations, because points share windows and noise.", "",
           {0, 1});
+    p.add("geometry_turn_share", geometry_turn_share,
+          "Share of the geometric normal equations that may turn the camera, too; the rest says "
+          "where it is with its rotation left free.",
+          "", {0, 1});
     p.add("damping", damping, "Added to the diagonal of the joint normal equations.", "", {0, 1e9});
   }
 };

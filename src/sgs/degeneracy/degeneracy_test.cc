@@ -409,6 +409,65 @@ TEST(Removal, ConfidentlyWrongGeometryOnAWeakAxisHasNoSay) {
   EXPECT_NEAR((removed.H - removed.H.transpose()).norm(), 0, 1e-6 * removed.H.norm());
 }
 
+/// Equations of points all around the camera whose minimum is at `x`.
+NormalEquations around(const Vector6d& x, double weight) {
+  NormalEquations out;
+  std::mt19937 bits(11);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector3d p = Eigen::Vector3d(normal(bits), normal(bits), 2 + normal(bits));
+    const Eigen::Vector3d n = Eigen::Vector3d(normal(bits), normal(bits), normal(bits)).normalized();
+    Vector6d J;
+    J << p.cross(n), n;
+    out.H += weight * J * J.transpose();
+  }
+  out.b = -out.H * x;
+  return out;
+}
+
+Vector6d minimum(const NormalEquations& e) { return -e.H.ldlt().solve(e.b); }
+
+TEST(Fusion, TranslationAloneHasTheSameMinimumAndNoOpinionOnRotation) {
+  Vector6d x;
+  x << 0.01, -0.02, 0.03, 0.1, 0.2, -0.1;
+  const NormalEquations place = translation_alone(around(x, 100));
+  EXPECT_EQ(place.H.topRows(3).norm(), 0);
+  EXPECT_EQ(place.b.head(3).norm(), 0);
+  const Eigen::Matrix3d H = place.H.bottomRightCorner<3, 3>();
+  const Eigen::Vector3d t = -H.ldlt().solve(place.b.tail<3>());
+  EXPECT_NEAR((t - x.tail<3>()).norm(), 0, 1e-4);
+  EXPECT_TRUE(translation_alone({}).H.isZero(0)) << "nothing is known of nothing";
+}
+
+TEST(Fusion, GeometryAloneStaysWhereItIsWhateverItsShareOfTheTurn) {
+  Vector6d x;
+  x << 0.01, -0.02, 0.03, 0.1, 0.2, -0.1;
+  for (const double share : {0.0, 0.1, 1.0}) {
+    DegeneracyConfig config;
+    config.damping = 1e-9;
+    config.geometry_turn_share = share;
+    const NormalEquations joint = fuse_joint(around(x, 100), around(x, 1), config);
+    EXPECT_NEAR((minimum(joint) - x).norm(), 0, 1e-4) << share;
+  }
+}
+
+// Both see everything and contradict each other: the picture turns the camera, surfaces place it.
+TEST(Fusion, PicturesTurnAndSurfacesPlace) {
+  Vector6d surfaces = Vector6d::Zero(), picture = Vector6d::Zero();
+  surfaces << 0.01, 0.01, 0.01, 0.02, 0.02, 0.02;
+  const auto between = [&](double share) {
+    DegeneracyConfig config;
+    config.geometry_turn_share = share;
+    const Vector6d x = minimum(fuse_joint(around(surfaces, 1e4), around(picture, 1e4), config));
+    return Eigen::Vector2d(x.head<3>().norm() / surfaces.head<3>().norm(),
+                           x.tail<3>().norm() / surfaces.tail<3>().norm());
+  };
+  const Eigen::Vector2d all = between(1), tenth = between(0.1);
+  EXPECT_NEAR(all(0), all(1), 0.05);
+  EXPECT_LT(tenth(0), 0.6 * all(0));
+  EXPECT_GT(tenth(1), 2 * tenth(0));
+}
+
 TEST(DegeneracyConfig, DeclaresItsParameters) {
   DegeneracyConfig config;
   ParameterList list;

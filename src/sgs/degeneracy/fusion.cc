@@ -44,13 +44,33 @@ double prior_cost(const AxisPrior& prior, const SE3& T_world_camera) {
   return 0.5 * e.dot(prior.weight * e);
 }
 
+NormalEquations translation_alone(const NormalEquations& equations) {
+  // Rotations that the equations do not see are not inverted.
+  constexpr double kUnseen = 1e-6;
+  NormalEquations out;
+  out.cost = equations.cost;
+  Eigen::Matrix3d H_turn = equations.H.topLeftCorner<3, 3>();
+  H_turn.diagonal().array() += kUnseen * H_turn.trace();
+  if (!(H_turn.trace() > 0)) return out;
+  const Eigen::Matrix3d G = equations.H.bottomLeftCorner<3, 3>() * H_turn.inverse();
+  const Eigen::Matrix3d H =
+      equations.H.bottomRightCorner<3, 3>() - G * equations.H.topRightCorner<3, 3>();
+  out.H.bottomRightCorner<3, 3>() = 0.5 * (H + H.transpose());
+  out.b.tail<3>() = equations.b.tail<3>() - G * equations.b.head<3>();
+  return out;
+}
+
 NormalEquations fuse_removed(const NormalEquations& geometry, const Matrix6d& K,
                              const NormalEquations& vision, const DegeneracyConfig& config) {
   const double wg = config.geometry_weight;
+  const NormalEquations seen{K.transpose() * geometry.H * K, K.transpose() * geometry.b, 0};
+  const NormalEquations place = translation_alone(seen);
+  const double turns = wg * config.geometry_turn_share;
+  const double only_moves = wg - turns;
   NormalEquations out;
-  out.H = wg * K.transpose() * geometry.H * K + vision.H;
+  out.H = turns * seen.H + only_moves * place.H + vision.H;
   out.H.diagonal().array() += config.damping;
-  out.b = wg * K.transpose() * geometry.b + vision.b;
+  out.b = turns * seen.b + only_moves * place.b + vision.b;
   out.cost = wg * geometry.cost + vision.cost;
   return out;
 }

@@ -35,8 +35,13 @@ void add_prior(const AxisPrior& prior, const SE3& T_world_camera, NormalEquation
 /// Cost alone, for trial steps.
 double prior_cost(const AxisPrior& prior, const SE3& T_world_camera);
 
-/// `fusion = remove`, (REMOVE) of docs/method.md: H = wg K^T H_g K + H_v + damping I,
-/// b = wg K^T b_g + b_v. K = I - P.
+/// What equations on camera twists say of the translation once the rotation is left free: their
+/// Schur complement, with nothing about the rotation. The same minimum where it is unique.
+NormalEquations translation_alone(const NormalEquations& equations);
+
+/// `fusion = remove`, (REMOVE) of docs/method.md: H = wg G(K^T H_g K) + H_v + damping I,
+/// b = wg G(K^T b_g) + b_v. K = I - P; G keeps `geometry_turn_share` of the equations as they are,
+/// and of the rest what translation_alone() leaves.
 NormalEquations fuse_removed(const NormalEquations& geometry, const Matrix6d& K,
                              const NormalEquations& vision, const DegeneracyConfig& config);
 /// `fusion = joint`: the same without removal (K = I).

@@ -5,9 +5,12 @@
 namespace sgs::loops {
 namespace {
 
-// A reference's points are its own, whatever the tracker registers to.
-tracker::SpectralConfig with_own_targets(tracker::SpectralConfig config) {
+// A reference's points are its own, whatever the tracker registers to; and points of one view share
+// all its distortion, where a map's come from many: they count half as much.
+tracker::SpectralConfig of_one_view(tracker::SpectralConfig config) {
+  constexpr double kOneView = 0.5;
   config.geometry.target.source = tracker::TargetSource::kGrid;
+  config.degeneracy.geometry_weight *= kOneView;
   return config;
 }
 
@@ -24,7 +27,7 @@ tracker::ReadoutModel known(const registration::FrameMotion& motion) {
 
 PairAligner::PairAligner(const tracker::SpectralConfig& config, const RgbdFrame& reference,
                          const registration::FrameMotion& motion)
-    : aligner_(with_own_targets(config), reference.camera, SE3{}) {
+    : aligner_(of_one_view(config), reference.camera, SE3{}) {
   aligner_.look_at(reference, nullptr);
   tracker::Alignment here;
   here.points_motion = motion;

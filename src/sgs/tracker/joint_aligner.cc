@@ -30,6 +30,15 @@ bool is_small(const Vector6d& xi, const registration::SolverConfig& config) {
   return xi.head<3>().norm() < config.stop_rad && xi.tail<3>().norm() < config.stop_m;
 }
 
+// Far from its place a camera must be turned by whatever can turn it: the picture's slopes do not
+// reach so far, and surfaces whose rotation is left free promise a turn that nobody makes.
+degeneracy::DegeneracyConfig weights_afar(degeneracy::DegeneracyConfig config) {
+  constexpr double kAfar = 0.5;  // equations that also turn overstate more of what they know
+  config.geometry_weight *= kAfar;
+  config.geometry_turn_share = 1;
+  return config;
+}
+
 // Every fourth normal is plenty.
 double planarity_of(const registration::SourceCloud& source) {
   constexpr std::size_t kStride = 4;
@@ -53,7 +62,7 @@ Matrix6d Alignment::information() const {
 
 JointAligner::JointAligner(const SpectralConfig& config, const PinholeCamera& camera,
                            const SE3& T_local_world)
-    : config_(config), geometry_(config.geometry, camera, T_local_world), vision_(config.vision) {}
+    : config_(config), afar_(weights_afar(config.degeneracy)), geometry_(config.geometry, camera, T_local_world), vision_(config.vision) {}
 
 void JointAligner::look_at(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) {
   times_ = {};
@@ -70,7 +79,8 @@ void JointAligner::look_at(const RgbdFrame& frame, const map::SnapshotPtr& snaps
 
 LostReason JointAligner::check_frame() const { return check_points(source_points(), config_.loss); }
 
-Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout, bool with_geometry) {
+Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout, bool with_geometry,
+                              From from) {
   Alignment a = start(T_start, readout, with_geometry);
   if (!T_start.all_finite()) return a;
   const int coarsest = a.fit.has_references() ? vision_.levels() - 1 : 0;
@@ -78,7 +88,7 @@ Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout, b
     if (level < coarsest) a.fit.update_belief(readout.belief(a.T_local_camera));
     a.points_motion = readout.of_frame(a.fit.readout(), a.T_local_camera);
     geometry_.set_motion(a.points_motion);
-    align_level(level, with_geometry, a);
+    align_level(level, with_geometry, from, a);
   }
   finish(with_geometry, a);
   return a;
@@ -120,7 +130,8 @@ void JointAligner::finish(bool with_geometry, Alignment& a) {
   a.lost_reason = judge(a);
 }
 
-void JointAligner::align_level(int level, bool with_geometry, Alignment& a) {
+void JointAligner::align_level(int level, bool with_geometry, From from, Alignment& a) {
+  const degeneracy::DegeneracyConfig& weights = from == From::kAfar ? afar_ : config_.degeneracy;
   for (int i = 0; i < config_.alignment.max_iterations; ++i) {
     ++a.iterations;
     degeneracy::NormalEquations geometry, vision;
@@ -133,8 +144,8 @@ void JointAligner::align_level(int level, bool with_geometry, Alignment& a) {
     }
     const auto joint =
         config_.fusion == Fusion::kRemove
-            ? degeneracy::fuse_removed(geometry, observability_.K, vision, config_.degeneracy)
-            : degeneracy::fuse_joint(geometry, vision, config_.degeneracy);
+            ? degeneracy::fuse_removed(geometry, observability_.K, vision, weights)
+            : degeneracy::fuse_joint(geometry, vision, weights);
     const Vector6d xi = capped_step(joint, config_.solver);
     a.T_local_camera = a.T_local_camera * SE3::exp(xi);
     a.fit.back_substitute(xi);

@@ -68,13 +68,16 @@ class JointAligner {
 
   /// Samples the frame, which must outlive its use, and tells which axes its own surfaces observe.
   void look_at(const RgbdFrame& frame, const map::SnapshotPtr& snapshot);
+  /// Where an alignment starts: where the camera is expected, or where it is looked for. From afar
+  /// geometry turns the camera as much as it moves it.
+  enum class From { kNear, kAfar };
   /// Coarse to fine from one start pose. Not trusted where an axis is observed by neither half.
-  Alignment align(const SE3& T_start, const ReadoutModel& readout) {
-    return align(T_start, readout, can_be_registered());
+  Alignment align(const SE3& T_start, const ReadoutModel& readout, From from = From::kNear) {
+    return align(T_start, readout, can_be_registered(), from);
   }
   /// The same by the picture alone.
   Alignment align_picture(const SE3& T_start, const ReadoutModel& readout) {
-    return align(T_start, readout, false);
+    return align(T_start, readout, false, From::kNear);
   }
   /// What geometry and picture say of a pose that something else has found: nothing moves but the
   /// brightness of the picture.
@@ -112,12 +115,12 @@ class JointAligner {
   const StepTimes& times() const { return times_; }
 
  private:
-  Alignment align(const SE3& T_start, const ReadoutModel& readout, bool with_geometry);
+  Alignment align(const SE3& T_start, const ReadoutModel& readout, bool with_geometry, From from);
   Alignment start(const SE3& T_start, const ReadoutModel& readout, bool with_geometry);
   void finish(bool with_geometry, Alignment& a);
   // While an alignment lasts, geometry_ holds its points and matches; what outlives it is the value
   // alone.
-  void align_level(int level, bool with_geometry, Alignment& a);
+  void align_level(int level, bool with_geometry, From from, Alignment& a);
   degeneracy::NormalEquations linearize_geometry(int level, const SE3& T);
   Alignment::Geometry geometry_at(const SE3& T);
   Alignment::Picture picture_at(const SE3& T, VisualTerm::Fit& fit);
@@ -128,6 +131,7 @@ class JointAligner {
   LostReason why_unseen(const Alignment& a) const;
 
   SpectralConfig config_;
+  degeneracy::DegeneracyConfig afar_;
   GeometricTerm geometry_;
   VisualTerm vision_;
 

@@ -92,7 +92,8 @@ Alignment SpectralTracker::follow_unless_elsewhere(const RgbdFrame& frame) {
 // The frames after a loss: from the pose carried on, and now and then from where the camera is
 // found among the keyframes.
 Alignment SpectralTracker::find_camera(const RgbdFrame& frame) {
-  Alignment carried_on = align(T_bridge_, frame.timestamp_s, motion_);
+  Alignment carried_on =
+      align(T_bridge_, frame.timestamp_s, motion_, JointAligner::From::kAfar);
   switch (policy_.find(evidence_of(carried_on))) {
     case LossPolicy::Finding::kAccept:
       return carried_on;
@@ -146,7 +147,7 @@ std::optional<Alignment> SpectralTracker::relocalised(const RgbdFrame& frame) {
   motion.jump_to(*found);
   const std::size_t last = aligner_.vision().newest_keyframe();
   aligner_.carry_to(aligner_.vision().nearest_keyframe(*found));
-  Alignment a = align(*found, frame.timestamp_s, motion);
+  Alignment a = align(*found, frame.timestamp_s, motion, JointAligner::From::kAfar);
   if (!policy_.is_found(evidence_of(a))) {
     aligner_.carry_to(last);
     return std::nullopt;
@@ -164,8 +165,8 @@ bool SpectralTracker::fits_badly(const Alignment& a) const {
 
 // Aligns from one start pose; `motion` tells which poses are possible.
 Alignment SpectralTracker::align(const SE3& T_start, double timestamp_s,
-                                 const MotionModel& motion) {
-  Alignment a = aligner_.align(T_start, readout_model(timestamp_s, motion));
+                                 const MotionModel& motion, JointAligner::From from) {
+  Alignment a = aligner_.align(T_start, readout_model(timestamp_s, motion), from);
   if (a.trusted()) a.lost_reason = motion.judge(a.T_local_camera);
   return a;
 }

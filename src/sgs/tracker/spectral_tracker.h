@@ -41,7 +41,8 @@ class SpectralTracker : public Tracker {
   TrackResult tracked(const Alignment& alignment) const;
   TrackResult lost(const Alignment& alignment, double timestamp_s);
 
-  Alignment align(const SE3& T_start, double timestamp_s, const MotionModel& motion);
+  Alignment align(const SE3& T_start, double timestamp_s, const MotionModel& motion,
+                  JointAligner::From from = JointAligner::From::kNear);
   Alignment align_picture(const SE3& T_start, double timestamp_s);
   std::optional<Alignment> picture_of_this_place(const Alignment& a, double timestamp_s);
   ReadoutModel readout_model(double timestamp_s, const MotionModel& motion) const;
