@@ -16,7 +16,7 @@ namespace sgs {
 namespace {
 
 // A T265's lens, on a picture of 640x480: 56 degrees off the axis at the corners.
-const PinholeCamera kCamera{640, 480, 405.0, 404.0, 321.3, 238.1};
+const PinholeCamera kFisheyePinhole{640, 480, 405.0, 404.0, 321.3, 238.1};
 const std::vector<double> kNumbers = {-0.0068, 0.0405, -0.0379, 0.0062};
 
 Distortion fisheye(const std::vector<double>& numbers = kNumbers) {
@@ -78,18 +78,18 @@ ColorImage painted(const PinholeCamera& c) {
 }
 
 TEST(Fisheye, PicturesAreUndistortedAsOpenCvDoes) {
-  const Undistorter undistorter(kCamera, fisheye());
-  const ColorImage bent = painted(kCamera);
+  const Undistorter undistorter(kFisheyePinhole, fisheye());
+  const ColorImage bent = painted(kFisheyePinhole);
   const ColorImage mine = undistorter.color(bent);
   cv::Mat map_x, map_y, theirs;
-  cv::fisheye::initUndistortRectifyMap(matrix(kCamera), cv::Mat(kNumbers), cv::Matx33d::eye(),
-                                       matrix(kCamera), {kCamera.width, kCamera.height}, CV_32F,
+  cv::fisheye::initUndistortRectifyMap(matrix(kFisheyePinhole), cv::Mat(kNumbers), cv::Matx33d::eye(),
+                                       matrix(kFisheyePinhole), {kFisheyePinhole.width, kFisheyePinhole.height}, CV_32F,
                                        map_x, map_y);
-  const cv::Mat in(kCamera.height, kCamera.width, CV_8UC3, const_cast<Rgb8*>(bent.data()));
+  const cv::Mat in(kFisheyePinhole.height, kFisheyePinhole.width, CV_8UC3, const_cast<Rgb8*>(bent.data()));
   cv::remap(in, theirs, map_x, map_y, cv::INTER_LINEAR, cv::BORDER_CONSTANT);
   int most = 0;
-  for (int v = 0; v < kCamera.height; ++v) {
-    for (int u = 0; u < kCamera.width; ++u) {
+  for (int v = 0; v < kFisheyePinhole.height; ++v) {
+    for (int u = 0; u < kFisheyePinhole.width; ++u) {
       const auto& t = theirs.at<cv::Vec3b>(v, u);
       most = std::max(most, std::abs(int{t[0]} - int{mine(u, v).r}));
       most = std::max(most, std::abs(int{t[1]} - int{mine(u, v).g}));
@@ -102,7 +102,7 @@ TEST(Fisheye, PicturesAreUndistortedAsOpenCvDoes) {
 
 TEST(Fisheye, WhatItDoesNotShowIsMasked) {
   // It pictures the rim farther out than a pinhole camera does.
-  PinholeCamera narrow = kCamera;
+  PinholeCamera narrow = kFisheyePinhole;
   narrow.cx = 60;
   const Distortion lens = fisheye({0.8, 0, 0, 0});
   const Undistorter undistorter(narrow, lens);
