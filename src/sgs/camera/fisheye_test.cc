@@ -82,10 +82,11 @@ TEST(Fisheye, PicturesAreUndistortedAsOpenCvDoes) {
   const ColorImage bent = painted(kFisheyePinhole);
   const ColorImage mine = undistorter.color(bent);
   cv::Mat map_x, map_y, theirs;
-  cv::fisheye::initUndistortRectifyMap(matrix(kFisheyePinhole), cv::Mat(kNumbers), cv::Matx33d::eye(),
-                                       matrix(kFisheyePinhole), {kFisheyePinhole.width, kFisheyePinhole.height}, CV_32F,
-                                       map_x, map_y);
-  const cv::Mat in(kFisheyePinhole.height, kFisheyePinhole.width, CV_8UC3, const_cast<Rgb8*>(bent.data()));
+  cv::fisheye::initUndistortRectifyMap(
+      matrix(kFisheyePinhole), cv::Mat(kNumbers), cv::Matx33d::eye(), matrix(kFisheyePinhole),
+      {kFisheyePinhole.width, kFisheyePinhole.height}, CV_32F, map_x, map_y);
+  const cv::Mat in(kFisheyePinhole.height, kFisheyePinhole.width, CV_8UC3,
+                   const_cast<Rgb8*>(bent.data()));
   cv::remap(in, theirs, map_x, map_y, cv::INTER_LINEAR, cv::BORDER_CONSTANT);
   int most = 0;
   for (int v = 0; v < kFisheyePinhole.height; ++v) {

@@ -416,7 +416,8 @@ NormalEquations around(const Vector6d& x, double weight) {
   std::normal_distribution<double> normal;
   for (int i = 0; i < 200; ++i) {
     const Eigen::Vector3d p = Eigen::Vector3d(normal(bits), normal(bits), 2 + normal(bits));
-    const Eigen::Vector3d n = Eigen::Vector3d(normal(bits), normal(bits), normal(bits)).normalized();
+    const Eigen::Vector3d n =
+        Eigen::Vector3d(normal(bits), normal(bits), normal(bits)).normalized();
     Vector6d J;
     J << p.cross(n), n;
     out.H += weight * J * J.transpose();

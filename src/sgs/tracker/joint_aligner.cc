@@ -62,7 +62,10 @@ Matrix6d Alignment::information() const {
 
 JointAligner::JointAligner(const SpectralConfig& config, const PinholeCamera& camera,
                            const SE3& T_local_world)
-    : config_(config), afar_(weights_afar(config.degeneracy)), geometry_(config.geometry, camera, T_local_world), vision_(config.vision) {}
+    : config_(config),
+      afar_(weights_afar(config.degeneracy)),
+      geometry_(config.geometry, camera, T_local_world),
+      vision_(config.vision) {}
 
 void JointAligner::look_at(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) {
   times_ = {};
@@ -142,10 +145,9 @@ void JointAligner::align_level(int level, bool with_geometry, From from, Alignme
       // A handful of pixels at a coarse level would only pull the pose somewhere.
       if (a.fit.used() < config_.alignment.min_pixels) vision = {};
     }
-    const auto joint =
-        config_.fusion == Fusion::kRemove
-            ? degeneracy::fuse_removed(geometry, observability_.K, vision, weights)
-            : degeneracy::fuse_joint(geometry, vision, weights);
+    const auto joint = config_.fusion == Fusion::kRemove
+                           ? degeneracy::fuse_removed(geometry, observability_.K, vision, weights)
+                           : degeneracy::fuse_joint(geometry, vision, weights);
     const Vector6d xi = capped_step(joint, config_.solver);
     a.T_local_camera = a.T_local_camera * SE3::exp(xi);
     a.fit.back_substitute(xi);

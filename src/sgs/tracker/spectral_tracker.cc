@@ -92,8 +92,7 @@ Alignment SpectralTracker::follow_unless_elsewhere(const RgbdFrame& frame) {
 // The frames after a loss: from the pose carried on, and now and then from where the camera is
 // found among the keyframes.
 Alignment SpectralTracker::find_camera(const RgbdFrame& frame) {
-  Alignment carried_on =
-      align(T_bridge_, frame.timestamp_s, motion_, JointAligner::From::kAfar);
+  Alignment carried_on = align(T_bridge_, frame.timestamp_s, motion_, JointAligner::From::kAfar);
   switch (policy_.find(evidence_of(carried_on))) {
     case LossPolicy::Finding::kAccept:
       return carried_on;
@@ -164,8 +163,8 @@ bool SpectralTracker::fits_badly(const Alignment& a) const {
 }
 
 // Aligns from one start pose; `motion` tells which poses are possible.
-Alignment SpectralTracker::align(const SE3& T_start, double timestamp_s,
-                                 const MotionModel& motion, JointAligner::From from) {
+Alignment SpectralTracker::align(const SE3& T_start, double timestamp_s, const MotionModel& motion,
+                                 JointAligner::From from) {
   Alignment a = aligner_.align(T_start, readout_model(timestamp_s, motion), from);
   if (a.trusted()) a.lost_reason = motion.judge(a.T_local_camera);
   return a;
