@@ -72,7 +72,8 @@ TEST(OnlineCalibration, MakesThePathTruer) {
   EXPECT_LT(ate_m(calibrated.poses, recording.truth), 0.6 * ate_m(as_is.poses, recording.truth));
 }
 
-// As sure as it says of each camera; half a pixel in the mean: of one it knows 0.5 px.
+// Which keyframes there are is up to the path, and moves the shift of one camera by half of its
+// deviation: so the mean of three is held to half a pixel, and each to what it says of itself.
 TEST(OnlineCalibration, LearnsWhereDepthLiesInThePicture) {
   constexpr int kCameras = 3;
   double off_px = 0;

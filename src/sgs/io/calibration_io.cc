@@ -19,8 +19,7 @@ namespace {
 
 constexpr const char* kCameraTxtForm =
     "one line 'fx fy cx cy width height depth_scale [k1 k2 p1 p2 k3 [k4 k5 k6]]', of a fisheye "
-    "'... "
-    "depth_scale fisheye k1 k2 k3 k4'";
+    "'... depth_scale fisheye k1 k2 k3 k4'";
 
 /// All fields as finite numbers, or nothing.
 std::optional<std::vector<double>> finite_numbers(const std::vector<std::string_view>& fields) {
