@@ -14,12 +14,13 @@
 #include "sgs/core/error.h"
 #include "sgs/core/stopwatch.h"
 #include "sgs/geometry/trajectory.h"
+#include "sgs/history/revision.h"
 #include "sgs/loops/loop_closer.h"
 #include "sgs/map/gaussian.h"
+#include "sgs/slam/back_end_worker.h"
 #include "sgs/slam/frame_record.h"
 #include "sgs/slam/keyframe_pose.h"
 #include "sgs/slam/map_worker.h"
-#include "sgs/slam/past_worker.h"
 #include "sgs/slam/record_log.h"
 #include "sgs/slam/session_config.h"
 #include "sgs/tracker/tracker.h"
@@ -33,7 +34,7 @@ struct SessionOptions {
   SE3 T_world_first;  ///< pose given to the first frame
 };
 
-class LoopEstimator;
+class LoopBackEnd;
 
 /// SLAM from frames to trajectory and map: tracker and mapper side by side, meeting only in
 /// immutable snapshots. feed() and finish() belong to one thread; snapshot() may be called from
@@ -94,6 +95,8 @@ class Session {
   /// The finished map (after finish()); null where no keyframe was mapped.
   map::SnapshotPtr final_snapshot() const { return worker_->final_snapshot(); }
   const RecordLog& records() const { return records_; }
+  /// What is believed of the past now: poses of all frames so far, and the calibration in force.
+  const history::Revision& revision() const { return revision_; }
   /// Poses of all tracked frames, loops closed and depth calibrated (after finish()); frames that
   /// were lost carry the tracker's guess at their pose. Those of a tracker that follows the map,
   /// and given poses that are to be refined, are carried into the refined map.
@@ -110,7 +113,9 @@ class Session {
   /// Edges of the pose graph that close loops, and its nodes (after finish()); null as above.
   const loops::Skeleton* skeleton() const;
   /// What was learned about the depth camera (docs/calibration.md); empty where nothing was.
-  const std::optional<DepthCalibration>& calibration() const { return calibration_; }
+  std::optional<DepthCalibration> calibration() const {
+    return revision_.calibration ? std::optional(*revision_.calibration) : std::nullopt;
+  }
   /// Seconds the mapper has been busy so far (any thread).
   double mapper_busy_s() const { return worker_->busy_s(); }
   /// Durations of tracking and mapping stages (after finish()).
@@ -120,12 +125,12 @@ class Session {
   Session(const SessionConfig& config, const PinholeCamera& camera, const SessionOptions& options,
           std::unique_ptr<tracker::Tracker> tracker);
   // The steps of a frame.
-  void correct_past();
-  void apply_last(const std::shared_ptr<const PastCorrection>& correction, PastCorrections& last);
-  void move_past(const PastCorrection& correction);
+  double revise_past();
+  void revise(const history::Update& update);
+  void revise_last(const std::optional<history::Update>& update);
   std::shared_ptr<const RgbdFrame> calibrated(const std::shared_ptr<const RgbdFrame>& raw) const;
   Vector6d last_velocity() const;
-  void estimate_past(const std::shared_ptr<const RgbdFrame>& raw,
+  void ask_back_ends(const std::shared_ptr<const RgbdFrame>& raw,
                      const std::shared_ptr<const RgbdFrame>& frame,
                      const tracker::TrackResult& result, FrameRecord& record);
   MapView wait_for_map();
@@ -147,10 +152,9 @@ class Session {
   std::unique_ptr<tracker::Tracker> tracker_;
   std::unique_ptr<MapWorker> worker_;
   // Null where the tracker cannot be corrected, or shall not:
-  std::unique_ptr<PastWorker> loops_, calibrator_;
-  const LoopEstimator* loop_estimator_ = nullptr;  // that of loops_
-  PastCorrections corrections_;                    // just before this frame
-  std::optional<DepthCalibration> calibration_;    // learned so far
+  std::unique_ptr<BackEndWorker> loops_, calibrator_;
+  const LoopBackEnd* loop_back_end_ = nullptr;  // that of loops_
+  history::Revision revision_;
   RecordLog records_;
   std::int64_t frames_fed_ = 0;
   std::size_t mapping_keyframes_ = 0;

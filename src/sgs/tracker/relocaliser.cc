@@ -21,20 +21,10 @@ int kept_level(const PinholeCamera& camera) {
 
 }  // namespace
 
-void Relocaliser::add_keyframe(const RgbdFrame& frame, const SE3& T_local_camera) {
+void Relocaliser::add_keyframe(const RgbdFrame& frame, const history::CalibrationPtr& calibration) {
   if (static_cast<int>(keyframes_.size()) >= config_.memory.keyframes) keyframes_.pop_front();
-  keyframes_.push_back({CompactView(frame, kept_level(frame.camera)),
-                        frame.timestamp_s,
-                        ferns_.code(frame),
-                        T_local_camera,
-                        {}});
-}
-
-void Relocaliser::correct(const PastCorrection& correction) {
-  for (Keyframe& k : keyframes_) {
-    k.T_local_camera = correction.corrected(k.T_local_camera, k.timestamp_s);
-    if (correction.depth) k.changes.push_back(correction.depth);
-  }
+  keyframes_.push_back(
+      {frame.index, CompactView(frame, kept_level(frame.camera)), calibration, ferns_.code(frame)});
 }
 
 // The newest one, too: a camera that was lost for a moment is mostly still there.
@@ -53,7 +43,7 @@ std::vector<std::size_t> Relocaliser::most_alike(const RgbdFrame& frame) const {
   return out;
 }
 
-std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame) {
+std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame, const LocalPast& past) {
   features::OrbConfig orb = config_.orb;
   orb.features = std::min(orb.features, config_.memory.features);
   features::OrbExtractor extractor(orb);
@@ -63,9 +53,12 @@ std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame) {
   features::VisualMap map(config_.pose);
   for (const std::size_t k : most_alike(frame)) {
     Keyframe& keyframe = keyframes_[k];
-    for (const auto& change : keyframe.changes) keyframe.view.change_depth(*change);
-    keyframe.changes.clear();
-    map.insert(extractor.extract(keyframe.view.frame()), keyframe.T_local_camera);
+    const history::CalibrationPtr& now = past.revision().calibration;
+    if (const auto change = history::depth_change(keyframe.calibration, now)) {
+      keyframe.view.change_depth(*change);
+      keyframe.calibration = now;
+    }
+    map.insert(extractor.extract(keyframe.view.frame()), past.at(keyframe.frame));
   }
   const features::VisualPose found = map.relocalise(current);
   if (found.verdict != features::Verdict::kOk) return std::nullopt;

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "sgs/camera/compact_view.h"
-#include "sgs/camera/past_correction.h"
 #include "sgs/features/ferns.h"
+#include "sgs/tracker/local_past.h"
 #include "sgs/tracker/tracker_config.h"
 
 namespace sgs::tracker {
@@ -23,20 +23,19 @@ class Relocaliser {
  public:
   explicit Relocaliser(const RelocaliserConfig& config) : config_(config) {}
 
-  /// Remembers a keyframe (what is needed of it is copied); the oldest makes room.
-  void add_keyframe(const RgbdFrame& frame, const SE3& T_local_camera);
-  /// Moves the remembered keyframes (in local coordinates).
-  void correct(const PastCorrection& correction);
-  /// Pose of a frame among the remembered keyframes, camera to local; empty when none fits.
-  std::optional<SE3> relocalise(const RgbdFrame& frame);
+  /// Remembers a keyframe (what is needed of it is copied), its depth corrected by `calibration`;
+  /// the oldest makes room.
+  void add_keyframe(const RgbdFrame& frame, const history::CalibrationPtr& calibration);
+  /// Pose of a frame among the remembered keyframes, camera to local; empty when none fits. `past`
+  /// tells where those are.
+  std::optional<SE3> relocalise(const RgbdFrame& frame, const LocalPast& past);
 
  private:
   struct Keyframe {
+    std::int64_t frame;  // its index
     CompactView view;
-    double timestamp_s;
+    history::CalibrationPtr calibration;  // of its depth
     features::FernCode ferns;
-    SE3 T_local_camera;
-    std::vector<std::shared_ptr<const DepthChange>> changes;  // of its depth, not yet made
   };
   std::vector<std::size_t> most_alike(const RgbdFrame& frame) const;
 

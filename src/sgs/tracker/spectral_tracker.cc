@@ -29,10 +29,13 @@ SpectralTracker::SpectralTracker(const SpectralConfig& config, const PinholeCame
       readout_(config.readout),
       delay_(config.delay) {}
 
-TrackResult SpectralTracker::track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) {
+TrackResult SpectralTracker::track(const RgbdFrame& frame, const history::Revision& revision,
+                                   const map::SnapshotPtr& snapshot) {
   const double t = frame.timestamp_s;
+  const history::Revision before = aligner_.past().revision();
+  aligner_.look_at(frame, revision, snapshot);
+  if (before.number() != revision.number()) follow(before.calibration);
   depth_delay_s_ = frame.depth_delay_s + delay_.delay_s();
-  aligner_.look_at(frame, snapshot);
   const Alignment alignment = !aligner_.has_map()         ? start_map()
                               : motion_.frames_held() > 0 ? find_camera(frame)
                                                           : follow_unless_elsewhere(frame);
@@ -40,6 +43,7 @@ TrackResult SpectralTracker::track(const RgbdFrame& frame, const map::SnapshotPt
   const Vector6d rate = motion_.rate_to(alignment.T_local_camera, t);
   if (motion_.frames_held() == 0 && !policy_.in_doubt()) learn_from(alignment, rate);
   motion_.accept(alignment.T_local_camera, t);
+  trusted_frame_ = frame.index;
   const Vector6d readout = frame_readout(alignment.fit.readout());
   // What geometry alone says just after the picture stopped fitting is not built upon.
   const bool keyframe = !policy_.in_doubt() && extend_map(frame, alignment, readout, rate);
@@ -138,7 +142,7 @@ std::optional<Alignment> SpectralTracker::relocalised(const RgbdFrame& frame) {
   std::optional<SE3> found;
   {
     const CpuTimer timer(aligner_.times().visual);
-    found = relocaliser_.relocalise(frame);
+    found = relocaliser_.relocalise(frame, aligner_.past());
   }
   if (!found) return std::nullopt;
   // The jump is what relocalisation is for: judge the alignment as a motion from there.
@@ -216,26 +220,26 @@ bool SpectralTracker::extend_map(const RgbdFrame& frame, const Alignment& a,
   const CpuTimer timer(aligner_.times().update);
   const auto extended = aligner_.extend(a, readout);
   if (extended.keyframe) {
-    relocaliser_.add_keyframe(frame, a.T_local_camera);
+    relocaliser_.add_keyframe(frame, aligner_.past().revision().calibration);
     readout_.add_keyframe(aligner_.vision().newest_keyframe(), rate.head<3>(), readout.head<3>());
   }
   return extended.targets;
 }
 
-void SpectralTracker::correct(const PastCorrection& correction) {
-  const PastCorrection local = correction.in_frame(T_world_local_.inverse());
-  aligner_.correct(local);
-  if (const auto& depth = correction.depth) {
-    delay_.shift(depth->delay_s(), depth->after().delay_sigma_s);
+// Goes on from where the last frames are believed to be now, the last trusted one and the last one.
+void SpectralTracker::follow(const history::CalibrationPtr& before) {
+  const LocalPast& past = aligner_.past();
+  if (const auto change = history::depth_change(before, past.revision().calibration)) {
+    delay_.shift(change->delay_s(), change->after().delay_sigma_s);
   }
-  relocaliser_.correct(local);
-  motion_.correct(local.corrected(motion_.pose(), motion_.timestamp_s()));
-  T_bridge_ = local.corrected(T_bridge_, motion_.timestamp_s());
+  if (!trusted_frame_) return;
+  motion_.correct(past.at(*trusted_frame_));
+  T_bridge_ = past.at(past.revision().path.back().frame);
 }
 
 TrackResult SpectralTracker::tracked(const Alignment& alignment) const {
   TrackResult result;
-  result.T_world_camera = (T_world_local_ * alignment.T_local_camera).normalized();
+  result.T_odom_camera = (T_world_local_ * alignment.T_local_camera).normalized();
   result.status =
       aligner_.observability().mask != 0 ? TrackingStatus::kDegenerate : TrackingStatus::kOk;
   result.information = alignment.information();
@@ -265,7 +269,7 @@ TrackResult SpectralTracker::lost(const Alignment& alignment, double timestamp_s
   TrackResult result;
   result.status = TrackingStatus::kLost;
   result.lost_reason = alignment.lost_reason;
-  result.T_world_camera = (T_world_local_ * T_bridge_).normalized();
+  result.T_odom_camera = (T_world_local_ * T_bridge_).normalized();
   result.diagnostics = aligner_.describe(alignment);
   return result;
 }

@@ -23,13 +23,14 @@ class SpectralTracker : public Tracker {
   SpectralTracker(const SpectralConfig& config, const PinholeCamera& camera,
                   const SE3& T_world_first);
 
-  TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) override;
+  TrackResult track(const RgbdFrame& frame, const history::Revision& revision,
+                    const map::SnapshotPtr& snapshot) override;
   bool follows_map() const override { return aligner_.geometry().targets().follows_map(); }
   bool knows_depth_lag() const override { return true; }
-  void correct(const PastCorrection& correction) override;
 
  private:
   // The steps of a frame.
+  void follow(const history::CalibrationPtr& before);
   Alignment start_map() const;
   Alignment follow_camera(double timestamp_s);
   Alignment follow_unless_elsewhere(const RgbdFrame& frame);
@@ -55,7 +56,8 @@ class SpectralTracker : public Tracker {
   JointAligner aligner_;
   Relocaliser relocaliser_;
   LossPolicy policy_;
-  MotionModel motion_;  // camera to local
+  MotionModel motion_;                         // camera to local
+  std::optional<std::int64_t> trusted_frame_;  // index of the last one that was not lost
   ReadoutEstimator readout_;
   DelayEstimator delay_;
   double depth_delay_s_ = 0;  // of the frame that is tracked, with what was learned of it
