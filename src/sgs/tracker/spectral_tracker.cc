@@ -82,12 +82,19 @@ Alignment SpectralTracker::follow_camera(double timestamp_s) {
 Alignment SpectralTracker::follow_unless_elsewhere(const RgbdFrame& frame) {
   Alignment followed = follow_camera(frame.timestamp_s);
   const Evidence evidence = evidence_of(followed);
-  if (policy_.follow(evidence) == LossPolicy::State::kTracking) return followed;
+  if (policy_.follow(evidence) == LossPolicy::State::kTracking) {
+    if (!policy_.wonders(evidence)) return followed;
+    const auto is_better = [&](const Evidence& found) {
+      return policy_.is_better(found, evidence);
+    };
+    return relocalised(frame, is_better).value_or(followed);
+  }
   if (policy_.can_be_confirmed(evidence) && picture_of_this_place(followed, frame.timestamp_s)) {
     return followed;
   }
+  const auto is_found = [&](const Evidence& found) { return policy_.is_found(found); };
   if (policy_.searches(evidence)) {
-    if (const auto elsewhere = relocalised(frame)) return *elsewhere;
+    if (const auto elsewhere = relocalised(frame, is_found)) return *elsewhere;
   }
   if (policy_.loses(evidence)) followed.lost_reason = LostReason::kPoorPictureFit;
   return followed;
@@ -108,7 +115,8 @@ Alignment SpectralTracker::find_camera(const RgbdFrame& frame) {
   }
   if (carried_on.trusted()) carried_on.lost_reason = LostReason::kPoorPictureFit;
   if (!policy_.searches_lost(motion_.frames_held())) return carried_on;
-  return relocalised(frame).value_or(carried_on);
+  const auto is_found = [&](const Evidence& found) { return policy_.is_found(found); };
+  return relocalised(frame, is_found).value_or(carried_on);
 }
 
 Evidence SpectralTracker::evidence_of(const Alignment& a) const {
@@ -136,9 +144,10 @@ std::optional<Alignment> SpectralTracker::picture_of_this_place(const Alignment&
   return picture;
 }
 
-// From where the keyframes say that the camera is; empty where they do not know, or where neither
-// its picture nor features and surfaces together say the same.
-std::optional<Alignment> SpectralTracker::relocalised(const RgbdFrame& frame) {
+// From where the keyframes say that the camera is; empty where they do not know, or where what is
+// seen there is not believed.
+std::optional<Alignment> SpectralTracker::relocalised(
+    const RgbdFrame& frame, const std::function<bool(const Evidence&)>& is_believed) {
   std::optional<SE3> found;
   {
     const CpuTimer timer(aligner_.times().visual);
@@ -151,7 +160,7 @@ std::optional<Alignment> SpectralTracker::relocalised(const RgbdFrame& frame) {
   const std::size_t last = aligner_.vision().newest_keyframe();
   aligner_.carry_to(aligner_.vision().nearest_keyframe(*found));
   Alignment a = align(*found, frame.timestamp_s, motion, JointAligner::From::kAfar);
-  if (!policy_.is_found(evidence_of(a))) {
+  if (!is_believed(evidence_of(a))) {
     aligner_.carry_to(last);
     return std::nullopt;
   }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "sgs/tracker/delay_estimator.h"
@@ -35,7 +36,8 @@ class SpectralTracker : public Tracker {
   Alignment follow_camera(double timestamp_s);
   Alignment follow_unless_elsewhere(const RgbdFrame& frame);
   Alignment find_camera(const RgbdFrame& frame);
-  std::optional<Alignment> relocalised(const RgbdFrame& frame);
+  std::optional<Alignment> relocalised(const RgbdFrame& frame,
+                                       const std::function<bool(const Evidence&)>& is_believed);
   void learn_from(const Alignment& alignment, const Vector6d& rate);
   bool extend_map(const RgbdFrame& frame, const Alignment& alignment, const Vector6d& readout,
                   const Vector6d& rate);
