@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "sgs/dataset/frame_source.h"
+#include "sgs/dataset/imu.h"
 #include "sgs/stream/address.h"
 #include "sgs/stream/protocol.h"
 
@@ -29,6 +30,9 @@ struct Patience {
 /// that of the frame before is a bad one. When nobody sends for `wait_s`, or a pipe ends without
 /// the end mark, next() throws SourceFailure.
 ///
+/// A camera is a sender that this side starts, and starts again when it has ended. Times of its own
+/// clock are moved to follow those before where the clock stands elsewhere then.
+///
 /// Reading is the sender's brake: nothing is taken from the connection before it is asked for, but
 /// one frame. next() belongs to one thread; stop() may be called from any and ends its waiting.
 class StreamSource : public dataset::FrameSource {
@@ -36,10 +40,13 @@ class StreamSource : public dataset::FrameSource {
   ~StreamSource() override;
   /// What the first sender said; the camera stays the same with every later one.
   virtual const Hello& hello() const = 0;
+  /// What an inertial unit has measured so far: accelerations, mean values of 0.04 s each. Empty
+  /// where the sender has none. Thread-safe.
+  virtual dataset::ImuRecording imu() const = 0;
 };
 
 /// Opens the stream and waits for the greeting; `announce` is told what is waited for. Errors: an
-/// address that cannot be had, nobody there within `first_s`, a pipe that holds
+/// address that cannot be had, a camera's reason to give no frames, nobody there within `first_s`, a pipe that holds
 /// something else, and kInterrupted when a stop is requested.
 Result<std::unique_ptr<StreamSource>> open_stream(
     const Address& address, const Patience& patience,
