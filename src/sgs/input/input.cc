@@ -129,7 +129,9 @@ Status check_stream_options(const InputSpec& spec) {
         set("--stamps", spec.stamps != InputSpec{}.stamps)}) {
     if (option == nullptr) continue;
     return fail(ErrorCode::kInvalidArgument, fmt::format("{} does not apply to a stream", option),
-                "give it to the sender: `sgs send` takes it");
+                stream::is_camera(spec.input)
+                    ? "a camera says it itself"
+                    : "give it to the sender: `sgs send` takes it");
   }
   return {};
 }
@@ -154,16 +156,21 @@ Result<Input> open_live(const InputSpec& spec, const std::stop_token& stop) {
   stream::Patience patience;
   patience.first_s = patience.wait_s = spec.wait_s;
   const auto announce = [](const std::string& what) { log().warn("{}", what); };
+  if (address.camera) {
+    constexpr double kStart_s = 30;  // SDKs take their time until there are frames
+    patience.greeting_s = kStart_s;
+  }
   SGS_ASSIGN_OR_RETURN(auto source, stream::open_stream(address, patience, announce, stop));
   Input input;
   const stream::Hello& hello = source->hello();
+  if (hello.T_color_imu) input.imu = [from = source.get()] { return from->imu(); };
   input.info.layout = "stream";
   input.info.name = source->name();
   input.info.calibration = {hello.color_camera.camera, hello.color_camera.distortion,
                             hello.depth_scale};
   input.info.calibration_source = "the stream's greeting";
   input.info.unit_source = input.info.calibration_source;
-  input.info.times_source = "the sender";
+  input.info.times_source = hello.device_clock ? "the camera's clock" : "the sender";
   input.info.relation_source = hello.depth_camera ? "depth is registered with color_from_depth"
                                                   : "depth is registered, says the sender";
   input.source = dataset::reduced(std::move(source), spec.max_width);
@@ -193,7 +200,7 @@ Result<Input> open_uncalibrated(const InputSpec& spec, int threads, const std::s
 
 void InputSpec::declare(ParameterList& list) {
   const auto group = list.group("input");
-  list.add("source", input, "Folder of the sequence, bag, synth:NAME[:LEVEL], or live:...", {});
+  list.add("source", input, "Folder of the sequence, bag, synth:NAME[:LEVEL], live:... or camera:...", {});
   list.add("frames", frames, "Frames a:b (half open) of the sequence; empty = all.", {});
   list.add("camera", camera,
            "fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]] instead of the folder's calibration.", {});
