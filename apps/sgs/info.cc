@@ -50,12 +50,12 @@ nlohmann::json family_json(const stream::CameraFamily& family) {
                          {"library", family.library},
                          {"devices", nlohmann::json::array()}};
   for (const auto& device : family.devices) {
-    json["devices"].push_back({{"input", fmt::format("camera:{}:{}", family.program.family,
-                                                     device.serial)},
-                               {"name", device.name},
-                               {"serial", device.serial},
-                               {"firmware", device.firmware},
-                               {"connection", device.connection}});
+    json["devices"].push_back(
+        {{"input", fmt::format("camera:{}:{}", family.program.family, device.serial)},
+         {"name", device.name},
+         {"serial", device.serial},
+         {"firmware", device.firmware},
+         {"connection", device.connection}});
   }
   if (family.problem) {
     json["problem"] = {{"message", family.problem->message}, {"remedy", family.problem->remedy}};
@@ -261,8 +261,9 @@ void add_info(CLI::App& app, Action& action) {
       if (options->scenes) return print_scenes();
       if (options->cameras) return print_cameras(*options);
       if (options->input.input.empty()) {
-        return report({ErrorCode::kInvalidArgument, "nothing to describe",
-                       "give a sequence folder, --cameras, --config, --columns, --metrics or --scenes"});
+        return report(
+            {ErrorCode::kInvalidArgument, "nothing to describe",
+             "give a sequence folder, --cameras, --config, --columns, --metrics or --scenes"});
       }
       return print_sequence(*options);
     };

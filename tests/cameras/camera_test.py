@@ -495,7 +495,9 @@ class Programs(CameraTest):
         self.assertIn("own", self.done(SGS, "info", "--cameras").stdout)
 
     def test_death_before_the_greeting(self):
-        self.program("print('error: the lens cap is on\\nremedy: take it off', file=sys.stderr)\nsys.exit(1)")
+        self.program(
+            "print('error: the lens cap is on\\nremedy: take it off', file=sys.stderr)\nsys.exit(1)"
+        )
         said = self.run_own(code=1)
         self.assertIn("the lens cap is on", said)
         self.assertIn("take it off", said)
@@ -507,7 +509,9 @@ class Programs(CameraTest):
         self.assertIn("does not begin with SGS1", self.run_own("--wait", "1", code=1))
 
     def test_sizes_that_are_lies(self):
-        self.program("greet()\npart(b'F', dict(t=0, color_bytes=2**40, depth_bytes=0))\ntime.sleep(60)")
+        self.program(
+            "greet()\npart(b'F', dict(t=0, color_bytes=2**40, depth_bytes=0))\ntime.sleep(60)"
+        )
         said = self.run_own("--wait", "1", code=1)
         self.assertIn("color_bytes", said)
 
@@ -534,14 +538,15 @@ class Programs(CameraTest):
             """\
             greet()
             for t in (0, 1, 2, 3e9, 3, 4, 5, 1e5, 1e5 + 1, 1e5 + 2, 1e5 + 3, 1e5 + 4): frame(t / 30)
-            frame(float("inf")) if False else None
             out.write(b"E")
             """
         )
         said = self.run_own(code=3)
         self.assertIn("in the future", said)
         self.assertIn("set forward", said)
-        table = [line.split(",") for line in (self.run_folder / "frames.csv").read_text().splitlines()]
+        table = [
+            line.split(",") for line in (self.run_folder / "frames.csv").read_text().splitlines()
+        ]
         bad = [row[2] for row in table[1:]].count("bad")
         self.assertEqual((len(table) - 1, bad), (12, 4))
 

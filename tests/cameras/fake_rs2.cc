@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// A librealsense2 that is none: it plays a scene from a file as a camera would deliver it, with what
-// goes wrong with cameras. Declared here once more, from the library's documentation, and not from
-// what the program under test declares.
+// A librealsense2 that is none: it plays a scene from a file as a camera would deliver it, with
+// what goes wrong with cameras. Declared here once more, from the library's documentation, and not
+// from what the program under test declares.
 //
 // Environment:
 //   FAKE_RS2_SCENE     the file (camera_test.py writes it)
@@ -150,7 +150,9 @@ Scene& scene() {
   return loaded;
 }
 
-fs::path state(const char* name) { return fs::path(text_of("FAKE_RS2_STATE", "/nonexistent")) / name; }
+fs::path state(const char* name) {
+  return fs::path(text_of("FAKE_RS2_STATE", "/nonexistent")) / name;
+}
 
 long kept(const char* name) {
   std::ifstream file(state(name));
@@ -294,7 +296,8 @@ void play(rs2_pipeline& pipe) {
     }
     const double before_ms = i > 0 ? s.times_ms[at - 1] : s.times_ms[at] - period_ms;
     if (pipe.imu) send_motion(pipe, stamp_of(before_ms, i - 1), stamp_of(s.times_ms[at], i));
-    send_set(pipe, stamp_of(s.times_ms[at], i), s.colors[at], i % every == 0 ? &s.depths[at] : nullptr);
+    send_set(pipe, stamp_of(s.times_ms[at], i), s.colors[at],
+             i % every == 0 ? &s.depths[at] : nullptr);
     wait_for_next();
   }
   if (!pipe.stopped) keep("next", s.frames);
@@ -302,9 +305,9 @@ void play(rs2_pipeline& pipe) {
 
 /// Options have numbers here that no version has.
 constexpr int kFirstOption = 1000;
-const char* const kOptions[] = {"Enable Auto Exposure",   "Exposure",
+const char* const kOptions[] = {"Enable Auto Exposure",      "Exposure",
                                 "Enable Auto White Balance", "White Balance",
-                                "Emitter Enabled",        "Global Time Enabled",
+                                "Emitter Enabled",           "Global Time Enabled",
                                 "Auto Exposure Priority"};
 
 bool with_imu() { return std::getenv("FAKE_RS2_IMU") != nullptr; }
@@ -313,7 +316,9 @@ bool with_imu() { return std::getenv("FAKE_RS2_IMU") != nullptr; }
 
 extern "C" {
 
-int rs2_get_api_version(rs2_error**) { return static_cast<int>(number_of("FAKE_RS2_VERSION", 25600)); }
+int rs2_get_api_version(rs2_error**) {
+  return static_cast<int>(number_of("FAKE_RS2_VERSION", 25600));
+}
 const char* rs2_get_error_message(const rs2_error* error) { return error->message.c_str(); }
 void rs2_free_error(rs2_error* error) { delete error; }
 
@@ -374,7 +379,9 @@ rs2_sensor* rs2_create_sensor(const rs2_sensor_list* list, int index, rs2_error*
 }
 void rs2_delete_sensor(rs2_sensor* sensor) { delete sensor; }
 const char* rs2_get_sensor_info(const rs2_sensor* sensor, int, rs2_error**) {
-  return sensor->kind == kDepth ? "Stereo Module" : sensor->kind == kColor ? "RGB Camera" : "Motion Module";
+  return sensor->kind == kDepth   ? "Stereo Module"
+         : sensor->kind == kColor ? "RGB Camera"
+                                  : "Motion Module";
 }
 int rs2_is_sensor_extendable_to(const rs2_sensor* sensor, int extension, rs2_error**) {
   return extension == 7 && sensor->kind == kDepth;
@@ -413,7 +420,8 @@ void rs2_delete_config(rs2_config* config) { delete config; }
 void rs2_config_enable_device(rs2_config* config, const char* serial, rs2_error**) {
   config->serial = serial;
 }
-void rs2_config_enable_stream(rs2_config* config, int stream, int, int, int, int, int, rs2_error**) {
+void rs2_config_enable_stream(rs2_config* config, int stream, int, int, int, int, int,
+                              rs2_error**) {
   config->streams.push_back(stream);
 }
 rs2_pipeline* rs2_create_pipeline(rs2_context*, rs2_error**) { return new rs2_pipeline; }
@@ -446,7 +454,8 @@ rs2_stream_profile_list* rs2_pipeline_profile_get_streams(rs2_pipeline_profile* 
                                                           rs2_error**) {
   auto* list = new rs2_stream_profile_list;
   for (const auto& one : kProfiles) {
-    if (profile->imu || one.stream == kColor || one.stream == kDepth) list->profiles.push_back(&one);
+    if (profile->imu || one.stream == kColor || one.stream == kDepth)
+      list->profiles.push_back(&one);
   }
   return list;
 }

@@ -132,9 +132,8 @@ int helper_main(int argc, char** argv, const std::string& what,
     return kDone;
   }
   if (options.serve.listens) std::thread(listen).detach();
-  const Status served =
-      capture::serve_camera(*driver, options.serve, frames, requests,
-                            [](const std::string& text) { say("note", text); });
+  const Status served = capture::serve_camera(*driver, options.serve, frames, requests,
+                                              [](const std::string& text) { say("note", text); });
   const int code = served ? kDone : end_with(served.error());
   std::fflush(stderr);
   // Threads of the library, or the one that listens, may still be there.

@@ -78,7 +78,6 @@ class SensorOptions {
   std::map<std::string, int> numbers_;
 };
 
-
 class RealSense final : public capture::CameraDriver {
  public:
   ~RealSense() override { RealSense::stop(); }
@@ -143,24 +142,25 @@ class RealSense final : public capture::CameraDriver {
   Status open() {
     SGS_ASSIGN_OR_RETURN(lib_, open_library());
     // The version of the library itself: it refuses a newer one, and was asked no older question.
-    SGS_ASSIGN_OR_RETURN(rs2_context * context, lib_->call(lib_->rs2_create_context, lib_->version));
+    SGS_ASSIGN_OR_RETURN(rs2_context * context,
+                         lib_->call(lib_->rs2_create_context, lib_->version));
     context_ = Owned<rs2_context>(context, lib_->rs2_delete_context);
     return {};
   }
 
   Result<Devices> query() const {
-    SGS_ASSIGN_OR_RETURN(rs2_device_list * listed,
-                         lib_->call(lib_->rs2_query_devices,
-                                    static_cast<const rs2_context*>(context_.get())));
+    SGS_ASSIGN_OR_RETURN(
+        rs2_device_list * listed,
+        lib_->call(lib_->rs2_query_devices, static_cast<const rs2_context*>(context_.get())));
     const Owned<rs2_device_list> list(listed, lib_->rs2_delete_device_list);
     SGS_ASSIGN_OR_RETURN(
         const int count,
         lib_->call(lib_->rs2_get_device_count, static_cast<const rs2_device_list*>(list.get())));
     Devices devices;
     for (int i = 0; i < count; ++i) {
-      SGS_ASSIGN_OR_RETURN(rs2_device * device,
-                           lib_->call(lib_->rs2_create_device,
-                                      static_cast<const rs2_device_list*>(list.get()), i));
+      SGS_ASSIGN_OR_RETURN(
+          rs2_device * device,
+          lib_->call(lib_->rs2_create_device, static_cast<const rs2_device_list*>(list.get()), i));
       devices.emplace_back(device, lib_->rs2_delete_device);
     }
     return devices;
@@ -170,7 +170,8 @@ class RealSense final : public capture::CameraDriver {
   Status nothing_found() const {
     constexpr const char* kVendor = "8086";
     for (const UsbDevice& device : usb_devices(kVendor, "RealSense")) {
-      if (!device.may_be_opened) return tl::unexpected(explained("permission denied: " + device.node));
+      if (!device.may_be_opened)
+        return tl::unexpected(explained("permission denied: " + device.node));
     }
     return fail(ErrorCode::kNotFound, "no RealSense camera is plugged in", kPlugIn);
   }
@@ -198,10 +199,10 @@ class RealSense final : public capture::CameraDriver {
       device_ = std::move(device);
       return {};
     }
-    return fail(ErrorCode::kNotFound,
-                fmt::format("no RealSense camera with the serial number {} is plugged in",
-                            mode.serial),
-                fmt::format("there is {}", fmt::join(serials, ", ")));
+    return fail(
+        ErrorCode::kNotFound,
+        fmt::format("no RealSense camera with the serial number {} is plugged in", mode.serial),
+        fmt::format("there is {}", fmt::join(serials, ", ")));
   }
 
   /// USB 2 is too slow for the usual mode, and old firmware is worth a word.
@@ -209,28 +210,29 @@ class RealSense final : public capture::CameraDriver {
     const std::string usb = info_of(*lib_, device_.get(), kUsbType);
     if (usb.starts_with('2')) {
       if (!mode.given) {
-        return fail(ErrorCode::kUnsupported,
-                    fmt::format("the camera is connected by USB {}, too slow for {}x{} at {} Hz",
-                                usb, mode.width, mode.height, mode.fps),
-                    fmt::format("{}; or ask for less: camera:realsense,size=480x270,fps=15",
-                                kPlugIn));
+        return fail(
+            ErrorCode::kUnsupported,
+            fmt::format("the camera is connected by USB {}, too slow for {}x{} at {} Hz", usb,
+                        mode.width, mode.height, mode.fps),
+            fmt::format("{}; or ask for less: camera:realsense,size=480x270,fps=15", kPlugIn));
       }
       notes_.push_back(fmt::format("the camera is connected by USB {}: few modes work", usb));
     }
     const std::string firmware = info_of(*lib_, device_.get(), kFirmware);
     const std::string wanted = info_of(*lib_, device_.get(), kRecommendedFirmware);
     if (!wanted.empty() && firmware != wanted) {
-      notes_.push_back(fmt::format("the camera has firmware {}; librealsense {} recommends {} "
-                                   "(rs-fw-update)",
-                                   firmware, lib_->version_text(), wanted));
+      notes_.push_back(
+          fmt::format("the camera has firmware {}; librealsense {} recommends {} "
+                      "(rs-fw-update)",
+                      firmware, lib_->version_text(), wanted));
     }
     return {};
   }
 
   Status take_sensors() {
-    SGS_ASSIGN_OR_RETURN(rs2_sensor_list * listed,
-                         lib_->call(lib_->rs2_query_sensors,
-                                    static_cast<const rs2_device*>(device_.get())));
+    SGS_ASSIGN_OR_RETURN(
+        rs2_sensor_list * listed,
+        lib_->call(lib_->rs2_query_sensors, static_cast<const rs2_device*>(device_.get())));
     const Owned<rs2_sensor_list> list(listed, lib_->rs2_delete_sensor_list);
     const auto* sensors = static_cast<const rs2_sensor_list*>(list.get());
     SGS_ASSIGN_OR_RETURN(const int count, lib_->call(lib_->rs2_get_sensors_count, sensors));
@@ -304,7 +306,8 @@ class RealSense final : public capture::CameraDriver {
                          lib_->call(lib_->rs2_pipeline_profile_get_streams, profile_.get()));
     const Owned<rs2_stream_profile_list> list(listed, lib_->rs2_delete_stream_profiles_list);
     const auto* profiles = static_cast<const rs2_stream_profile_list*>(list.get());
-    SGS_ASSIGN_OR_RETURN(const int count, lib_->call(lib_->rs2_get_stream_profiles_count, profiles));
+    SGS_ASSIGN_OR_RETURN(const int count,
+                         lib_->call(lib_->rs2_get_stream_profiles_count, profiles));
     std::map<int, const rs2_stream_profile*> of_stream;
     for (int i = 0; i < count; ++i) {
       SGS_ASSIGN_OR_RETURN(const rs2_stream_profile* profile,
@@ -417,15 +420,15 @@ class RealSense final : public capture::CameraDriver {
     constexpr int kHardwareClock = 0;
     constexpr double kMicroseconds = 1e-6, kMost_s = 0.1;
     if (domain != kHardwareClock) return 0;
-    const auto readout = metadata(frame, kFrameTimestamp), middle = metadata(frame, kSensorTimestamp);
+    const auto readout = metadata(frame, kFrameTimestamp),
+               middle = metadata(frame, kSensorTimestamp);
     if (!readout || !middle) return 0;
     const double after_s = kMicroseconds * static_cast<double>(*readout - *middle);
     return after_s > 0 && after_s < kMost_s ? after_s : 0;
   }
 
   std::optional<long long> metadata(const rs2_frame* frame, Metadata which) const {
-    const auto has =
-        lib_->call(lib_->rs2_supports_frame_metadata, frame, static_cast<int>(which));
+    const auto has = lib_->call(lib_->rs2_supports_frame_metadata, frame, static_cast<int>(which));
     if (!has || *has == 0) return std::nullopt;
     const auto value = lib_->call(lib_->rs2_get_frame_metadata, frame, static_cast<int>(which));
     return value ? std::optional(*value) : std::nullopt;

@@ -33,9 +33,10 @@ Result<LensCamera> lens_of(const rs2_intrinsics& intrinsics, const char* which,
                 fmt::format("the {} camera has a lens of the model f-theta", which),
                 "please report it with the camera's name");
   } else if (intrinsics.model != kLensBrown) {
-    notes.push_back(fmt::format("the lens of the {} camera is of the library's model {}: taken for "
-                                "Brown-Conrady",
-                                which, intrinsics.model));
+    notes.push_back(
+        fmt::format("the lens of the {} camera is of the library's model {}: taken for "
+                    "Brown-Conrady",
+                    which, intrinsics.model));
   }
   lens.distortion = Distortion::from_coefficients(values, model).value_or(Distortion{});
   return lens;
@@ -44,7 +45,8 @@ Result<LensCamera> lens_of(const rs2_intrinsics& intrinsics, const char* which,
 SE3 transform_of(const rs2_extrinsics& extrinsics) {
   using ByColumns = Eigen::Matrix<float, 3, 3, Eigen::ColMajor>;
   const Eigen::Matrix3d R = Eigen::Map<const ByColumns>(extrinsics.rotation).cast<double>();
-  const Eigen::Vector3d t = Eigen::Map<const Eigen::Vector3f>(extrinsics.translation).cast<double>();
+  const Eigen::Vector3d t =
+      Eigen::Map<const Eigen::Vector3f>(extrinsics.translation).cast<double>();
   return SE3(R, t).normalized();
 }
 

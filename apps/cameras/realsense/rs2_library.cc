@@ -52,9 +52,9 @@ std::vector<std::string> matching(const std::string& pattern) {
 
 /// Those with a version in their name, newest first.
 std::vector<std::string> versioned_files() {
-  std::vector<std::string> folders = {"/usr/local/lib", "/usr/local/lib/*-linux-gnu", "/usr/lib",
-                                      "/usr/lib/*-linux-gnu", "/opt/ros/*/lib",
-                                      "/opt/ros/*/lib/*-linux-gnu"};
+  std::vector<std::string> folders = {"/usr/local/lib", "/usr/local/lib/*-linux-gnu",
+                                      "/usr/lib",       "/usr/lib/*-linux-gnu",
+                                      "/opt/ros/*/lib", "/opt/ros/*/lib/*-linux-gnu"};
   if (const char* given = std::getenv("LD_LIBRARY_PATH")) {
     std::string_view rest = given;
     while (!rest.empty()) {
@@ -149,8 +149,7 @@ Error explained(const std::string& message) {
             "the camera in again"};
   }
   if (has_any(message, {"resolve requests"})) {
-    return {ErrorCode::kInvalidArgument,
-            fmt::format("the camera has no such mode ({})", message),
+    return {ErrorCode::kInvalidArgument, fmt::format("the camera has no such mode ({})", message),
             "ask for another: camera:realsense,size=848x480,fps=15; at USB 2 few modes are left"};
   }
   if (has_any(message, {"No device connected", "disconnected"})) {

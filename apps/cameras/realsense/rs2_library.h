@@ -45,9 +45,9 @@ struct Library {
   Error taken(rs2_error* error) const;
 };
 
-/// Looks for the library: $SGS_REALSENSE_LIBRARY alone where that is set, else librealsense2.so as the
-/// loader finds it, else the newest librealsense2.so.2.* of the usual folders. Errors: none, a file
-/// that is none, a function that is missing, a version before 2.31 or of another major number.
+/// Looks for the library: $SGS_REALSENSE_LIBRARY alone where that is set, else librealsense2.so as
+/// the loader finds it, else the newest librealsense2.so.2.* of the usual folders. Errors: none, a
+/// file that is none, a function that is missing, a version before 2.31 or of another major number.
 Result<std::shared_ptr<const Library>> open_library();
 
 /// What people can do about a message of the library: a camera in use, one that may not be opened.

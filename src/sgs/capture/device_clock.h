@@ -17,8 +17,8 @@ class DeviceClock {
   /// The continuous time of a stamp that came at `host_s` by a steady clock, seconds.
   double continuous(double stamp_s, double host_s);
 
-  /// The least time from a stamp to its arrival, within the last ten seconds: where one clock stands
-  /// by the other.
+  /// The least time from a stamp to its arrival, within the last ten seconds: where one clock
+  /// stands by the other.
   double host_minus_device_s() const { return recent_.least_s; }
   /// By how much the host's clock runs faster; 0 within the first twenty seconds.
   double drift_ppm() const;
@@ -35,8 +35,8 @@ class DeviceClock {
   void measure(double time_s, double host_s);
 
   bool begun_ = false;
-  double offset_s_ = 0;              // added to stamps
-  std::optional<double> before_s_;   // the offset before that: late images still have it
+  double offset_s_ = 0;             // added to stamps
+  std::optional<double> before_s_;  // the offset before that: late images still have it
   double latest_s_ = 0, latest_host_s_ = 0;
   std::optional<double> jump_s_;
   Window first_, recent_, filling_;

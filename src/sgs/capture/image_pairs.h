@@ -13,10 +13,10 @@ namespace sgs::capture {
 struct CameraImage {
   enum class Kind { kColor, kDepth };
   Kind kind = Kind::kColor;
-  int domain = 0;        ///< whose clock stamped it
-  double stamp_s = 0;    ///< by that clock; later by one clock for all
-  double host_s = 0;     ///< when it came, by a steady clock
-  double system_s = 0;   ///< the same, since 1970
+  int domain = 0;       ///< whose clock stamped it
+  double stamp_s = 0;   ///< by that clock; later by one clock for all
+  double host_s = 0;    ///< when it came, by a steady clock
+  double system_s = 0;  ///< the same, since 1970
   std::optional<double> exposure_s, gain;
   std::string bytes;  ///< rows without gaps: rgb8, or 16-bit depth
 };

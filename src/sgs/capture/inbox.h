@@ -13,8 +13,8 @@
 
 namespace sgs::capture {
 
-/// What a camera has delivered and nobody has looked at yet. Images beyond a few push out the oldest
-/// ones, or wait, as it is asked for; samples never wait. Thread-safe.
+/// What a camera has delivered and nobody has looked at yet. Images beyond a few push out the
+/// oldest ones, or wait, as it is asked for; samples never wait. Thread-safe.
 class Inbox final : public CameraSink {
  public:
   struct Sample {

@@ -133,7 +133,8 @@ class Server {
   }
 
   void count_dropped(std::int64_t count) {
-    if (count > 0 && dropped_ == 0) say_("images come faster than they are taken: some are dropped");
+    if (count > 0 && dropped_ == 0)
+      say_("images come faster than they are taken: some are dropped");
     dropped_ += count;
   }
 

@@ -129,9 +129,8 @@ Status check_stream_options(const InputSpec& spec) {
         set("--stamps", spec.stamps != InputSpec{}.stamps)}) {
     if (option == nullptr) continue;
     return fail(ErrorCode::kInvalidArgument, fmt::format("{} does not apply to a stream", option),
-                stream::is_camera(spec.input)
-                    ? "a camera says it itself"
-                    : "give it to the sender: `sgs send` takes it");
+                stream::is_camera(spec.input) ? "a camera says it itself"
+                                              : "give it to the sender: `sgs send` takes it");
   }
   return {};
 }
@@ -200,7 +199,8 @@ Result<Input> open_uncalibrated(const InputSpec& spec, int threads, const std::s
 
 void InputSpec::declare(ParameterList& list) {
   const auto group = list.group("input");
-  list.add("source", input, "Folder of the sequence, bag, synth:NAME[:LEVEL], live:... or camera:...", {});
+  list.add("source", input,
+           "Folder of the sequence, bag, synth:NAME[:LEVEL], live:... or camera:...", {});
   list.add("frames", frames, "Frames a:b (half open) of the sequence; empty = all.", {});
   list.add("camera", camera,
            "fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]] instead of the folder's calibration.", {});

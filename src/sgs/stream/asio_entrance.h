@@ -40,11 +40,10 @@ class PipeLink : public Link {
 
  private:
   void start_read() override {
-    pipe_.async_read_some(boost::asio::buffer(buffer_),
-                          [this, self = shared_from_this()](const boost::system::error_code& error,
-                                                            std::size_t bytes) {
-                            came(error ? 0 : bytes);
-                          });
+    pipe_.async_read_some(
+        boost::asio::buffer(buffer_),
+        [this, self = shared_from_this()](const boost::system::error_code& error,
+                                          std::size_t bytes) { came(error ? 0 : bytes); });
   }
 
   boost::asio::posix::stream_descriptor pipe_;

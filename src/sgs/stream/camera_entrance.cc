@@ -155,8 +155,7 @@ Result<std::unique_ptr<Entrance>> open_camera(const Address::Camera& camera) {
   std::vector<std::string> arguments = {"--listen"};
   if (!chosen.serial.empty()) arguments.push_back("--serial=" + chosen.serial);
   arguments.insert(arguments.end(), camera.options.begin(), camera.options.end());
-  auto entrance =
-      std::make_unique<CameraEntrance>(std::move(chosen.program), std::move(arguments));
+  auto entrance = std::make_unique<CameraEntrance>(std::move(chosen.program), std::move(arguments));
   SGS_RETURN_IF_ERROR(entrance->start());
   return entrance;
 }

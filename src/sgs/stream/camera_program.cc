@@ -126,10 +126,9 @@ CameraFamily ask_camera_program(const CameraProgram& program) {
   }
   const std::string text = read_all(child->output.get(), Clock::now() + kPatience);
   if (const Status read = read_answer(text, family); !read) {
-    family.problem =
-        Error{ErrorCode::kInvalidFormat,
-              fmt::format("{} does not say what is plugged in", program.path.string()),
-              "run it with --list to see why"};
+    family.problem = Error{ErrorCode::kInvalidFormat,
+                           fmt::format("{} does not say what is plugged in", program.path.string()),
+                           "run it with --list to see why"};
   }
   return family;
 }

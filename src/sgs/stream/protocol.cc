@@ -24,7 +24,8 @@ constexpr int kNewestVersion = 2;
 constexpr char kFrameMark = 'F', kImuMark = 'I';
 constexpr std::size_t kLength_bytes = sizeof(std::uint32_t);
 constexpr std::size_t kNumbersOfSample = 7, kSample_bytes = kNumbersOfSample * sizeof(double);
-static_assert(std::endian::native == std::endian::little);  // samples lie in memory as they are sent
+static_assert(std::endian::native ==
+              std::endian::little);  // samples lie in memory as they are sent
 constexpr const char* kHelp = "docs/stream.md describes the protocol";
 
 std::string length_bytes(std::size_t length) {
@@ -313,7 +314,8 @@ Result<StreamParser::Part> StreamParser::next_imu() {
   SGS_ASSIGN_OR_RETURN(const auto length, length_of("inertial samples", kLargestImu_bytes));
   if (!length) return Part::kNone;
   if (*length % kSample_bytes != 0) {
-    return broken(fmt::format("inertial samples of {} bytes; each takes {}", *length, kSample_bytes));
+    return broken(
+        fmt::format("inertial samples of {} bytes; each takes {}", *length, kSample_bytes));
   }
   if (buffer_.size() < kSamplesAt + *length) return Part::kNone;
   imu_.clear();
@@ -321,9 +323,8 @@ Result<StreamParser::Part> StreamParser::next_imu() {
     std::array<double, kNumbersOfSample> numbers{};
     std::memcpy(numbers.data(), buffer_.data() + at, kSample_bytes);
     if (!std::isfinite(numbers[0])) continue;
-    imu_.push_back({numbers[0],
-                    {numbers[1], numbers[2], numbers[3]},
-                    {numbers[4], numbers[5], numbers[6]}});
+    imu_.push_back(
+        {numbers[0], {numbers[1], numbers[2], numbers[3]}, {numbers[4], numbers[5], numbers[6]}});
   }
   buffer_.erase(0, kSamplesAt + *length);
   return Part::kImu;

@@ -179,7 +179,8 @@ class Receiver final : public StreamSource {
     const double off_s = sent_s + moved_s_ - expected_s();
     if (std::abs(off_s) < kSame_s) return;
     moved_s_ -= off_s;
-    say(fmt::format("the camera's clock stands {:.3f} s off; its frames go on, moved to follow "
+    say(
+        fmt::format("the camera's clock stands {:.3f} s off; its frames go on, moved to follow "
                     "those before",
                     off_s));
   }
@@ -194,7 +195,8 @@ class Receiver final : public StreamSource {
     if (ahead_s < kMost_s) return false;
     if (++ahead_ < kSure) return true;
     moved_s_ -= ahead_s;
-    say(fmt::format("the camera's clock was set forward by {:.3f} s; its frames go on, moved to "
+    say(
+        fmt::format("the camera's clock was set forward by {:.3f} s; its frames go on, moved to "
                     "follow those before",
                     ahead_s));
     return false;
@@ -217,7 +219,8 @@ class Receiver final : public StreamSource {
     const double ratio = *exposure_s / *first_exposure_s_;
     if (lock_after_s_ > 0 || (ratio < kChange && ratio > 1 / kChange)) return;
     told_of_exposure_ = true;
-    say(fmt::format("exposure went from {:.1f} to {:.1f} ms: the map is better with a fixed one "
+    say(
+        fmt::format("exposure went from {:.1f} to {:.1f} ms: the map is better with a fixed one "
                     "(of a camera: `,lock=1` locks it after a second)",
                     kMs * *first_exposure_s_, kMs * *exposure_s));
   }

@@ -46,8 +46,8 @@ class StreamSource : public dataset::FrameSource {
 };
 
 /// Opens the stream and waits for the greeting; `announce` is told what is waited for. Errors: an
-/// address that cannot be had, a camera's reason to give no frames, nobody there within `first_s`, a pipe that holds
-/// something else, and kInterrupted when a stop is requested.
+/// address that cannot be had, a camera's reason to give no frames, nobody there within `first_s`,
+/// a pipe that holds something else, and kInterrupted when a stop is requested.
 Result<std::unique_ptr<StreamSource>> open_stream(
     const Address& address, const Patience& patience,
     const std::function<void(const std::string&)>& announce, const std::stop_token& stop = {});
