@@ -113,6 +113,11 @@ class CameraTest(unittest.TestCase):
             "FAKE_RS2_STATE": str(self.state),
         }
 
+    def rewind(self):
+        """The fake begins its scene again."""
+        for entry in self.state.iterdir():
+            entry.unlink()
+
     def fake(self, **variants):
         for name, value in variants.items():
             self.environment["FAKE_RS2_" + name.upper()] = str(value)
@@ -217,8 +222,7 @@ class Frames(CameraTest):
         self.fake(scene=scene)
         greeting = self.sent("--frames=1")[0]
         np.testing.assert_allclose(greeting["color_from_depth"], values, atol=1e-6)
-        for entry in self.state.iterdir():
-            entry.unlink()
+        self.rewind()
         self.run_camera("--no-eval", "--quiet")
         # The same frames of a sender of version 1.
         head = dict(camera=self.color.json(), depth_camera=self.depth.json(), depth="u16")
@@ -254,8 +258,7 @@ class Frames(CameraTest):
 
     def test_inertial_samples(self):
         for accel, gyro in ((63, 200), (250, 400)):
-            for entry in self.state.iterdir():
-                entry.unlink()
+            self.rewind()
             self.fake(imu=f"{accel},{gyro}")
             greeting, _, samples, _ = self.sent(f"--frames={FRAMES}")
             self.assertEqual(greeting["imu"]["color_from_imu"], [0, 0, 0, 0, 0, 0, 1])
@@ -266,7 +269,8 @@ class Frames(CameraTest):
             np.testing.assert_allclose(felt[:, 4:], [[0, -9.81, 0]] * len(felt), atol=1e-5)
             self.assertTrue((np.diff(felt[:, 0]) > 0).all())
             self.assertFalse(np.isnan(turned[:, 1:4]).any())
-        self.assertEqual(self.sent("--frames=0", "--imu=off", "--skip=1", "--frames=1")[2].size, 0)
+        self.rewind()
+        self.assertEqual(self.sent("--imu=off", "--frames=3")[2].size, 0)
 
     def test_what_was_recorded_has_the_samples_too(self):
         self.fake(imu="200,400")
@@ -274,7 +278,10 @@ class Frames(CameraTest):
         felt = np.array(rows(self.folder / "kept/accelerometer.txt"), float)
         self.assertGreater(len(felt), 5)
         np.testing.assert_allclose(felt[:, 1:], [[0, 9.81, 0]] * len(felt), atol=1e-4)
-        self.assert_same_run(self.folder / "kept")
+        reference = self.folder / "reference"
+        self.done(SGS, "run", "kept", "-o", reference, "--no-eval", "--quiet")
+        mine, theirs = ((f / "trajectory.txt").read_text() for f in (self.run_folder, reference))
+        self.assertEqual(mine, theirs)
         again = json.loads((self.folder / "reference/metrics.json").read_text())
         mine = json.loads((self.run_folder / "metrics.json").read_text())
         self.assertEqual(mine["upright"], again["upright"])
@@ -293,8 +300,7 @@ class Frames(CameraTest):
 
     def test_a_clock_that_is_set(self):
         for clock in "jump", "back":
-            for entry in self.state.iterdir():
-                entry.unlink()
+            self.rewind()
             self.fake(clock=clock)
             _, frames, _, said = self.sent(f"--frames={FRAMES}")
             steps = np.diff([frame["t"] for frame in frames])
@@ -308,13 +314,14 @@ class Frames(CameraTest):
 
     def test_older_and_newer_libraries(self):
         for version, text in ((23100, "2.31.0"), (29907, "2.99.7")):
+            self.rewind()
             self.fake(version=version)
             self.assertEqual(len(self.sent("--frames=2")[1]), 2)
             self.assertIn(text, self.done(SGS, "info", "--cameras").stdout)
 
     def test_exposure_is_locked_when_it_is_asked_for(self):
         self.fake(rate=20)
-        self.run_camera(*TRACK, source=f"camera:realsense,lock=0.1,every=on,frames={FRAMES}")
+        self.run_camera(*TRACK, source=f"camera:realsense,lock=0.05,every=on,frames={FRAMES}")
         options = (self.state / "options").read_text()
         self.assertIn("2 Enable Auto Exposure 0\n2 Exposure 1\n", options)
         self.assertIn("exposure and white balance are locked", self.log())
@@ -521,7 +528,7 @@ class Programs(CameraTest):
             greet()
             for i in range(3): frame(i / 30)
             sample = struct.pack("<7d", 0, *[0] * 6)
-            for i in range(20000):
+            for i in range(2000):
                 print("note: " + "x" * 5000, file=sys.stderr)
                 out.write(b"I" + struct.pack("<I", len(sample) * 100) + sample * 100)
             for i in range(3, 6): frame(i / 30)

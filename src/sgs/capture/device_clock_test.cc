@@ -41,11 +41,14 @@ TEST(DeviceClock, AClockThatIsSetGoesOn) {
     for (int i = 0; i < 64; ++i) {
       const double stamp_s = 1000 + i * kStep_s + (i >= 32 ? jump_s : 0);
       const double time_s = clock.continuous(stamp_s, i * kStep_s);
-      if (i > 0) EXPECT_NEAR(time_s - before_s, kStep_s, 1e-9) << i;
+      if (i > 0) {
+        EXPECT_NEAR(time_s - before_s, kStep_s, 1e-9) << i;
+      }
       before_s = time_s;
       // The other stream's image of before the jump comes after it.
-      if (i == 32)
+      if (i == 32) {
         EXPECT_NEAR(clock.continuous(1000 + 31.5 * kStep_s, 1), 1000 + 31.5 * kStep_s, 1e-9);
+      }
     }
     EXPECT_NEAR(clock.take_jump_s().value_or(0), jump_s, 1e-9);
     EXPECT_FALSE(clock.take_jump_s());

@@ -90,7 +90,10 @@ class CameraLink final : public PipeLink {
                    fmt::format("the camera's program was ended by signal {}", WTERMSIG(*status)),
                    "its SDK may have crashed: unplug the camera and plug it in again"};
     }
-    if (lines_.error().empty()) return std::nullopt;
+    if (lines_.error().empty()) {
+      return Error{ErrorCode::kIo, "the camera's program ended without a word",
+                   "start it by itself to see why"};
+    }
     return Error{WEXITSTATUS(*status) == kUsage ? ErrorCode::kInvalidArgument : ErrorCode::kIo,
                  lines_.error(), lines_.remedy()};
   }

@@ -333,6 +333,7 @@ class Receiver final : public StreamSource {
     in_time_ = false;
     behind_ = ahead_ = 0;
     new_clock_ = true;
+    gave_frames_ = false;
     locked_ = false;
     sender_since_s_.reset();
     last_frame_ = Clock::now();
@@ -356,6 +357,7 @@ class Receiver final : public StreamSource {
         stalled_ = false;
       }
       last_frame_ = Clock::now();
+      gave_frames_ = true;
       packet_ = std::move(sender_->parser().packet());
       return;
     }
@@ -382,7 +384,8 @@ class Receiver final : public StreamSource {
     sender_->close();
     sender_.reset();
     stalled_ = false;
-    gone_ = Clock::now();
+    // Who greets again and again and never sends a frame is as good as nobody.
+    if (gave_frames_) gone_ = Clock::now();
     if (entrance_->ends_with_link()) {
       ended_ = fmt::format("{}: {}", entrance_->name(), what);
       say(what);
@@ -427,8 +430,9 @@ class Receiver final : public StreamSource {
   double last_behind_s_ = 0;  // the time of the last of them
   bool in_time_ = false;      // the sender that is connected was
   bool told_of_delay_ = false;
-  bool new_clock_ = false;  // no frame of the sender that is connected has come yet
-  int ahead_ = 0;           // frames of the future in a row
+  bool gave_frames_ = false;  // the sender that is connected, or was
+  bool new_clock_ = false;    // no frame of the sender that is connected has come yet
+  int ahead_ = 0;             // frames of the future in a row
   std::optional<Error> first_failure_;
   std::string last_refused_;
   InertialStore inertial_;
