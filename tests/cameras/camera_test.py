@@ -329,6 +329,20 @@ class Frames(CameraTest):
     def log(self):
         return (self.run_folder / "log.txt").read_text()
 
+    def test_what_a_camera_is_like(self):
+        self.fake(imu="200,400", rate=32, clock="drift")
+        command = (SGS, "camera-test", f"camera:realsense,frames={FRAMES}")
+        lines = json.loads(self.done(*command, "--json").stdout)
+        values = {line["key"]: line.get("value") for line in lines}
+        self.assertEqual((values["frames"], values["unit"], values["gaps"]), (FRAMES, 1000, 0))
+        self.assertAlmostEqual(values["rate"], 32, delta=0.1)
+        self.assertAlmostEqual(values["felt"], 9.81, delta=0.01)
+        self.assertAlmostEqual(values["accelerometer"], 200, delta=5)
+        self.assertAlmostEqual(values["gyroscope"], 400, delta=5)
+        self.assertGreater(values["pixels with depth"], 0.5)
+        self.rewind()
+        self.assertIn("in the pixels of colour", self.done(*command).stdout)
+
     def test_at_the_cameras_rate(self):
         self.fake(rate=10)
         self.run_camera("--no-eval", "--quiet", source=f"camera:realsense,frames={FRAMES}")

@@ -49,6 +49,7 @@ class Receiver final : public StreamSource {
   const Trajectory& ground_truth() const override { return no_truth_; }
   const Hello& hello() const override { return *hello_; }
   dataset::ImuRecording imu() const override { return inertial_.recording(entrance_->name()); }
+  void watch(StreamWatcher& watcher) override { watcher_ = &watcher; }
   bool live() const override { return true; }
   void stop() override {
     stopped_ = true;
@@ -110,6 +111,7 @@ class Receiver final : public StreamSource {
     delivered_ = true;
     frame = RgbdFrame{};
     frame.index = index_++;
+    if (watcher_ != nullptr) watcher_->on_packet(*packet_);
     const double sent_s = packet_->timestamp_s;
     if (std::exchange(new_clock_, false)) follow_on(sent_s);
     const double time_s = sent_s + moved_s_;
@@ -343,6 +345,7 @@ class Receiver final : public StreamSource {
     if (!sender_ || packet_) return;
     auto part = sender_->parser().next();
     while (part && *part == StreamParser::Part::kImu) {
+      if (watcher_ != nullptr) watcher_->on_samples(sender_->parser().imu());
       inertial_.add(sender_->parser().imu(), moved_s_, *hello_);
       part = sender_->parser().next();
     }
@@ -436,6 +439,7 @@ class Receiver final : public StreamSource {
   std::optional<Error> first_failure_;
   std::string last_refused_;
   InertialStore inertial_;
+  StreamWatcher* watcher_ = nullptr;
   bool locked_ = false, told_of_exposure_ = false;
   std::optional<double> sender_since_s_, first_exposure_s_;
   Clock::time_point asked_, last_frame_, gone_, last_good_;

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -21,6 +22,14 @@ struct Patience {
   double stall_s = 2;     ///< without a frame: then that is said
   double wait_s = 30;     ///< with a sender that went away or is silent: then it is over; 0 = never
   double greeting_s = 5;  ///< from a connection to its greeting
+};
+
+/// Sees what a stream sends, as it was sent, just before it is used.
+class StreamWatcher {
+ public:
+  virtual ~StreamWatcher() = default;
+  virtual void on_packet(const Packet& packet) = 0;
+  virtual void on_samples(std::span<const InertialSample> samples) = 0;
 };
 
 /// Frames that somebody sends (docs/stream.md). One sender at a time; over TCP this side listens,
@@ -43,6 +52,8 @@ class StreamSource : public dataset::FrameSource {
   /// What an inertial unit has measured so far: accelerations, mean values of 0.04 s each. Empty
   /// where the sender has none. Thread-safe.
   virtual dataset::ImuRecording imu() const = 0;
+  /// From the next frame on; `watcher` lives longer. Called by next().
+  virtual void watch(StreamWatcher& watcher) = 0;
 };
 
 /// Opens the stream and waits for the greeting; `announce` is told what is waited for. Errors: an
