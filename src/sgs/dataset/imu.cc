@@ -84,17 +84,6 @@ ImuRecording read_accelerometer_text(std::string_view text, const std::string& s
   return imu;
 }
 
-Status write_accelerometer(const fs::path& folder, const ImuRecording& imu) {
-  if (!imu.R_camera_imu || imu.samples.empty()) return {};
-  const Eigen::Matrix3d R_kinect_imu = kinect_axes().transpose() * *imu.R_camera_imu;
-  std::string text = "# timestamp ax ay az\n";
-  for (const ImuSample& sample : imu.samples) {
-    const Eigen::Vector3d a = R_kinect_imu * sample.acceleration;
-    text += fmt::format("{:.6f} {:.6f} {:.6f} {:.6f}\n", sample.timestamp_s, a.x(), a.y(), a.z());
-  }
-  return io::write_file(folder / kAccelerometerFile, text);
-}
-
 ImuRecording read_imu(const SequenceInfo& info) {
   if (!info.color_topic.empty()) {
     auto imu = read_imu_of_bag(info);

@@ -36,10 +36,6 @@ ImuRecording read_imu(const SequenceInfo& info);
 /// it (found from TUM's recordings and their motion capture). `source` names the file in warnings.
 ImuRecording read_accelerometer_text(std::string_view text, const std::string& source);
 
-/// Writes such a file beside a recording's frames, in the axes that it is read in. Nothing is
-/// written where the unit's axes are not known.
-Status write_accelerometer(const std::filesystem::path& folder, const ImuRecording& imu);
-
 /// The accelerations of a bag: the topic of sensor_msgs/Imu that measures any, if possible one
 /// whose frame tf joins to the colour camera's. Gyroscopes with topics of their own are left alone.
 ImuRecording read_bag_imu(const bag::Bag& bag, const std::string& camera_frame);

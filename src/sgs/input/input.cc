@@ -11,6 +11,7 @@
 #include "sgs/dataset/given_poses.h"
 #include "sgs/dataset/prefetch.h"
 #include "sgs/dataset/reduced_source.h"
+#include "sgs/input/inertial.h"
 #include "sgs/io/camera_file.h"
 #include "sgs/io/depth_calibration_io.h"
 #include "sgs/io/trajectory_io.h"
@@ -149,6 +150,15 @@ Status add_poses_to_stream(const InputSpec& spec, Input& input) {
   return {};
 }
 
+Status calibrate(const InputSpec& spec, Input& input) {
+  if (spec.calibration.empty()) return {};
+  SGS_ASSIGN_OR_RETURN(auto calibration, io::load_depth_calibration(spec.calibration));
+  SGS_ASSIGN_OR_RETURN(input.source,
+                       dataset::calibrated(std::move(input.source), calibration, spec.calibration));
+  input.calibration = std::move(calibration);
+  return {};
+}
+
 Result<Input> open_live(const InputSpec& spec, const std::stop_token& stop) {
   SGS_RETURN_IF_ERROR(check_stream_options(spec));
   SGS_ASSIGN_OR_RETURN(const auto address, stream::parse_address(spec.input));
@@ -162,7 +172,8 @@ Result<Input> open_live(const InputSpec& spec, const std::stop_token& stop) {
   SGS_ASSIGN_OR_RETURN(auto source, stream::open_stream(address, patience, announce, stop));
   Input input;
   const stream::Hello& hello = source->hello();
-  if (hello.T_color_imu) input.imu = [from = source.get()] { return from->imu(); };
+  const stream::StreamSource* stream = source.get();
+  const bool has_imu = hello.T_color_imu.has_value();
   input.info.layout = "stream";
   input.info.name = source->name();
   input.info.calibration = {hello.color_camera.camera, hello.color_camera.distortion,
@@ -175,6 +186,10 @@ Result<Input> open_live(const InputSpec& spec, const std::stop_token& stop) {
   input.source = dataset::reduced(std::move(source), spec.max_width);
   input.info.delivered = input.source->camera();
   SGS_RETURN_IF_ERROR(add_poses_to_stream(spec, input));
+  SGS_RETURN_IF_ERROR(calibrate(spec, input));
+  if (has_imu) {
+    input.source = with_imu(std::move(input.source), [stream] { return stream->imu(); });
+  }
   return input;
 }
 
@@ -276,12 +291,12 @@ Result<synthetic::SynthOptions> synth_options(const InputSpec& spec, int threads
 }
 
 Result<Input> open_input(const InputSpec& spec, int threads, const std::stop_token& stop) {
-  if (spec.calibration.empty()) return open_uncalibrated(spec, threads, stop);
-  SGS_ASSIGN_OR_RETURN(auto calibration, io::load_depth_calibration(spec.calibration));
+  if (!spec.calibration.empty()) {
+    // A file that is none is told before anything is waited for.
+    SGS_RETURN_IF_ERROR(io::load_depth_calibration(spec.calibration));
+  }
   SGS_ASSIGN_OR_RETURN(auto input, open_uncalibrated(spec, threads, stop));
-  SGS_ASSIGN_OR_RETURN(input.source,
-                       dataset::calibrated(std::move(input.source), calibration, spec.calibration));
-  input.calibration = std::move(calibration);
+  if (!stream::is_stream(spec.input)) SGS_RETURN_IF_ERROR(calibrate(spec, input));
   return input;
 }
 

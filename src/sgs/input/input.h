@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -16,7 +15,6 @@
 #include "sgs/core/config.h"
 #include "sgs/core/error.h"
 #include "sgs/dataset/frame_source.h"
-#include "sgs/dataset/imu.h"
 #include "sgs/dataset/open.h"
 #include "sgs/synthetic/source.h"
 
@@ -25,8 +23,7 @@ namespace sgs::run {
 /// Where frames come from, as the command line says it and as a run folder remembers it. All text,
 /// so that it can live in config.toml beside the parameters.
 struct InputSpec {
-  std::string input;   ///< a folder, file or bag with a recording, synth:NAME[:LEVEL], live:..., or
-                       ///< camera:...
+  std::string input;   ///< a folder, file or bag with a recording, synth:NAME[:LEVEL], or live:...
   std::string frames;  ///< "a:b", half open, either side may be missing; empty = all
   std::string camera;  ///< fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]] or empty
   double depth_scale = 0;                        ///< raw units per metre; 0 = as the folder says
@@ -51,12 +48,6 @@ struct Input {
   std::unique_ptr<dataset::FrameSource> source;
   dataset::SequenceInfo info;
   std::optional<DepthCalibration> calibration;  ///< that the source applies
-  /// What an inertial unit has measured so far, of a stream that sends it; null: there is none.
-  /// Valid while `source` lives.
-  std::function<dataset::ImuRecording()> imu = {};
-
-  /// The above, or what lies beside the frames of a recording.
-  dataset::ImuRecording read_imu() const { return imu ? imu() : dataset::read_imu(info); }
 };
 
 /// What the generator is asked for where `spec` names a synthetic sequence: its scene follows.
