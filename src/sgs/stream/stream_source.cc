@@ -39,8 +39,12 @@ bool same_cameras(const Hello& a, const Hello& b) {
 
 class Receiver final : public StreamSource {
  public:
-  Receiver(std::unique_ptr<Entrance> entrance, const Patience& patience, double lock_after_s)
-      : entrance_(std::move(entrance)), patience_(patience), lock_after_s_(lock_after_s) {}
+  Receiver(std::unique_ptr<Entrance> entrance, const Patience& patience,
+           const std::optional<Address::Camera>& camera)
+      : entrance_(std::move(entrance)),
+        patience_(patience),
+        is_camera_(camera.has_value()),
+        lock_after_s_(camera ? camera->lock_exposure_after_s : 0) {}
   ~Receiver() override { tell_sender("stop"); }
 
   std::string name() const override { return hello_ ? hello_->name : "stream"; }
@@ -299,6 +303,9 @@ class Receiver final : public StreamSource {
 
   bool refuse(Link& link, const std::string& reason) {
     std::string what = fmt::format("{} was refused: {}", link.who(), reason);
+    if (is_camera_ && !hello_ && !first_failure_) {
+      first_failure_ = Error{ErrorCode::kInvalidFormat, what, ""};
+    }
     if (what != std::exchange(last_refused_, what)) say(std::move(what));
     link.answer("refused " + reason);
     link.close();
@@ -387,8 +394,8 @@ class Receiver final : public StreamSource {
     sender_->close();
     sender_.reset();
     stalled_ = false;
-    // Who greets again and again and never sends a frame is as good as nobody.
-    if (gave_frames_) gone_ = Clock::now();
+    // A program that greets again and again and never sends a frame is as good as none.
+    if (gave_frames_ || !is_camera_) gone_ = Clock::now();
     if (entrance_->ends_with_link()) {
       ended_ = fmt::format("{}: {}", entrance_->name(), what);
       say(what);
@@ -415,6 +422,7 @@ class Receiver final : public StreamSource {
 
   std::unique_ptr<Entrance> entrance_;
   Patience patience_;
+  bool is_camera_;  // its program is started by this side
   double lock_after_s_;
   Trajectory no_truth_;
   std::atomic<bool> stopped_{false};
@@ -454,8 +462,7 @@ Result<std::unique_ptr<StreamSource>> open_stream(
     const std::function<void(const std::string&)>& announce, const std::stop_token& stop) {
   SGS_ASSIGN_OR_RETURN(auto entrance, Entrance::open(address));
   if (announce) announce(fmt::format("{}: waiting for a sender", entrance->name()));
-  auto receiver = std::make_unique<Receiver>(
-      std::move(entrance), patience, address.camera ? address.camera->lock_exposure_after_s : 0);
+  auto receiver = std::make_unique<Receiver>(std::move(entrance), patience, address.camera);
   const std::stop_callback wake(stop, [&] { receiver->stop(); });
   SGS_RETURN_IF_ERROR(receiver->wait_for_greeting());
   return receiver;
