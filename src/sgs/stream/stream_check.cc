@@ -11,7 +11,7 @@
 namespace sgs::stream {
 namespace {
 
-constexpr double kMs = 1e3, kPercent = 100;
+constexpr double kPerSecond_ms = 1e3, kPercent = 100;
 
 /// The value below which this share of all lies; not of an empty list.
 double quantile(std::vector<double> values, double share) {
@@ -87,7 +87,7 @@ void StreamCheck::add_camera(std::vector<Line>& lines) const {
   lines.push_back({"colour", camera_text(hello_.color_camera)});
   if (hello_.depth_camera) {
     lines.push_back({"depth", camera_text(*hello_.depth_camera)});
-    const double apart_mm = kMs * hello_.T_color_depth.t.norm();
+    const double apart_mm = kPerSecond_ms * hello_.T_color_depth.t.norm();
     lines.push_back(
         {"cameras apart", fmt::format("{:.1f} mm, brought together by us", apart_mm), apart_mm});
   } else {
@@ -108,16 +108,17 @@ void StreamCheck::add_times(std::vector<Line>& lines) const {
   for (const double step_s : steps_s) off_s.push_back(std::abs(step_s - period_s));
   const auto gaps = std::ranges::count_if(steps_s, [&](double s) { return s > kGap * period_s; });
   lines.push_back({"rate", fmt::format("{:.2f} a second", rate_of(times_s_)), rate_of(times_s_)});
-  lines.push_back({"gaps", fmt::format("{}, the longest step {:.1f} ms", gaps, kMs * longest_s),
+  lines.push_back({"gaps",
+                   fmt::format("{}, the longest step {:.1f} ms", gaps, kPerSecond_ms * longest_s),
                    static_cast<double>(gaps)});
   lines.push_back({"jitter of stamps",
-                   fmt::format("{:.2f} ms in 95 of 100", kMs * quantile(off_s, 0.95)),
-                   kMs * quantile(off_s, 0.95)});
-  lines.push_back(
-      {"depth after colour",
-       fmt::format("{:+.2f} ms ({:+.2f} to {:+.2f})", kMs * median(delays_s_),
-                   kMs * std::ranges::min(delays_s_), kMs * std::ranges::max(delays_s_)),
-       kMs * median(delays_s_)});
+                   fmt::format("{:.2f} ms in 95 of 100", kPerSecond_ms * quantile(off_s, 0.95)),
+                   kPerSecond_ms * quantile(off_s, 0.95)});
+  lines.push_back({"depth after colour",
+                   fmt::format("{:+.2f} ms ({:+.2f} to {:+.2f})", kPerSecond_ms * median(delays_s_),
+                               kPerSecond_ms * std::ranges::min(delays_s_),
+                               kPerSecond_ms * std::ranges::max(delays_s_)),
+                   kPerSecond_ms * median(delays_s_)});
 }
 
 /// By the fastest arrivals of the first and the last third: they waited least.
@@ -128,8 +129,9 @@ void StreamCheck::add_clock(std::vector<Line>& lines) const {
   std::vector<double> waits_s;
   for (const auto& [stamp_s, arrival_s] : received_) waits_s.push_back(arrival_s - stamp_s);
   const double least_s = std::ranges::min(waits_s), late_s = quantile(waits_s, 0.95) - least_s;
-  lines.push_back(
-      {"jitter of arrival", fmt::format("{:.1f} ms in 95 of 100", kMs * late_s), kMs * late_s});
+  lines.push_back({"jitter of arrival",
+                   fmt::format("{:.1f} ms in 95 of 100", kPerSecond_ms * late_s),
+                   kPerSecond_ms * late_s});
   if (received_.size() < kLeast) return;
   const auto third = static_cast<std::ptrdiff_t>(waits_s.size() / 3);
   const auto first = std::min_element(waits_s.begin(), waits_s.begin() + third);
@@ -143,10 +145,11 @@ void StreamCheck::add_clock(std::vector<Line>& lines) const {
 
 void StreamCheck::add_images(std::vector<Line>& lines) const {
   if (!exposures_s_.empty()) {
-    lines.push_back({"exposure",
-                     fmt::format("{:.2f} to {:.2f} ms", kMs * std::ranges::min(exposures_s_),
-                                 kMs * std::ranges::max(exposures_s_)),
-                     kMs * median(exposures_s_)});
+    lines.push_back(
+        {"exposure",
+         fmt::format("{:.2f} to {:.2f} ms", kPerSecond_ms * std::ranges::min(exposures_s_),
+                     kPerSecond_ms * std::ranges::max(exposures_s_)),
+         kPerSecond_ms * median(exposures_s_)});
   }
   if (!shares_.empty()) {
     lines.push_back({"pixels with depth", fmt::format("{:.1f} %", kPercent * median(shares_)),
@@ -157,7 +160,7 @@ void StreamCheck::add_images(std::vector<Line>& lines) const {
         {"median depth", fmt::format("{:.3f} m", median(medians_m_)), median(medians_m_)});
   }
   if (!noises_m_.empty()) {
-    const double noise_mm = kMs * median(noises_m_);
+    const double noise_mm = kPerSecond_ms * median(noises_m_);
     lines.push_back(
         {"noise of depth", fmt::format("{:.2f} mm, if nothing moved", noise_mm), noise_mm});
   }
