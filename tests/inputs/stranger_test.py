@@ -275,8 +275,8 @@ class Parts(Found):
         subprocess.run(["bash", "-ec", command], check=True, cwd=self.folder, capture_output=True)
 
     def test_folders_that_are_packed_one_by_one(self):
-        if not shutil.which("zip"):
-            self.skipTest("zip is not installed")
+        if not (shutil.which("zip") and shutil.which("unzip")):
+            self.skipTest("zip and unzip are not installed")
         for name, inner in (("with their folder", True), ("without it", False)):
             folder = self.copy(name)
             for part in ("rgb", "depth"):

@@ -53,6 +53,12 @@ constexpr ColorEncoding kColorEncodings[] = {
     {"nv21", CV_8UC1, cv::COLOR_YUV2RGB_NV21},
 };
 
+/// Whether the data are a JPEG stream.
+bool is_jpeg(const ImageMessage& image) {
+  const std::string name = io::lower_case(image.encoding);
+  return name == "mjpg" || name == "mjpeg" || name == "jpeg";
+}
+
 /// Encodings of which each two rows of brightness share a row of colour, which lie behind all of
 /// them.
 bool has_colour_behind(const ColorEncoding& encoding) {
@@ -166,13 +172,14 @@ bool byte_order_contradicts(const ImageMessage& image) {
 }
 
 bool row_length_contradicts(const ImageMessage& image) {
+  if (is_jpeg(image)) return false;
   // Rows of colour behind those of brightness (NV12) add half as many.
   return image.height > 0 && 2 * std::uint64_t{image.step} * image.height <= image.data.size();
 }
 
 Result<ColorImage> decode_color(const ImageMessage& image) {
   const std::string name = io::lower_case(image.encoding);
-  if (name == "mjpg" || name == "mjpeg" || name == "jpeg") {
+  if (is_jpeg(image)) {
     return io::decode_color(std::string(image.data), "an image");
   }
   const auto* known = std::find_if(std::begin(kColorEncodings), std::end(kColorEncodings),

@@ -119,16 +119,17 @@ std::string how_to_describe(const fs::path& folder) {
   return "give the folder that holds one of these; an sgs.toml describes any folder of images";
 }
 
-/// Folders of a folder that should hold images and hold nothing.
+/// Folders of a folder that hold nothing, where colour or depth is missing.
 std::vector<std::string> empty_folders(const fs::path& folder) {
   std::vector<std::string> names;
+  std::size_t with_images = 0;
   std::error_code error;
   for (const fs::path& path : content_of(folder)) {
-    if (fs::is_directory(path, error) && content_of(path).empty()) {
-      names.push_back(path.filename().string());
-    }
+    if (!fs::is_directory(path, error)) continue;
+    if (content_of(path).empty()) names.push_back(path.filename().string());
+    with_images += image_files(path).empty() ? 0 : 1;
   }
-  return names;
+  return with_images < 2 ? names : std::vector<std::string>{};
 }
 
 tl::unexpected<Error> no_sequence(const fs::path& folder) {

@@ -64,12 +64,13 @@ void warn_of_other_infos(const Bag& bag, const BagTopics& topics, const FoundLen
                          std::vector<std::string>& warnings) {
   const bag::CameraInfoMessage& info = believed.source.info;
   const std::string& topic = topic_of(bag, believed.source.channel);
+  const ImageSize size{believed.lens.camera.width, believed.lens.camera.height};
   for (const std::size_t channel : camera_infos_of(bag, info.header.frame_id)) {
     if (channel == believed.source.channel || channel == topics.depth_info) continue;
     std::vector<std::string> unsaid;
     const auto usual = usual_camera_info(bag, channel);
     if (!usual || usual->info.width != info.width || usual->info.height != info.height) continue;
-    const auto other = lens_of(usual->info, topic, is_rectified(topic), {}, unsaid);
+    const auto other = lens_of(usual->info, topic, is_rectified(topic_of(bag, topics.color.channel)), size, unsaid);
     if (!other || same_lens(*other, believed.lens)) continue;
     warnings.push_back(fmt::format(
         "{} and {} give frame {} different lenses; {} is believed, --topics color_info={} takes "
