@@ -48,8 +48,8 @@ void add_values(py::module_& module) {
   py::class_<api::Camera>(module, "Camera")
       .def(py::init([](int width, int height, double fx, double fy, double cx, double cy,
                        std::vector<double> distortion, const std::string& lens) {
-             return api::Camera{
-                 width, height, fx, fy, cx, cy, std::move(distortion), lens_named(lens)};
+             return api::Camera{width,           height, fx, fy, cx, cy, std::move(distortion),
+                                lens_named(lens)};
            }),
            py::arg("width"), py::arg("height"), py::arg("fx"), py::arg("fy"), py::arg("cx"),
            py::arg("cy"), py::arg("distortion") = std::vector<double>{}, py::arg("lens") = "brown")

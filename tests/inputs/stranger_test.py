@@ -48,7 +48,9 @@ class Calibrations(Found):
     def test_infos_in_a_place_of_their_own(self):
         other = ros2.camera_info((100.0, 100.0, 10.0, 10.0), self.size, START_NS, "other")
         messages = [("/calib/depth", ros2.INFO, START_NS, other)]
-        messages += [(t.replace(COLOR + "/camera_info", "/calib/rgb"), *m) for t, *m in self.plain()]
+        messages += [
+            (t.replace(COLOR + "/camera_info", "/calib/rgb"), *m) for t, *m in self.plain()
+        ]
         path = self.bag(messages)
         self.assertEqual(self.info(path)["calibration_source"], "/calib/rgb")
         self.assert_same(path)
@@ -87,7 +89,9 @@ class Calibrations(Found):
             with self.subTest(name):
                 foreign.put(folder / name, text)
                 self.assert_same(folder, "--depth-scale", "1000", within=1e-4)
-                self.assertIn(name, self.info(folder, "--depth-scale", "1000")["calibration_source"])
+                self.assertIn(
+                    name, self.info(folder, "--depth-scale", "1000")["calibration_source"]
+                )
                 bag = self.bag(self.plain())
                 self.assert_same(bag, "--camera", folder / name, within=1e-4)
                 if name != "camera.json":
@@ -135,7 +139,9 @@ class Mistakes(Found):
     def test_depth_for_people_is_named(self):
         messages = []
         for i in range(FRAMES):
-            seen = ros2.image((self.r.depth[i] // 16).astype(np.uint8), "8UC1", self.stamps[i], FRAME)
+            seen = ros2.image(
+                (self.r.depth[i] // 16).astype(np.uint8), "8UC1", self.stamps[i], FRAME
+            )
             depth = (DEPTH + "/image_raw", ros2.IMAGE, self.stamps[i], seen)
             messages += [self.color_info(i), self.pair(i)[0], depth]
         text = self.refused(self.bag(messages))

@@ -191,8 +191,8 @@ Result<std::unique_ptr<Bag>> joined(std::vector<Part> parts, std::vector<std::st
   return join_bags(std::move(bags), std::move(warnings));
 }
 
-/// Files of one recording. What cannot be read costs itself, as the last file of a recorder that was
-/// switched off; what is not there is an error.
+/// Files of one recording. What cannot be read costs itself, as the last file of a recorder that
+/// was switched off; what is not there is an error.
 Result<std::unique_ptr<Bag>> open_parts(const std::vector<fs::path>& files,
                                         std::vector<std::string> warnings) {
   std::vector<Part> parts;

@@ -67,8 +67,8 @@ bool has_colour_behind(const ColorEncoding& encoding) {
 }
 
 /// The bytes from one row of `pixel_bytes` per pixel to the next: those that the message says, or
-/// those of a row without gaps, where only these fit the data. Nothing is allocated on the word of a
-/// header that does not fit them at all.
+/// those of a row without gaps, where only these fit the data. Nothing is allocated on the word of
+/// a header that does not fit them at all.
 Result<std::size_t> row_step(const ImageMessage& image, std::uint64_t pixel_bytes) {
   const std::uint64_t row = pixel_bytes * image.width;
   const bool some = image.width > 0 && image.height > 0 &&
@@ -194,8 +194,7 @@ Result<ColorImage> decode_color(const ImageMessage& image) {
   const std::uint64_t rows = image.height + (behind ? image.height / 2 : 0);
   const bool no_pattern = name.starts_with("bayer") && std::min(image.width, image.height) < 3;
   const bool odd = (pairs && image.width % 2 != 0) || (behind && image.height % 2 != 0);
-  if (odd || no_pattern ||
-      std::uint64_t{step} * rows > image.data.size() + step - image.width) {
+  if (odd || no_pattern || std::uint64_t{step} * rows > image.data.size() + step - image.width) {
     return fail(ErrorCode::kInvalidFormat,
                 fmt::format("{} of {}x{} does not fit its {} bytes", image.encoding, image.width,
                             image.height, image.data.size()),

@@ -50,10 +50,9 @@ double fraction_of(Digits& digits) {
     }
   }
   const std::string_view zone = digits.rest();
-  const bool none_or_zone =
-      zone.empty() || zone == "Z" ||
-      ((zone.front() == '+' || zone.front() == '-') &&
-       zone.find_first_not_of("0123456789:", 1) == std::string_view::npos);
+  const bool none_or_zone = zone.empty() || zone == "Z" ||
+                            ((zone.front() == '+' || zone.front() == '-') &&
+                             zone.find_first_not_of("0123456789:", 1) == std::string_view::npos);
   return none_or_zone ? fraction : -1;
 }
 

@@ -18,7 +18,8 @@ TEST(CalendarTime, IsReadAsPeopleAndProgramsWriteIt) {
     EXPECT_NEAR(*time_s, kNoon + 0.5, 1e-6) << text;
   }
   EXPECT_EQ(calendar_seconds("1970-01-01T00:00:00"), 0);
-  EXPECT_EQ(calendar_seconds("2024-02-29T00:00:01"), calendar_seconds("2024-03-01T00:00:01").value() - 86400);
+  EXPECT_EQ(calendar_seconds("2024-02-29T00:00:01"),
+            calendar_seconds("2024-03-01T00:00:01").value() - 86400);
   EXPECT_NEAR(calendar_seconds("12:00:00.033").value(), 43200.033, 1e-9);
 }
 

@@ -104,12 +104,25 @@ Result<std::optional<FoundCalibration>> from_files(const std::vector<fs::path>& 
 Result<std::optional<FoundCalibration>> from_camera_file(const std::vector<fs::path>& folders,
                                                          std::optional<Error>& unreadable) {
   using Found = std::optional<FoundCalibration>;
-  constexpr std::array kNames = {
-      "camera.yaml",       "camera.yml",      "camera_info.yaml",       "calibration.yaml",
-      "intrinsics.yaml",   "camera.json",     "camera_intrinsic.json",  "camera_intrinsics.json",
-      "intrinsics.json",   "intrinsic.json",  "calibration.json",       "cam_K.txt",
-      "K.txt",             "intrinsics.txt",  "camera-intrinsics.txt",  "camera_intrinsics.txt",
-      "camera_matrix.txt", "calibration.txt", "camera_calibration.yaml"};
+  constexpr std::array kNames = {"camera.yaml",
+                                 "camera.yml",
+                                 "camera_info.yaml",
+                                 "calibration.yaml",
+                                 "intrinsics.yaml",
+                                 "camera.json",
+                                 "camera_intrinsic.json",
+                                 "camera_intrinsics.json",
+                                 "intrinsics.json",
+                                 "intrinsic.json",
+                                 "calibration.json",
+                                 "cam_K.txt",
+                                 "K.txt",
+                                 "intrinsics.txt",
+                                 "camera-intrinsics.txt",
+                                 "camera_intrinsics.txt",
+                                 "camera_matrix.txt",
+                                 "calibration.txt",
+                                 "camera_calibration.yaml"};
   for (const fs::path& folder : folders) {
     for (const char* name : kNames) {
       const fs::path path = entry_of(folder, name);
@@ -138,7 +151,8 @@ tl::unexpected<Error> nothing_found(const std::vector<fs::path>& folders, const 
       ErrorCode::kNotFound,
       fmt::format(
           "{} unknown: no sgs.toml with [camera], camera.txt, cam_params.json, camera.yaml, "
-          "cam_K.txt or file of a like name in {}, and the folder's name is not that of a known TUM sequence "
+          "cam_K.txt or file of a like name in {}, and the folder's name is not that of a known "
+          "TUM sequence "
           "(freiburg1, freiburg2, freiburg3) or Bonn sequence (rgbd_bonn), nor that of one "
           "of the eight "
           "Replica scenes (room0, office0, ...)",

@@ -197,12 +197,12 @@ TimeUnit bring_to_seconds(std::vector<Row>& rows, const fs::path& list,
 void drop_repeated(std::vector<Row>& rows, const fs::path& list,
                    std::vector<std::string>& warnings) {
   std::set<std::tuple<double, fs::path, fs::path>> seen;
-  const auto repeated = std::erase_if(
-      rows, [&](const Row& row) { return !seen.insert({row.time, row.path, row.depth}).second; });
+  const auto repeated = std::erase_if(rows, [&](const Row& row) {
+    return !seen.insert({row.time, row.path, row.depth}).second;
+  });
   if (repeated > 0) {
-    warnings.push_back(
-        fmt::format("{}: {} rows stand there more than once, which are left out", list.string(),
-                    repeated));
+    warnings.push_back(fmt::format("{}: {} rows stand there more than once, which are left out",
+                                   list.string(), repeated));
   }
 }
 
@@ -346,7 +346,9 @@ std::optional<Association> split_association(std::string_view text, const fs::pa
   }
   const auto names = io::split_fields(first->rest, ",;");
   if (!found && names.size() == 2) {
-    const auto named = [&](std::string_view name) { return Split{first->time, first->whole, name}; };
+    const auto named = [&](std::string_view name) {
+      return Split{first->time, first->whole, name};
+    };
     return Association{named(names[0]), named(names[1])};
   }
   return found;

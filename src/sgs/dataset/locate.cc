@@ -258,11 +258,11 @@ std::optional<Error> packed_in(const fs::path& folder) {
     names += (names.empty() ? "" : ", ") + file.filename().string();
     commands += (commands.empty() ? "" : " && ") + how.command;
   }
-  return Error{ErrorCode::kUnsupported,
-               fmt::format("{}: {} {} packed as a whole", folder.string(), names,
-                           packed.size() == 1 ? "is" : "are"),
-               fmt::format("unpack it first: `{}`, then give {}", commands,
-                           io::shell_quoted(folder))};
+  return Error{
+      ErrorCode::kUnsupported,
+      fmt::format("{}: {} {} packed as a whole", folder.string(), names,
+                  packed.size() == 1 ? "is" : "are"),
+      fmt::format("unpack it first: `{}`, then give {}", commands, io::shell_quoted(folder))};
 }
 
 }  // namespace sgs::dataset

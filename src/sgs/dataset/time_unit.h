@@ -25,7 +25,8 @@ double median_step(const std::vector<double>& sorted);
 /// Whether sorted times go by one step, as those of a camera do; gaps may lie between them.
 bool steps_evenly(const std::vector<double>& sorted);
 
-/// Whether so many seconds between two images are no pause of a recording, but a clock that was set.
+/// Whether so many seconds between two images are no pause of a recording, but a clock that was
+/// set.
 bool is_no_pause(double gap_s);
 
 /// The words for a clock that was set ahead between two images.

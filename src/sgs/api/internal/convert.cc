@@ -18,8 +18,8 @@ tl::unexpected<sgs::Error> bad_argument(std::string message, std::string remedy)
 }  // namespace
 
 Camera to_api(const PinholeCamera& camera) {
-  return {camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, {},
-          Lens::kBrown};
+  return {camera.width, camera.height, camera.fx, camera.fy,
+          camera.cx,    camera.cy,     {},        Lens::kBrown};
 }
 
 Pose to_api(const SE3& T) {

@@ -70,7 +70,8 @@ void warn_of_other_infos(const Bag& bag, const BagTopics& topics, const FoundLen
     std::vector<std::string> unsaid;
     const auto usual = usual_camera_info(bag, channel);
     if (!usual || usual->info.width != info.width || usual->info.height != info.height) continue;
-    const auto other = lens_of(usual->info, topic, is_rectified(topic_of(bag, topics.color.channel)), size, unsaid);
+    const auto other = lens_of(usual->info, topic,
+                               is_rectified(topic_of(bag, topics.color.channel)), size, unsaid);
     if (!other || same_lens(*other, believed.lens)) continue;
     warnings.push_back(fmt::format(
         "{} and {} give frame {} different lenses; {} is believed, --topics color_info={} takes "

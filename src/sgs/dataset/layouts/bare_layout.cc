@@ -41,7 +41,7 @@ fs::path bare_color(const fs::path& folder) {
 }
 fs::path bare_depth(const fs::path& folder) {
   // What is aligned to colour comes first.
-  constexpr std::array kNames = {"aligned_depth",   "depth_aligned", "aligned_depth_to_color",
+  constexpr std::array kNames = {"aligned_depth",    "depth_aligned", "aligned_depth_to_color",
                                  "depth_registered", "depth",         "depths",
                                  "depth_images",     "depth_image",   "depth_maps",
                                  "depth_map",        "depth0/data"};
@@ -94,13 +94,15 @@ void in_seconds(TimedFiles& files, const TimeUnit& unit) {
 
 /// Whether names end in numbers of which each is there once; a few other files may lie beside them.
 bool are_told_apart_by_number(const std::vector<fs::path>& files) {
-  const auto numbered = static_cast<std::size_t>(std::count_if(
-      files.begin(), files.end(), [](const fs::path& f) { return trailing_number(f).has_value(); }));
+  const auto numbered =
+      static_cast<std::size_t>(std::count_if(files.begin(), files.end(), [](const fs::path& f) {
+        return trailing_number(f).has_value();
+      }));
   return 2 * numbered > files.size() && by_number(files).size() == numbered;
 }
 
-/// Pairs of equal number; where the numbers do not tell the files of a folder apart, in the order of
-/// their names, if there are equally many.
+/// Pairs of equal number; where the numbers do not tell the files of a folder apart, in the order
+/// of their names, if there are equally many.
 void pair_by_names(std::vector<fs::path> color, std::vector<fs::path> depth, FrameList& out) {
   if (are_told_apart_by_number(color) && are_told_apart_by_number(depth)) {
     return pair_by_number(by_number(color), by_number(depth), kBareFps, out);
@@ -113,7 +115,8 @@ void pair_by_names(std::vector<fs::path> color, std::vector<fs::path> depth, Fra
     std::stable_sort(files->begin(), files->end(), [](const fs::path& a, const fs::path& b) {
       return natural_less(a.filename().string(), b.filename().string());
     });
-    for (const fs::path& file : *files) numbered->emplace(static_cast<long>(numbered->size()), file);
+    for (const fs::path& file : *files)
+      numbered->emplace(static_cast<long>(numbered->size()), file);
   }
   pair_by_number(first, second, kBareFps, out);
   out.paired = "in order";
@@ -153,7 +156,8 @@ Result<FrameList> list_bare(const fs::path& folder) {
   }
   out.missing_calibration = fmt::format(
       "give --camera fx,fy,cx,cy, or --camera FILE with a calibration, and --depth-scale S (raw "
-      "units per metre: 1000 for millimetres); or write a camera.txt with one line 'fx fy cx cy width height depth_scale' into {}",
+      "units per metre: 1000 for millimetres); or write a camera.txt with one line 'fx fy cx cy "
+      "width height depth_scale' into {}",
       folder.string());
   SGS_RETURN_IF_ERROR(require_frames(
       out, "colour and depth images whose names are equal numbers, or times within 0.02 s"));
