@@ -337,6 +337,12 @@ class Parts(Found):
         self.assertNotIn("packed", self.warnings(folder))
         self.assert_same(folder)
 
+    def test_a_recording_without_an_ending(self):
+        path = self.bag(self.plain())
+        for name in ("walk", "walk.db3.1"):
+            shutil.copy(path, self.folder / name)
+            self.assert_same(self.folder / name)
+
     def test_a_bag_beside_images_is_named(self):
         folder = self.copy("both")
         ros2.write_db3(folder / "walk.db3", self.plain())

@@ -86,7 +86,7 @@ std::string kind_by_content(const fs::path& path) {
 }
 
 Result<std::unique_ptr<Bag>> open_bag_file(const fs::path& path) {
-  const std::string named = kind_of(path), found = named.empty() ? "" : kind_by_content(path);
+  const std::string named = kind_of(path), found = kind_by_content(path);
   const std::string& kind = found.empty() ? named : found;
   if (kind == ".mcap") return open_mcap(path);
   if (kind == ".db3") return open_db3(path);
@@ -259,7 +259,7 @@ bool looks_like_bag(const fs::path& path) {
   std::error_code error;
   if (fs::is_directory(path, error)) return is_rosbag2_folder(path);
   const auto unpacking = io::unpacking_of(path);
-  return !kind_of(unpacking ? unpacking->unpacked : path).empty();
+  return !kind_of(unpacking ? unpacking->unpacked : path).empty() || !kind_by_content(path).empty();
 }
 
 std::vector<fs::path> bag_files(const fs::path& folder) {
