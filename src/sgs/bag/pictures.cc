@@ -67,7 +67,7 @@ bool has_colour_behind(const ColorEncoding& encoding) {
 }
 
 /// The bytes from one row of `pixel_bytes` per pixel to the next: those that the message says, or
-/// those of a row without gaps, where only these fit the data. Nothing is allocated on the word of
+/// those of a row without gaps, where that is far too short and only these fit the data. Nothing is allocated on the word of
 /// a header that does not fit them at all.
 Result<std::size_t> row_step(const ImageMessage& image, std::uint64_t pixel_bytes) {
   const std::uint64_t row = pixel_bytes * image.width;
@@ -77,7 +77,10 @@ Result<std::size_t> row_step(const ImageMessage& image, std::uint64_t pixel_byte
       std::uint64_t{image.step} * (image.height - 1) + row <= image.data.size()) {
     return std::size_t{image.step};
   }
-  if (some && row * image.height == image.data.size()) return static_cast<std::size_t>(row);
+  const bool far_too_short = 2 * std::uint64_t{image.step} <= row;
+  if (some && far_too_short && row * image.height == image.data.size()) {
+    return static_cast<std::size_t>(row);
+  }
   return fail(ErrorCode::kInvalidFormat,
               fmt::format("an image of {}x{} {} with rows of {} bytes does not fit its {} bytes",
                           image.width, image.height, image.encoding, image.step, image.data.size()),

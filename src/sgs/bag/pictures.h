@@ -17,8 +17,8 @@ enum class DepthEncoding { kYes, kMaybe, kNo };
 DepthEncoding depth_encoding(const std::string& encoding);
 
 /// Colour of rgb8, bgr8, rgba8, bgra8, mono8, mono16, 8UC1, 8UC3 (blue first), yuv422 (UYVY),
-/// yuv422_yuy2, and MJPG, in either case of letters. Sizes are checked against the data; rows whose
-/// length is not that of the data are taken without gaps where this fits. Other encodings are
+/// yuv422_yuy2, and MJPG, in either case of letters. Sizes are checked against the data; rows that
+/// are said far too short are taken without gaps where this fits. Other encodings are
 /// kUnsupported.
 Result<ColorImage> decode_color(const ImageMessage& image);
 /// Colour of a JPEG or PNG stream; what it is is told from its bytes.
