@@ -83,7 +83,7 @@ class Calibrations(Found):
             ("intrinsics.txt", rows.replace("\n", " 0\n") + "0 0 0 1\n"),
             ("K.txt", f"[[{fx}, 0, {cx}],\n [0, {fy}, {cy}],\n [0, 0, 1]]\n"),
             ("intrinsics.json", json.dumps(named)),
-            ("camera.json", json.dumps({"intrinsics": {**named, "depth_scale": 1000}})),
+            ("camera.json", json.dumps({"intrinsics": {**named, "depth_scale": 0.001}})),
             ("calibration.json", json.dumps({"K": [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]})),
         ):
             with self.subTest(name):
@@ -94,7 +94,9 @@ class Calibrations(Found):
                 )
                 bag = self.bag(self.plain())
                 self.assert_same(bag, "--camera", folder / name, within=1e-4)
-                if name != "camera.json":
+                if name == "camera.json":
+                    self.assert_same(folder, within=1e-4)
+                else:
                     self.assertIn("--depth-scale", self.refused(folder))
                 (folder / name).unlink()
         foreign.put(folder / "calibration.json", '{"gripper": 3}')

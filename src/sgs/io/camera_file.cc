@@ -133,6 +133,15 @@ YAML::Node first_of(const YAML::Node& file, std::initializer_list<const char*> k
   return YAML::Node(YAML::NodeType::Undefined);
 }
 
+/// A unit of depth that is written either way: less than one is metres per unit, often in single
+/// precision.
+double units_per_metre(double scale) {
+  constexpr double kRounded = 1e-5;
+  if (!(scale > 0 && scale < 1)) return scale;
+  const double units = 1 / scale, whole = std::round(units);
+  return std::abs(units - whole) < kRounded * units ? whole : units;
+}
+
 /// What programs of one's own write: the numbers under their names, or the matrix as K.
 Found of_plain_names(const YAML::Node& file) {
   for (const char* inner : {"intrinsics", "camera"}) {
@@ -154,7 +163,7 @@ Found of_plain_names(const YAML::Node& file) {
   if (const YAML::Node model = first_of(file, {"model", "distortion_model"})) {
     found.model = model.as<std::string>();
   }
-  found.calibration.depth_scale = number(first_of(file, {"depth_scale", "scale"}));
+  found.calibration.depth_scale = units_per_metre(number(first_of(file, {"depth_scale", "scale"})));
   return found;
 }
 
