@@ -193,17 +193,21 @@ TimeUnit bring_to_seconds(std::vector<Row>& rows, const fs::path& list,
   return unit;
 }
 
-/// Leaves out what stands in a list more than once, as where lists were put together.
+/// Leaves out what stands in a list more than once, as where lists were put together: it would look
+/// like a clock that was set back. A row or two are left to put_in_order().
 void drop_repeated(std::vector<Row>& rows, const fs::path& list,
                    std::vector<std::string>& warnings) {
+  constexpr std::size_t kMany = 3;
   std::set<std::tuple<double, fs::path, fs::path>> seen;
-  const auto repeated = std::erase_if(rows, [&](const Row& row) {
-    return !seen.insert({row.time, row.path, row.depth}).second;
-  });
-  if (repeated > 0) {
-    warnings.push_back(fmt::format("{}: {} rows stand there more than once, which are left out",
-                                   list.string(), repeated));
+  std::vector<Row> once;
+  for (const Row& row : rows) {
+    if (seen.insert({row.time, row.path, row.depth}).second) once.push_back(row);
   }
+  const std::size_t repeated = rows.size() - once.size();
+  if (repeated < kMany) return;
+  rows = std::move(once);
+  warnings.push_back(fmt::format("{}: {} rows stand there more than once, which are left out",
+                                 list.string(), repeated));
 }
 
 /// The rows at which a clock that was set back begins anew; empty where times go back for another
