@@ -308,6 +308,37 @@ class Trouble(StreamTest):
         self.assertEqual(len(re.findall(r",bad", table)), 2)
         self.assertEqual(len(rows(self.run_folder / "trajectory.txt")), FRAMES)
 
+    def run_by_times(self, times, code):
+        """All that is said of the recording's frames with other times."""
+        self.said = ""
+        process, port = self.start("live:tcp://127.0.0.1:0", *TRACK[:3])
+        _, sender = self.connect(port)
+        sender.hello(self.camera, **self.u16())
+        for time_s, (_, color, depth) in zip(times, self.frames):
+            sender.frame(time_s, color.tobytes(), depth.astype("<u2").tobytes())
+        sender.end()
+        return self.finish(process, code)
+
+    def test_times_in_another_unit_are_told(self):
+        said = self.run_by_times([1_700_000_000_000 + 33 * i for i in range(FRAMES)], code=0)
+        self.assertEqual(said.count("milliseconds"), 1)
+        # As the message asks for.
+        said = self.run_by_times([1_700_000_000 + 0.033 * i for i in range(FRAMES)], code=0)
+        self.assertNotIn("look like", said)
+
+    def test_a_stream_of_which_one_frame_could_be_used_is_no_run(self):
+        said = self.run_by_times([5] * FRAMES, code=3)
+        self.assertIn(f"only 1 of {FRAMES} colour images became frames: it came too late", said)
+
+    def test_a_greeting_without_a_camera_is_told_what_to_say(self):
+        process, port = self.start("live:tcp://127.0.0.1:0", *TRACK[:3], "--wait", "0.5")
+        connection, sender = self.connect(port)
+        sender.part(b"SGS1", dict(color="rgb8"))
+        words = connection.recv(1000)
+        self.assertIn(b"key 'camera' not found (needed: camera {width", words)
+        self.assertNotIn(b"exception", words)
+        self.finish(process, code=1)
+
     def test_interrupt_while_waiting(self):
         process, _ = self.start("live:tcp://127.0.0.1:0")
         process.send_signal(signal.SIGINT)

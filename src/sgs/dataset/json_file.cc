@@ -23,13 +23,19 @@ Result<nlohmann::json> parse_json(std::string_view content, const std::string& n
   try {
     return nlohmann::json::parse(content, look);
   } catch (const nlohmann::json::exception& e) {
-    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: {}", name, e.what()),
+    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: {}", name, plain_words(e)),
                 "write it again; it must be JSON");
   } catch (const TooDeep&) {
     return fail(ErrorCode::kInvalidFormat,
                 fmt::format("{}: nested more than {} levels deep", name, kDeepest),
                 "it does not describe a recording");
   }
+}
+
+std::string plain_words(const nlohmann::json::exception& error) {
+  const std::string_view what = error.what();
+  const auto end = what.find("] ");
+  return std::string(what.starts_with('[') && end != what.npos ? what.substr(end + 2) : what);
 }
 
 }  // namespace sgs::dataset

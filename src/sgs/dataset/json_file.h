@@ -16,6 +16,9 @@ Result<nlohmann::json> load_json(const std::filesystem::path& path);
 /// The same from text of a bounded size; `name` stands for the file's name in messages.
 Result<nlohmann::json> parse_json(std::string_view content, const std::string& name);
 
+/// What went wrong, without the name that the library puts before it.
+std::string plain_words(const nlohmann::json::exception& error);
+
 /// Calls `read`, which looks at a document of that file, and makes an error of a missing key or a
 /// value of the wrong type; `needed` says what should be there.
 template <class Read>
@@ -24,7 +27,7 @@ auto read_json(const std::filesystem::path& path, const char* needed, Read&& rea
   try {
     return read();
   } catch (const nlohmann::json::exception& e) {
-    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: {}", path.string(), e.what()),
+    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: {}", path.string(), plain_words(e)),
                 fmt::format("needed: {}", needed));
   }
 }

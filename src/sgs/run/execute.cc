@@ -277,8 +277,8 @@ Result<RunResult> run_in(Input& input, const InputSpec& spec, const RunConfig& a
   if (run.upright) run.metrics.upright = to_string(run.upright->by);
   if (clock) run.frames_total = clock->frames_in;
   result.lost = tracking_was_lost(run.frames);
-  // Live frames are dropped for want of time, and given poses choose theirs.
-  const bool chosen = live || result.stopped || !spec.poses.empty();
+  // At the sensor's rate frames are dropped for want of time, and given poses choose theirs.
+  const bool chosen = options.realtime || result.stopped || !spec.poses.empty();
   if (!chosen) result.too_few = too_few_frames(run.frames, spec, input.info).value_or("");
   run.state = state_of(result);
   run.metrics.state = run.state.word();

@@ -18,6 +18,7 @@
 #include "sgs/stream/frame_codec.h"
 #include "sgs/stream/inertial_store.h"
 #include "sgs/stream/link.h"
+#include "sgs/stream/unit_doubts.h"
 
 namespace sgs::stream {
 namespace {
@@ -117,6 +118,7 @@ class Receiver final : public StreamSource {
     frame.index = index_++;
     if (watcher_ != nullptr) watcher_->on_packet(*packet_);
     const double sent_s = packet_->timestamp_s;
+    if (auto doubt = doubts_.of_time(sent_s)) say(*doubt);
     if (std::exchange(new_clock_, false)) follow_on(sent_s);
     const double time_s = sent_s + moved_s_;
     frame.timestamp_s = time_s;
@@ -146,6 +148,7 @@ class Receiver final : public StreamSource {
       return dataset::FrameRead::kBadFrame;
     }
     frame.timestamp_s = sent_s + moved_s_;
+    if (auto doubt = doubts_.of_depth(frame.depth)) say(*doubt);
     behind_ = ahead_ = 0;
     in_time_ = true;
     last_time_s_ = frame.timestamp_s;
@@ -284,7 +287,7 @@ class Receiver final : public StreamSource {
   /// Whether a guest may stay one: it has not said who it is yet.
   bool judge(Link& guest) {
     const auto part = guest.parser().next();
-    if (!part) return refuse(guest, part.error().message);
+    if (!part) return refuse(guest, part.error().text());
     if (*part == StreamParser::Part::kHello) {
       greet(guest);
       return false;
@@ -440,6 +443,7 @@ class Receiver final : public StreamSource {
   int behind_ = 0;            // late frames in a row
   double last_behind_s_ = 0;  // the time of the last of them
   bool in_time_ = false;      // the sender that is connected was
+  UnitDoubts doubts_;
   bool told_of_delay_ = false;
   bool gave_frames_ = false;  // the sender that is connected, or was
   bool new_clock_ = false;    // no frame of the sender that is connected has come yet
