@@ -7,6 +7,7 @@
    before it "(EQUATION) of": that equation;
  - a document named in capitals (NAME.md, NAME section N) in any comment;
  - relative links and anchors, source paths, module/file names and parameters of the Markdown pages;
+ - each parameter for users: docs/tuning.md says when to set it;
  - the numbers that README quotes: they stand in docs/results.md;
  - the size of a page: people read it, so it is short. Generated pages are as long as they are.
 """
@@ -20,6 +21,7 @@ SKIPPED = {"build", "node_modules", "dist", "__pycache__"}
 C_LIKE = {".h", ".cc", ".inl", ".ts", ".mjs", ".js", ".css"}
 HASH_LIKE = {".py", ".sh", ".cmake", ".txt", ".toml"}
 MAX_LINES, MAX_WIDTH = 200, 140
+MAX_USERS_PARAMETERS = 90
 
 # "section 3", "sections 2 to 6", "section 2 and 4", "section 3, 4, 6"
 SECTIONS = r"(?:sections?|§)\s*(\d+(?:(?:\s+to\s+|\s+and\s+|,\s*)\d+)*)"
@@ -139,9 +141,14 @@ def check_source_paths(page, prose, report):
             report(page, match.start(), f"there is no {name}")
 
 
+def parameter_keys(page):
+    """The keys in the table of that generated page."""
+    return re.findall(r"^\| `([\w.]+)`", (ROOT / "docs" / page).read_text(), re.M)
+
+
 def check_parameters(page, text, report):
     """Configuration keys, written in full: each is a row, or the group of some rows, of the list."""
-    known = re.findall(r"^\| `([\w.]+)`", (ROOT / "docs" / "parameters.md").read_text(), re.M)
+    known = parameter_keys("parameters.md") + parameter_keys("parameters-expert.md")
     for match in re.finditer(r"(?<![\w/.-])(?:slam|tracker|mapper)\.[a-z][\w.]*\w", text):
         key = match.group()
         if not key.endswith((".h", ".cc")) and not any(
@@ -188,6 +195,18 @@ def check_index(report):
             report(index, 0, f"{page.name} is missing")
 
 
+def check_users_parameters(report):
+    """A parameter for users is one of which the page on tuning says when to set it; they are few."""
+    page = ROOT / "docs" / "parameters.md"
+    keys = parameter_keys(page.name)
+    told = (ROOT / "docs" / "tuning.md").read_text()
+    for key in keys:
+        if f"`{key}`" not in told:
+            report(page, 0, f"docs/tuning.md does not say when to set {key}")
+    if len(keys) > MAX_USERS_PARAMETERS:
+        report(page, 0, f"{len(keys)} parameters for users; at most {MAX_USERS_PARAMETERS}")
+
+
 def check_quoted_numbers(report):
     """Numbers between README's markers `numbers` stand in docs/results.md, digit for digit."""
     readme = ROOT / "README.md"
@@ -232,6 +251,7 @@ def main():
             if path.is_relative_to(ROOT / "docs"):
                 check_size(path, text, report)
     check_index(report)
+    check_users_parameters(report)
     check_quoted_numbers(report)
     for problem in problems:
         print(problem)

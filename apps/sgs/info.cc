@@ -25,15 +25,17 @@ struct InfoOptions {
   run::InputSpec input;
   bool config = false, markdown = false, scenes = false, json = false;
   bool columns = false, metrics = false, cameras = false;
-  std::string preset = "default";
+  std::string preset = "default", audience = "all";
 };
 
 int print_config(const InfoOptions& options) {
   auto config = run::make_run_config(options.preset);
   if (!config) return report(config.error());
+  const auto audience = from_string<Audience>("--for", options.audience);
+  if (!audience) return report(audience.error());
   ParameterList list;
   config->declare(list);
-  print("{}", options.markdown ? list.to_markdown() : list.to_toml());
+  print("{}", options.markdown ? list.to_markdown(*audience) : list.to_toml(*audience));
   return kExitDone;
 }
 
@@ -243,8 +245,10 @@ void add_info(CLI::App& app, Action& action) {
                      "Sequence folder, bag (or the files of one), or synth:NAME[:LEVEL]");
   add_recording_options(*sub, options->input);
   sub->add_option("--preset", options->preset, "default, paper or quality (with --config)");
-  sub->add_flag("--config", options->config, "Print all parameters as TOML");
-  sub->add_flag("--markdown", options->markdown, "With --config: the table of docs/parameters.md");
+  sub->add_flag("--config", options->config, "Print the parameters as TOML");
+  sub->add_option("--for", options->audience,
+                  "With --config: users (what is commonly set), experts (the others) or all");
+  sub->add_flag("--markdown", options->markdown, "With --config: as a table, as in docs/parameters.md");
   sub->add_flag("--columns", options->columns, "Print what frames.csv holds, as Markdown");
   sub->add_flag("--metrics", options->metrics, "Print what metrics.json holds, as Markdown");
   sub->add_flag("--scenes", options->scenes, "List the synthetic scenes");

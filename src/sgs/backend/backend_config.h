@@ -29,6 +29,7 @@ struct ArchiveConfig {
     p.add("block_px", block_px, "One pixel is followed per block of this size.", "px", {4, 200});
     p.add("gradient_threshold", gradient_threshold,
           "Smallest gradient of a pixel that is followed.", "grey/px", {0, 255});
+    p.for_users({"most"});
   }
 };
 
@@ -79,6 +80,7 @@ struct CalibrationConfig {
     p.add("readout_sigma_rad", readout_sigma_rad,
           "By how much a camera turns further during a readout than its mean rate tells.", "rad",
           {1e-9, 1});
+    p.for_users({"online", "keyframes"});
   }
 };
 

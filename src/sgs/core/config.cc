@@ -206,10 +206,23 @@ void ParameterList::removed(std::string_view former, std::string_view why) {
 
 void ParameterList::renamed_word(std::string_view name, std::string_view former,
                                  std::string_view instead) {
+  Parameter* parameter = added(name);
+  SGS_CHECK(parameter != nullptr && !parameter->choices.empty(), "no such words: " + join(name));
+  parameter->former_words.push_back({std::string(former), std::string(instead)});
+}
+
+Parameter* ParameterList::added(std::string_view name) {
   const auto it = std::find_if(parameters_.begin(), parameters_.end(),
                                [&](const Parameter& p) { return p.key == join(name); });
-  SGS_CHECK(it != parameters_.end() && !it->choices.empty(), "no such words: " + join(name));
-  it->former_words.push_back({std::string(former), std::string(instead)});
+  return it == parameters_.end() ? nullptr : &*it;
+}
+
+void ParameterList::for_users(std::initializer_list<std::string_view> names) {
+  for (const std::string_view name : names) {
+    Parameter* parameter = added(name);
+    SGS_CHECK(parameter != nullptr, "no such parameter: " + join(name));
+    parameter->for_experts = false;
+  }
 }
 
 const Parameter* ParameterList::find(std::string_view key) const {
@@ -259,10 +272,17 @@ Status ParameterList::set_assignment(std::string_view assignment) const {
   return set(assignment.substr(0, equals), assignment.substr(equals + 1));
 }
 
-std::string ParameterList::to_toml() const {
+namespace {
+bool is_for(const Parameter& parameter, Audience audience) {
+  return audience == Audience::kAll || parameter.for_experts == (audience == Audience::kExperts);
+}
+}  // namespace
+
+std::string ParameterList::to_toml(Audience audience) const {
   // A group may go on after a nested one, but TOML allows each table only once.
   std::vector<std::pair<std::string, std::string>> tables = {{"", ""}};
   for (const Parameter& p : parameters_) {
+    if (!is_for(p, audience)) continue;
     const auto dot = p.key.rfind('.');
     const std::string group = dot == std::string::npos ? "" : p.key.substr(0, dot);
     auto table = std::find_if(tables.begin(), tables.end(),
@@ -278,9 +298,10 @@ std::string ParameterList::to_toml() const {
   return out;
 }
 
-std::string ParameterList::to_markdown() const {
+std::string ParameterList::to_markdown(Audience audience) const {
   std::string out = "| key | default | unit | allowed | meaning |\n|---|---|---|---|---|\n";
   for (const Parameter& p : parameters_) {
+    if (!is_for(p, audience)) continue;
     out += fmt::format("| `{}` | `{}` | {} | {} | {} |\n", p.key, p.value_text(), p.unit,
                        markdown_cell(range_text(p)), markdown_cell(p.doc));
   }

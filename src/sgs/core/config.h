@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
 #include <optional>
 #include <string>
@@ -48,6 +50,7 @@ struct Parameter {
   Range range;       ///< checked for numbers
   std::vector<std::string_view> choices;  ///< words of an enum or a string; empty = any string
   std::vector<FormerWord> former_words;
+  bool for_experts = true;  ///< see ParameterList::for_users()
 
   /// Whether TOML writes the value as a string.
   bool is_text() const;
@@ -72,6 +75,14 @@ struct FormerKey {
   std::string now;       ///< its name today; empty = removed
   std::string why_gone;  ///< of a removed one
 };
+
+/// Whom a parameter is for.
+enum class Audience { kAll, kUsers, kExperts };
+constexpr auto enum_names(Audience) {
+  using enum Audience;
+  return std::to_array<EnumName<Audience>>(
+      {{kAll, "all"}, {kUsers, "users"}, {kExperts, "experts"}});
+}
 
 /// Every parameter of a configuration, declared once by the config structs themselves. Meaning,
 /// unit, range and names stand in declare(), right below the fields, and nowhere else: the fields
@@ -133,6 +144,9 @@ class ParameterList {
     push({join(name), EnumField::of(field), std::string(doc), "", {}, enum_words<E>(), {}});
   }
 
+  /// Marks parameters of the current group (added before) as such that users set: they stand in
+  /// docs/parameters.md, all others in docs/parameters-expert.md. A mark changes nothing else.
+  void for_users(std::initializer_list<std::string_view> names);
   /// Makes an error of the key `former` (below the current group) that names `now` (likewise), so
   /// that old files and habits are refused with advice, not obeyed and not called unknown. `former`
   /// may also be a group: its keys are then looked for in the group `now`.
@@ -154,14 +168,16 @@ class ParameterList {
   /// Sets "key=value" as given to `--set`.
   Status set_assignment(std::string_view assignment) const;
 
-  /// The whole configuration as TOML, one table per group, in order of first declaration.
-  std::string to_toml() const;
+  /// The configuration as TOML, one table per group, in order of first declaration.
+  std::string to_toml(Audience audience = Audience::kAll) const;
   /// The table of docs/parameters.md (key, default, unit, range, meaning).
-  std::string to_markdown() const;
+  std::string to_markdown(Audience audience = Audience::kAll) const;
 
  private:
   std::string join(std::string_view name) const { return prefix_ + std::string(name); }
   void push(Parameter parameter);
+  /// The parameter of that name in the current group; null = none was added.
+  Parameter* added(std::string_view name);
   tl::unexpected<Error> unknown_key(std::string_view key) const;
 
   std::string prefix_;

@@ -13,6 +13,7 @@ namespace sgs {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 enum class Way { kStraight, kLeft, kRight };
 
@@ -110,6 +111,22 @@ TEST(Config, EachTomlTableAppearsOnce) {
 TEST(Config, MarkdownEscapesBars) {
   const Settings s;
   EXPECT_THAT(s.list.to_markdown(), HasSubstr("| `mapper.adam.mode` | `\"a\"` |  | a \\| b |"));
+}
+
+TEST(Config, ParametersForUsersAndForExpertsAreAllOfThem) {
+  Settings s;
+  {
+    const auto scope = s.list.group("mapper");
+    s.list.for_users({"count", "fast"});
+    EXPECT_THROW(s.list.for_users({"counter"}), ContractViolation);
+  }
+  const std::string users = s.list.to_markdown(Audience::kUsers);
+  EXPECT_THAT(users, HasSubstr("`mapper.count`"));
+  EXPECT_THAT(users, Not(HasSubstr("`mapper.adam.rate`")));
+  const std::string experts = s.list.to_toml(Audience::kExperts);
+  EXPECT_THAT(experts, HasSubstr("rate = 0.1\n"));
+  EXPECT_THAT(experts, Not(HasSubstr("count")));
+  EXPECT_THAT(s.list.to_toml(), HasSubstr("count = 3\n"));
 }
 
 TEST(Config, DeclaringTwiceIsABug) {

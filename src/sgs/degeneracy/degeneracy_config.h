@@ -55,6 +55,7 @@ struct DegeneracyConfig {
           "where it is with its rotation left free.",
           "", {0, 1});
     p.add("damping", damping, "Added to the diagonal of the joint normal equations.", "", {0, 1e9});
+    p.for_users({"condition_threshold", "snr_threshold", "geometry_weight"});
   }
 };
 

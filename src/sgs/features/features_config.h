@@ -21,6 +21,7 @@ struct OrbConfig {
     p.add("clahe_clip", clahe_clip, "Clip limit of the equalisation (CLAHE).", "", {0.1, 100});
     p.add("clahe_tiles", clahe_tiles, "Tiles per side of the equalisation.", "", {1, 64});
     p.add("fast_threshold", fast_threshold, "Corner threshold of FAST.", "grey", {1, 255});
+    p.for_users({"features"});
   }
 };
 

@@ -133,6 +133,7 @@ struct LoopConfig {
           "ones go.",
           "MB", {10, 100000});
     p.add_group("drift", drift);
+    p.for_users({"enabled", "most_loops", "rhythm", "memory_mb"});
   }
 };
 

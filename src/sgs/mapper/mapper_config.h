@@ -76,6 +76,7 @@ struct InsertionConfig {
     p.add(
         "fill_missing_depth", fill_missing_depth,
         "Pixels without depth borrow the nearest measurement, so that borders are not left empty.");
+    p.for_users({"method", "leaf_max_px", "leaf_min_px", "max_depth_m", "fill_missing_depth"});
   }
 };
 
@@ -200,6 +201,7 @@ struct ScheduleConfig {
     p.removed("freeze_after_steps", "it cost quality and saved little time");
     p.removed("freeze_interval", "it cost quality and saved little time");
     p.removed("tile_loss_floor", "it saved no time");
+    p.for_users({"order", "most_keyframes"});
   }
 };
 
@@ -233,6 +235,7 @@ struct KeyframeRefinementConfig {
         "pose_prior_translation", pose_prior_translation,
         "Pull of a keyframe's position towards the tracked one: loss per pixel of half resolution.",
         "1/m^2", {0, 1e6});
+    p.for_users({"exposure", "pose"});
   }
 };
 
@@ -287,6 +290,7 @@ struct MapperConfig {
     p.add_group("schedule", schedule);
     p.add_group("refinement", refinement);
     p.add_group("merge", merge);
+    p.for_users({"iterations_per_frame", "first_keyframe_iterations", "memory_mb"});
   }
 };
 

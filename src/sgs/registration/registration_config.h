@@ -67,6 +67,7 @@ struct SamplingConfig {
           "Pixels of a window whose noise counts as independent.", "px", {1, 64});
     p.add("covariance_floor", covariance_floor, "Smallest eigenvalue of a normalised ellipse.", "",
           {1e-6, 1});
+    p.for_users({"step_px", "min_depth_m", "max_depth_m"});
   }
 };
 

@@ -64,6 +64,8 @@ struct SessionConfig {
             "With given poses a frame that comes after a gap counts for mapping as the frames of a "
             "video that would have filled it, up to so many.",
             "frames", {1, 10000});
+      p.for_users({"preset", "seed", "keyframe_interval", "heldout_interval", "snapshot_lag",
+                   "max_gap_frames"});
     }
     p.add_group("tracker", tracker);
     p.add_group("mapper", mapper);

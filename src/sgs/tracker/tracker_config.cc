@@ -13,6 +13,7 @@ void TrackerConfig::declare(ParameterList& p) {
         "How `spectral` joins geometry and vision: geometry removed from its unseen axes, or plain "
         "sum.");
   p.renamed_word("fusion", "prior", "tracker.type = \"paper\"");
+  p.for_users({"type", "fusion"});
   p.add_group("points", points);
   p.add_group("search", search);
   p.add_group("factor", factor);

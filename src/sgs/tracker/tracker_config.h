@@ -66,6 +66,7 @@ struct MotionConfig {
           {1e-3, 3.2});
     p.add("max_growth", max_growth, "Lost frames widen both limits, up to so many times.", "",
           {1, 100});
+    p.for_users({"start", "max_translation_m", "max_rotation_rad"});
   }
 };
 
@@ -86,6 +87,7 @@ struct KeyframeConfig {
         "clear_view", clear_view,
         "A tracking keyframe removes targets of a long way ago that it looks through: old surfaces "
         "that a drifted camera sees before the new ones.");
+    p.for_users({"min_overlap", "clear_view"});
   }
 };
 
@@ -126,6 +128,7 @@ struct TargetConfig {
           {2, 64});
     p.add("spacing", spacing, "No own point is added nearer than this to another one.", "steps",
           {0, 10});
+    p.for_users({"source"});
   }
 };
 
@@ -160,6 +163,7 @@ struct AlignmentConfig {
           {0, 10});
     p.add("relocalise_interval", relocalise_interval,
           "Frames between relocalisation attempts while lost.", "frames", {1, 1000});
+    p.for_users({"bridge_s", "relocalise_interval"});
   }
 };
 
@@ -218,6 +222,7 @@ struct ReadoutConfig {
           {1e-6, 0.1});
     p.add("rate_sigma", rate_sigma, "Change of the turning rate within a frame interval.", "rad/s",
           {1e-4, 10});
+    p.for_users({"estimate", "fixed_s"});
   }
 };
 
@@ -238,6 +243,7 @@ struct DelayConfig {
           {1e-6, 1});
     p.add("forget", forget, "Share of what is known that a frame makes forget.", "", {0, 1});
     p.add("most_s", most_s, "The delay stays within this.", "s", {0, 0.1});
+    p.for_users({"estimate", "most_s"});
   }
 };
 
@@ -258,6 +264,7 @@ struct PriorConfig {
     p.add("planarity", planarity,
           "Let planarity gate the prior; off = eigenvalues alone, included axes have weight 1.");
     p.add("only", only, "Take the prior's pose as it is and register nothing.");
+    p.for_users({"source", "planarity", "only"});
   }
 };
 
@@ -296,6 +303,7 @@ struct GivenConfig {
           "Distance from the last keyframe that makes a new one.", "median depths", {0, 10});
     p.add("keyframe_rotation_deg", keyframe_rotation_deg,
           "Rotation from the last keyframe that makes a new one.", "deg", {0, 180});
+    p.for_users({"refine"});
   }
 };
 
@@ -348,6 +356,7 @@ struct RenderingConfig {
           "to be sharp soon.",
           "", {0, 1000});
     descent.declare(p);
+    p.for_users({"method", "mapping_steps"});
   }
 };
 
