@@ -57,6 +57,10 @@ int exit_code_of(const run::WholeRun& whole, const run::RunFolder& folder) {
   // A viewer that was kept open ends with Ctrl-C, too: that is no interruption of the run.
   const auto& rendering = whole.scores.rendering;
   if (result.stopped || (rendering && rendering->cancelled)) return kExitInterrupted;
+  if (!result.not_found.empty()) {
+    say("sgs: {}\n", result.not_found);
+    return kExitLost;
+  }
   if (!result.too_few.empty()) {
     say("sgs: {}\n", result.too_few);
     return kExitLost;
@@ -91,11 +95,11 @@ int run_and_report(const RunCommand& command, const run::RunConfig& config, run:
 }
 
 /// Options that decide what a run computes, and where: not to be given again with --resume.
-constexpr std::array<const char*, 23> kFixedByRun = {
+constexpr std::array<const char*, 24> kFixedByRun = {
     "INPUT",         "--output",     "--preset",      "--config",      "--set",    "--tracker",
     "--frames",      "--camera",     "--depth-scale", "--max-width",   "--topics", "--extrinsics",
     "--truth-topic", "--trajectory", "--synth-seed",  "--calibration", "--seed",   "--record",
-    "--preload",     "--realtime",   "--poses",       "--wait",        "--stamps"};
+    "--preload",     "--realtime",   "--poses",       "--wait",        "--stamps",     "--localize"};
 
 /// Goes on with a run: everything is as it was, but for how it is watched and scored.
 int resume_command(RunCommand command) {
@@ -157,6 +161,9 @@ void add_run(CLI::App& app, Action& action) {
   add_tracking_options(*sub, command->input, command->config);
   sub->add_option("--calibration", command->input.calibration,
                   "Correct the depths by this file of `sgs calibrate`; auto: calibrate first");
+  sub->add_option("--localize", command->input.map,
+                  "Find the camera in this map.sgsmap (or run folder) of an earlier run and track "
+                  "it there: poses are in that map's world, and nothing of it changes");
   sub->add_option("--threads", command->options.threads, "Threads")->check(CLI::Range(1, 256));
   sub->add_option("--seed", command->config.seed, "Seed of the mapper's random choices");
   add_score_options(*sub, command->score);

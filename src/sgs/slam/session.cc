@@ -85,6 +85,24 @@ Session::Session(const SessionConfig& config, const PinholeCamera& camera,
 
 Session::~Session() = default;
 
+Status Session::localise_in(const KnownMap& map) {
+  SGS_CHECK(map.gaussians != nullptr && records_.empty(), "a map, before the first frame");
+  SGS_CHECK(!loops_ && !calibrator_, "what is known stays where it is");
+  if (!tracker_->finds_itself()) {
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("the tracker {} cannot find itself in a map",
+                            to_string(config_.tracker.type)),
+                "leave out --tracker and --preset, or use --tracker spectral");
+  }
+  for (std::size_t i = 0; i < map.views; ++i) {
+    SGS_ASSIGN_OR_RETURN(const tracker::KnownView view, map.view(i));
+    tracker_->know(view);
+  }
+  known_ = map.gaussians;
+  calibration_ = map.calibration;
+  return {};
+}
+
 const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& raw) {
   SGS_CHECK(raw != nullptr, "feed() needs a frame");
   SGS_CHECK(raw->color.width() == camera_.width && raw->color.height() == camera_.height &&
@@ -172,6 +190,7 @@ void Session::move_past(const PastCorrection& correction) {
 }
 
 MapView Session::wait_for_map() {
+  if (known_) return {known_, static_cast<std::int64_t>(known_->gaussians.size()), 0};
   const ScopedTimer timer(track_times_, "wait for map");
   return worker_->view_for(frames_fed_);
 }
@@ -230,6 +249,11 @@ bool Session::wants_mapping_keyframe(const FrameRecord& record) const {
 
 void Session::hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame,
                              const tracker::TrackResult& result, FrameRecord& record) {
+  if (known_) {
+    ++frames_fed_;
+    if (!found_at_ && record.status != tracker::TrackingStatus::kLost) found_at_ = records_.size();
+    return;
+  }
   keyframe_pending_ = keyframe_pending_ || record.tracking_keyframe;
   MapJob job;
   job.frames = video_frames(record);
@@ -334,15 +358,18 @@ const loops::Skeleton* Session::skeleton() const {
   return loop_estimator_ ? &loop_estimator_->closer().skeleton() : nullptr;
 }
 
-map::SnapshotPtr Session::snapshot() { return worker_->newest_snapshot(); }
+map::SnapshotPtr Session::snapshot() { return known_ ? known_ : worker_->newest_snapshot(); }
 
 Trajectory Session::trajectory() const {
   // Refined poses make better pictures, not a truer path (docs/decisions/0042-views.md), unless the
   // path was made in the refined map, or refining it was asked for.
   const PoseCorrection to_world =
       tracker_->path_follows_refinement() ? odom_to_world(worker_->keyframes()) : PoseCorrection();
+  // Before the camera has found itself in its map it could be anywhere.
+  const std::size_t first = known_ ? found_at_.value_or(records_.size()) : 0;
   std::vector<StampedPose> poses;
-  for (const FrameBrief& f : records_.briefs()) {
+  for (std::size_t i = first; i < records_.size(); ++i) {
+    const FrameBrief& f = records_.briefs()[i];
     if (f.bad) continue;
     poses.push_back({f.timestamp_s, to_world.corrected(f.T_odom_camera, f.timestamp_s)});
   }
@@ -351,7 +378,12 @@ Trajectory Session::trajectory() const {
 
 Trajectory Session::online_trajectory() const {
   std::vector<StampedPose> poses;
+  std::size_t skipped = known_ ? found_at_.value_or(records_.size()) : 0;
   for (const FrameRecord& r : records_.all()) {
+    if (skipped > 0) {
+      --skipped;
+      continue;
+    }
     if (!r.bad) poses.push_back({r.timestamp_s, r.T_online_camera});
   }
   return Trajectory(std::move(poses));

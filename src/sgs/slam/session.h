@@ -18,6 +18,7 @@
 #include "sgs/map/gaussian.h"
 #include "sgs/slam/frame_record.h"
 #include "sgs/slam/keyframe_pose.h"
+#include "sgs/slam/known_map.h"
 #include "sgs/slam/map_worker.h"
 #include "sgs/slam/past_worker.h"
 #include "sgs/slam/record_log.h"
@@ -55,6 +56,15 @@ class Session {
                                                  std::unique_ptr<tracker::Tracker> tracker);
   ~Session();
 
+  /// Before the first frame: the camera is somewhere in this map and has to find itself there.
+  /// Nothing is learned: poses are in the map's world, and its Gaussians are those of the session.
+  /// Frames before it is found are lost and have no place in trajectory(). Fails where the tracker
+  /// cannot be given a map, or where a view cannot be had; needs a configuration without loops and
+  /// online calibration, which would move what is known.
+  Status localise_in(const KnownMap& map);
+  /// How far it has come; null in a session with a map of its own.
+  const tracker::PlaceSearch* place_search() const { return tracker_->place_search(); }
+
   /// Tracks one frame and hands it to the mapper; offline it waits when the mapper is more than
   /// snapshot_lag frames behind. The record stays valid until the next frame.
   const FrameRecord& feed(const std::shared_ptr<const RgbdFrame>& frame);
@@ -67,8 +77,8 @@ class Session {
   void finish();
 
   /// Whether save() works: not live, where everything depends on time, and not with a tracker that
-  /// follows the map.
-  bool can_be_saved() const { return !live_ && !tracker_->follows_map(); }
+  /// follows the map, and not where the map is another's.
+  bool can_be_saved() const { return !live_ && !tracker_->follows_map() && !known_; }
   /// What restore() needs, behind the frames fed so far; ready as soon as the mapper is there, and
   /// an exception where it fails before that or where the memory does not suffice.
   std::future<std::string> save();
@@ -92,7 +102,7 @@ class Session {
   /// Newest published map; null before the first keyframe.
   map::SnapshotPtr snapshot();
   /// The finished map (after finish()); null where no keyframe was mapped.
-  map::SnapshotPtr final_snapshot() const { return worker_->final_snapshot(); }
+  map::SnapshotPtr final_snapshot() const { return known_ ? known_ : worker_->final_snapshot(); }
   const RecordLog& records() const { return records_; }
   /// Poses of all tracked frames, loops closed and depth calibrated (after finish()); frames that
   /// were lost carry the tracker's guess at their pose. Those of a tracker that follows the map,
@@ -151,6 +161,8 @@ class Session {
   const LoopEstimator* loop_estimator_ = nullptr;  // that of loops_
   PastCorrections corrections_;                    // just before this frame
   std::optional<DepthCalibration> calibration_;    // learned so far
+  map::SnapshotPtr known_;  // the map that the camera is to find itself in; null: it makes its own
+  std::optional<std::size_t> found_at_;  // position of the first frame that was found there
   RecordLog records_;
   std::int64_t frames_fed_ = 0;
   std::size_t mapping_keyframes_ = 0;

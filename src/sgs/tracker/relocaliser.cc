@@ -37,16 +37,36 @@ void Relocaliser::correct(const PastCorrection& correction) {
   }
 }
 
-// The newest one, too: a camera that was lost for a moment is mostly still there.
-std::vector<std::size_t> Relocaliser::most_alike(const RgbdFrame& frame) const {
-  const features::FernCode code = ferns_.code(frame);
-  std::vector<std::pair<double, std::size_t>> alike;
-  for (std::size_t k = 0; k + 1 < keyframes_.size(); ++k) {
-    alike.emplace_back(-features::Ferns::similarity(keyframes_[k].ferns, code), k);
+void Relocaliser::know(const KnownView& view, const RgbdFrame& frame, const SE3& T_local_camera) {
+  auto known = std::find_if(known_.begin(), known_.end(),
+                            [&](const KnownViews& k) { return k.fern_seed == view.fern_seed; });
+  if (known == known_.end()) {
+    known_.push_back({view.fern_seed, features::Ferns(view.fern_seed), {}});
+    known = known_.end() - 1;
   }
-  std::sort(alike.begin(), alike.end());
-  std::vector<std::size_t> out;
-  if (!keyframes_.empty()) out.push_back(keyframes_.size() - 1);
+  known->keyframes.push_back({CompactView(frame, kept_level(frame.camera)),
+                              view.timestamp_s,
+                              view.ferns,
+                              T_local_camera,
+                              {}});
+}
+
+// The newest one, too: a camera that was lost for a moment is mostly still there.
+std::vector<Relocaliser::Keyframe*> Relocaliser::most_alike(const RgbdFrame& frame) {
+  std::vector<std::pair<double, Keyframe*>> alike;
+  const auto compare = [&](const features::Ferns& ferns, auto begin, auto end) {
+    if (begin == end) return;
+    const features::FernCode code = ferns.code(frame);
+    for (auto k = begin; k != end; ++k) {
+      alike.emplace_back(-features::Ferns::similarity(k->ferns, code), &*k);
+    }
+  };
+  for (KnownViews& k : known_) compare(k.ferns, k.keyframes.begin(), k.keyframes.end());
+  if (!keyframes_.empty()) compare(ferns_, keyframes_.begin(), keyframes_.end() - 1);
+  std::stable_sort(alike.begin(), alike.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Keyframe*> out;
+  if (!keyframes_.empty()) out.push_back(&keyframes_.back());
   for (const auto& [similarity, k] : alike) {
     if (out.size() < kCompared) out.push_back(k);
   }
@@ -54,6 +74,7 @@ std::vector<std::size_t> Relocaliser::most_alike(const RgbdFrame& frame) const {
 }
 
 std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame) {
+  last_look_ = {};
   features::OrbConfig orb = config_.orb;
   orb.features = std::min(orb.features, config_.memory.features);
   features::OrbExtractor extractor(orb);
@@ -61,13 +82,17 @@ std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame) {
   const features::OrbFrame current = extractor.extract(view.frame());
   if (static_cast<int>(current.keypoints.size()) < config_.pose.min_matches) return std::nullopt;
   features::VisualMap map(config_.pose);
-  for (const std::size_t k : most_alike(frame)) {
-    Keyframe& keyframe = keyframes_[k];
-    for (const auto& change : keyframe.changes) keyframe.view.change_depth(*change);
-    keyframe.changes.clear();
-    map.insert(extractor.extract(keyframe.view.frame()), keyframe.T_local_camera);
+  const std::vector<Keyframe*> compared = most_alike(frame);
+  for (Keyframe* keyframe : compared) {
+    for (const auto& change : keyframe->changes) keyframe->view.change_depth(*change);
+    keyframe->changes.clear();
+    map.insert(extractor.extract(keyframe->view.frame()), keyframe->T_local_camera);
   }
   const features::VisualPose found = map.relocalise(current);
+  if (!compared.empty()) {
+    const auto best = static_cast<std::size_t>(std::max(found.keyframe, 0));
+    last_look_ = {found.matches, found.inliers, compared[best]->timestamp_s};
+  }
   if (found.verdict != features::Verdict::kOk) return std::nullopt;
   return found.T_world_camera;
 }

@@ -9,6 +9,7 @@
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/core/error.h"
 #include "sgs/map/gaussian.h"
+#include "sgs/tracker/known_view.h"
 #include "sgs/tracker/track_result.h"
 
 namespace sgs::tracker {
@@ -45,6 +46,14 @@ class Tracker {
   /// returned) tells, and goes on from there. Only those are corrected whose results carry
   /// TrackResult::information.
   virtual void correct(const PastCorrection& /*correction*/) {}
+
+  /// Whether the tracker can be given a finished map by know().
+  virtual bool finds_itself() const { return false; }
+  /// Takes in a view of a finished map, before the first frame. From the first one on the camera is
+  /// somewhere in that world: frames are lost (kNotInMap) until it has found itself there.
+  virtual void know(const KnownView& /*view*/) {}
+  /// What became of that; null where there is no map to be found in.
+  virtual const PlaceSearch* place_search() const { return nullptr; }
 };
 
 /// Makes the tracker that `config.type` names. Fails on settings out of range and cameras without a
