@@ -34,9 +34,9 @@ RgbdFrame seen_from(const KnownView& view, const PinholeCamera& camera) {
 
 /// Whether a hand may have carried a camera so in that time.
 bool is_possible(const SE3& motion, double seconds) {
-  constexpr double kLongest_s = 0.5;
+  constexpr double kSoon_s = 0.5;
   constexpr double kFastest_mps = 1.5, kFastest_radps = 2.5, kNoise_m = 0.03, kNoise_rad = 0.03;
-  return std::abs(seconds) <= kLongest_s &&
+  return std::abs(seconds) <= kSoon_s &&
          motion.t.norm() <= kNoise_m + kFastest_mps * std::abs(seconds) &&
          motion.angle() <= kNoise_rad + kFastest_radps * std::abs(seconds);
 }
