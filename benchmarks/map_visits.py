@@ -29,9 +29,13 @@ TRUTH_GAP_S = 0.04
 
 def rotation(q):
     x, y, z, w = q / np.linalg.norm(q)
-    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
 
 
 def poses(path):
@@ -105,8 +109,21 @@ def run(args, spec, frames, folder, *more):
     if (folder / "frames.csv").exists() and not args.anew:
         return ""
     shutil.rmtree(folder, ignore_errors=True)
-    command = [args.sgs, "run", spec, "--frames", frames, "-o", str(folder), "--threads", "1",
-               "--no-eval", "--quiet", *args.option, *more]
+    command = [
+        args.sgs,
+        "run",
+        spec,
+        "--frames",
+        frames,
+        "-o",
+        str(folder),
+        "--threads",
+        "1",
+        "--no-eval",
+        "--quiet",
+        *args.option,
+        *more,
+    ]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode not in (0, 3):
         raise SystemExit(f"{' '.join(command)}\n{done.stderr}")
@@ -118,8 +135,9 @@ def rmse(values):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--sgs", required=True)
     parser.add_argument("--out", type=pathlib.Path, required=True)
     parser.add_argument("--map", nargs=2, metavar=("INPUT", "A:B"), required=True)
@@ -129,7 +147,9 @@ def main():
     parser.add_argument("--elsewhere", action="store_true", help="the visit is of another room")
     parser.add_argument("--whole", action="store_true", help="both in one piece, too")
     parser.add_argument("--anew", action="store_true", help="run again what is there already")
-    parser.add_argument("--option", action="append", default=[], help="of all runs, as --option=--seed=2")
+    parser.add_argument(
+        "--option", action="append", default=[], help="of all runs, as --option=--seed=2"
+    )
     args = parser.parse_args()
     run(args, *args.map, args.out / "map")
     saved = args.out / "map" / "map.sgsmap"
@@ -142,8 +162,14 @@ def main():
     waits, metres, degrees = [], [], []
     for start in starts:
         folder = args.out / f"visit_{start}"
-        said = run(args, args.visit[0], f"{start}:{min(last, start + args.frames)}", folder,
-                   "--localize", str(saved))
+        said = run(
+            args,
+            args.visit[0],
+            f"{start}:{min(last, start + args.frames)}",
+            folder,
+            "--localize",
+            str(saved),
+        )
         visit = Run(folder)
         if not visit.tracked:
             print(f"start {start}: not found. {said}")
@@ -156,15 +182,25 @@ def main():
         wrong += is_wrong
         metres.extend(m)
         degrees.extend(d)
-        print(f"start {start}: found at frame {visit.tracked[0]}, {len(visit.tracked)} of "
-              f"{len(visit.stamps)} tracked, {100 * rmse(m):.2f} cm"
-              f"{', WRONG' if is_wrong else ''}", flush=True)
-    result = {"starts": len(starts), "found": found, "found_within_1_s": int(soon),
-              "wrong": int(wrong), "median_wait_frames": float(np.median(waits)) if waits else None,
-              "rmse_cm": 100 * rmse(metres), "largest_cm": 100 * max(metres, default=np.nan),
-              "rmse_deg": rmse(degrees), "map_rmse_cm": 100 * rmse(known.errors(T_truth_map)[0]),
-              "map_megabytes": saved.stat().st_size / 1e6,
-              "map_byte_equal": hashlib.sha256(saved.read_bytes()).hexdigest() == before}
+        print(
+            f"start {start}: found at frame {visit.tracked[0]}, {len(visit.tracked)} of "
+            f"{len(visit.stamps)} tracked, {100 * rmse(m):.2f} cm"
+            f"{', WRONG' if is_wrong else ''}",
+            flush=True,
+        )
+    result = {
+        "starts": len(starts),
+        "found": found,
+        "found_within_1_s": int(soon),
+        "wrong": int(wrong),
+        "median_wait_frames": float(np.median(waits)) if waits else None,
+        "rmse_cm": 100 * rmse(metres),
+        "largest_cm": 100 * max(metres, default=np.nan),
+        "rmse_deg": rmse(degrees),
+        "map_rmse_cm": 100 * rmse(known.errors(T_truth_map)[0]),
+        "map_megabytes": saved.stat().st_size / 1e6,
+        "map_byte_equal": hashlib.sha256(saved.read_bytes()).hexdigest() == before,
+    }
     if args.whole:
         run(args, args.map[0], f"{args.map[1].split(':')[0]}:{last}", args.out / "whole")
         whole = Run(args.out / "whole")

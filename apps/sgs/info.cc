@@ -187,7 +187,8 @@ int print_sequence(const InfoOptions& options) {
 
 void add_info(CLI::App& app, Action& action) {
   auto options = std::make_shared<InfoOptions>();
-  auto* sub = app.add_subcommand("info", "Describe a sequence, a map, the parameters or the scenes");
+  auto* sub =
+      app.add_subcommand("info", "Describe a sequence, a map, the parameters or the scenes");
   add_input_argument(*sub, options->input,
                      "Sequence folder, bag (or the files of one), synth:NAME[:LEVEL], or a "
                      "map (RUN/map.sgsmap)");

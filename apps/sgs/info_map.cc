@@ -58,14 +58,10 @@ void print_json(const MapSummary& m) {
                         {"cy", s.camera.cy},
                         {"depth_calibrated", !s.calibration.empty()}});
   }
-  nlohmann::json json = {{"format", mapfile::kFormat},
-                         {"bytes", m.bytes},
-                         {"gaussians", m.gaussians},
-                         {"gaussian_bytes", m.gaussian_bytes},
-                         {"cubes", m.cubes},
-                         {"views", m.views},
-                         {"view_bytes", m.view_bytes},
-                         {"sessions", sessions}};
+  nlohmann::json json = {{"format", mapfile::kFormat}, {"bytes", m.bytes},
+                         {"gaussians", m.gaussians},   {"gaussian_bytes", m.gaussian_bytes},
+                         {"cubes", m.cubes},           {"views", m.views},
+                         {"view_bytes", m.view_bytes}, {"sessions", sessions}};
   if (!m.bounds.isEmpty()) {
     json["bounds_m"] = {{"min", listed(m.bounds.min())}, {"max", listed(m.bounds.max())}};
   }

@@ -99,7 +99,7 @@ constexpr std::array<const char*, 24> kFixedByRun = {
     "INPUT",         "--output",     "--preset",      "--config",      "--set",    "--tracker",
     "--frames",      "--camera",     "--depth-scale", "--max-width",   "--topics", "--extrinsics",
     "--truth-topic", "--trajectory", "--synth-seed",  "--calibration", "--seed",   "--record",
-    "--preload",     "--realtime",   "--poses",       "--wait",        "--stamps",     "--localize"};
+    "--preload",     "--realtime",   "--poses",       "--wait",        "--stamps", "--localize"};
 
 /// Goes on with a run: everything is as it was, but for how it is watched and scored.
 int resume_command(RunCommand command) {

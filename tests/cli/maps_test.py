@@ -86,8 +86,16 @@ class Maps(unittest.TestCase):
     def test_another_room_is_never_taken_for_this_one(self):
         out = self.folder / "elsewhere"
         done = self.sgs(
-            "run", "synth:office:kinect", "--frames", "0:20", "--localize", self.map, "-o", out,
-            *SMALL, code=3,
+            "run",
+            "synth:office:kinect",
+            "--frames",
+            "0:20",
+            "--localize",
+            self.map,
+            "-o",
+            out,
+            *SMALL,
+            code=3,
         )
         self.assertRegex(done.stderr, r"not found itself in .*best candidate \d+ of 25")
         lines = (out / "frames.csv").read_text().splitlines()

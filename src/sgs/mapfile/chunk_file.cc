@@ -56,7 +56,9 @@ Beginning beginning() {
   return out;
 }
 
-bool is_map(const Beginning& b) { return std::string_view(b.magic.data(), kMagic.size()) == kMagic; }
+bool is_map(const Beginning& b) {
+  return std::string_view(b.magic.data(), kMagic.size()) == kMagic;
+}
 
 std::uint32_t checksum(std::string_view bytes) {
   const auto* data = reinterpret_cast<const Bytef*>(bytes.data());

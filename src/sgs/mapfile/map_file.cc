@@ -36,9 +36,9 @@ Cube cube_of(const Vector& point) {
 /// The numbers of a Gaussian in the order of the file.
 constexpr std::size_t kNumbers = 14;
 std::array<float*, kNumbers> numbers_of(map::Gaussian& g) {
-  return {&g.mean[0],      &g.mean[1],     &g.mean[2],     &g.log_scale[0], &g.log_scale[1],
-          &g.log_scale[2], &g.rotation[0], &g.rotation[1], &g.rotation[2],  &g.rotation[3],
-          &g.opacity_logit, &g.rgb[0],     &g.rgb[1],      &g.rgb[2]};
+  return {&g.mean[0],       &g.mean[1],     &g.mean[2],     &g.log_scale[0], &g.log_scale[1],
+          &g.log_scale[2],  &g.rotation[0], &g.rotation[1], &g.rotation[2],  &g.rotation[3],
+          &g.opacity_logit, &g.rgb[0],      &g.rgb[1],      &g.rgb[2]};
 }
 
 /// The Gaussians of a cube as columns: what is alike lies together.
@@ -182,8 +182,8 @@ Result<MapGaussians> MapFile::gaussians() const {
     int& degree = all.splats.harmonics.degree;
     if (std::exchange(first, false)) degree = columns.harmonic_degree;
     if (!archive.complete() || !columns.consistent() || columns.harmonic_degree != degree) {
-      return damaged(path(), fmt::format("cube {} {} {}", chunk.cube[0], chunk.cube[1],
-                                         chunk.cube[2]));
+      return damaged(path(),
+                     fmt::format("cube {} {} {}", chunk.cube[0], chunk.cube[1], chunk.cube[2]));
     }
     append(columns, all);
   }
@@ -200,7 +200,8 @@ Result<tracker::KnownView> MapFile::view(std::size_t number) const {
 
 bool looks_like_map(const fs::path& path) {
   std::error_code unreadable;
-  return fs::is_regular_file(path, unreadable) && path.extension() == fs::path(kFileName).extension();
+  return fs::is_regular_file(path, unreadable) &&
+         path.extension() == fs::path(kFileName).extension();
 }
 
 }  // namespace sgs::mapfile

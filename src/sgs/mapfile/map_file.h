@@ -21,9 +21,9 @@ inline constexpr double kCube_m = 4;
 
 /// One time that a camera was there.
 struct MapSession {
-  std::string name;         ///< of the recording
-  std::string version;      ///< of sgs
-  PinholeCamera camera;     ///< of its frames as they were tracked
+  std::string name;      ///< of the recording
+  std::string version;   ///< of sgs
+  PinholeCamera camera;  ///< of its frames as they were tracked
   double first_s = 0, last_s = 0;
   std::int64_t frames = 0;
   std::string calibration;  ///< of its depths, as calibration.toml has it; empty = none

@@ -27,7 +27,10 @@ tracker::KnownView view_at(double x, std::uint64_t seed) {
   view.motion.depth_delay_s = 0.01;
   view.ferns = {0, 7, features::Ferns::kUnknown};
   view.fern_seed = seed;
-  CompactView::Parts parts{kCamera, 42, view.timestamp_s, false,
+  CompactView::Parts parts{kCamera,
+                           42,
+                           view.timestamp_s,
+                           false,
                            Image<std::uint8_t>(kCamera.width, kCamera.height),
                            Image<std::uint16_t>(kCamera.width, kCamera.height)};
   for (std::size_t i = 0; i < parts.gray.size(); ++i) {

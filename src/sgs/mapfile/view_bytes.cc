@@ -111,8 +111,8 @@ std::optional<tracker::KnownView> view_from(std::string_view bytes) {
   Bytes gray, depth;
   archive(gray, depth);
   if (!archive.complete() || !makes_sense(view, parts.camera)) return std::nullopt;
-  const auto pixels = static_cast<std::size_t>(parts.camera.width) *
-                      static_cast<std::size_t>(parts.camera.height);
+  const auto pixels =
+      static_cast<std::size_t>(parts.camera.width) * static_cast<std::size_t>(parts.camera.height);
   if (gray.size() != pixels || depth.size() != 2 * pixels) return std::nullopt;
   parts.gray = Image<std::uint8_t>(parts.camera.width, parts.camera.height);
   parts.depth = Image<std::uint16_t>(parts.camera.width, parts.camera.height);

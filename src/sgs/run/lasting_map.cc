@@ -50,10 +50,10 @@ Status localise(slam::Session& session, const fs::path& map, const PinholeCamera
                 bool calibrated) {
   SGS_ASSIGN_OR_RETURN(const auto file, mapfile::MapFile::open(map));
   if (file.views() == 0) {
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{} holds no views that a camera could find itself by",
-                            file.path().string()),
-                "make it with a tracker that closes loops (loops.enabled), as the default does");
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("{} holds no views that a camera could find itself by", file.path().string()),
+        "make it with a tracker that closes loops (loops.enabled), as the default does");
   }
   slam::KnownMap known;
   {
@@ -64,8 +64,8 @@ Status localise(slam::Session& session, const fs::path& map, const PinholeCamera
   known.view = [&file](std::size_t number) { return file.view(number); };
   const mapfile::MapSession& newest = file.sessions().back();
   if (!calibrated && !newest.calibration.empty() && newest.camera == camera) {
-    SGS_ASSIGN_OR_RETURN(known.calibration, io::depth_calibration_from_text(
-                                                newest.calibration, file.path().string()));
+    SGS_ASSIGN_OR_RETURN(known.calibration,
+                         io::depth_calibration_from_text(newest.calibration, file.path().string()));
   }
   SGS_RETURN_IF_ERROR(session.localise_in(known));
   log().info("the camera is looked for in {}: {} Gaussians, {} views", file.path().string(),
@@ -76,10 +76,11 @@ Status localise(slam::Session& session, const fs::path& map, const PinholeCamera
 std::string not_found_sentence(const tracker::PlaceSearch& search, const std::string& map) {
   std::string out = fmt::format("the camera has not found itself in {}", map);
   if (search.looks == 0) return out + ": no frame shows enough to be compared with it";
-  out += fmt::format(": best candidate {} of {} features that agree ({} alike; frame at {:.3f} s, "
-                     "view of the map at {:.3f} s)",
-                     search.best_inliers, search.needed_inliers, search.best_matches,
-                     search.best_frame_s, search.best_view_s);
+  out += fmt::format(
+      ": best candidate {} of {} features that agree ({} alike; frame at {:.3f} s, "
+      "view of the map at {:.3f} s)",
+      search.best_inliers, search.needed_inliers, search.best_matches, search.best_frame_s,
+      search.best_view_s);
   if (search.refused > 0) {
     out += fmt::format("; {} candidates were refused by surfaces or pictures", search.refused);
   }

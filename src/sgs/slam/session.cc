@@ -89,10 +89,10 @@ Status Session::localise_in(const KnownMap& map) {
   SGS_CHECK(map.gaussians != nullptr && records_.empty(), "a map, before the first frame");
   SGS_CHECK(!loops_ && !calibrator_, "what is known stays where it is");
   if (!tracker_->finds_itself()) {
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("the tracker {} cannot find itself in a map",
-                            to_string(config_.tracker.type)),
-                "leave out --tracker and --preset, or use --tracker spectral");
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("the tracker {} cannot find itself in a map", to_string(config_.tracker.type)),
+        "leave out --tracker and --preset, or use --tracker spectral");
   }
   for (std::size_t i = 0; i < map.views; ++i) {
     SGS_ASSIGN_OR_RETURN(const tracker::KnownView view, map.view(i));

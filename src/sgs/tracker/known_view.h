@@ -13,12 +13,12 @@ namespace sgs::tracker {
 
 /// A view of a finished map: what a camera saw from a place that is known.
 struct KnownView {
-  double timestamp_s = 0;             ///< of its session
-  SE3 T_world_camera;                 ///< in the world of the map
-  registration::FrameMotion motion;   ///< of the camera while it was measured
-  CompactView view;                   ///< not halved
-  features::FernCode ferns;           ///< of the picture in colour
-  std::uint64_t fern_seed = 0;        ///< of the questions that `ferns` answers
+  double timestamp_s = 0;            ///< of its session
+  SE3 T_world_camera;                ///< in the world of the map
+  registration::FrameMotion motion;  ///< of the camera while it was measured
+  CompactView view;                  ///< not halved
+  features::FernCode ferns;          ///< of the picture in colour
+  std::uint64_t fern_seed = 0;       ///< of the questions that `ferns` answers
 };
 
 /// How far a camera that was given a map has come in finding itself there.
@@ -27,11 +27,11 @@ struct PlaceSearch {
   int looks = 0;           ///< frames that were compared with the map's views
   int needed_inliers = 0;  ///< features that have to agree on one pose
   /// The look that came nearest, refused or not:
-  int best_inliers = 0;       ///< features that agreed
-  int best_matches = 0;       ///< features that were alike
-  double best_frame_s = 0;    ///< time of the frame
-  double best_view_s = 0;     ///< time of the map's view that it resembled
-  int refused = 0;            ///< looks that features agreed on, but surfaces or picture did not
+  int best_inliers = 0;     ///< features that agreed
+  int best_matches = 0;     ///< features that were alike
+  double best_frame_s = 0;  ///< time of the frame
+  double best_view_s = 0;   ///< time of the map's view that it resembled
+  int refused = 0;          ///< looks that features agreed on, but surfaces or picture did not
 };
 
 }  // namespace sgs::tracker
