@@ -120,6 +120,16 @@ int resume_command(RunCommand command) {
   return run_and_report(command, config, *input, *folder);
 }
 
+/// Whether a run into `output` would take away the map that it is to find itself in.
+bool replaces_map(const std::string& map, const std::filesystem::path& output) {
+  namespace fs = std::filesystem;
+  std::error_code unreadable;
+  const fs::path given = fs::is_directory(map, unreadable) ? fs::path(map) / run::files::kLastingMap
+                                                           : fs::path(map);
+  return !map.empty() && !output.empty() &&
+         fs::equivalent(output / run::files::kLastingMap, given, unreadable);
+}
+
 int run_command(RunCommand command) {
   run::return_freed_images(command.options.preload);
   if (!command.resume.empty()) return resume_command(std::move(command));
@@ -131,6 +141,12 @@ int run_command(RunCommand command) {
   }
   if (const auto can = run::check_whole(command.input, *config, command.options); !can) {
     return report(can.error());
+  }
+  if (replaces_map(command.input.map, command.output)) {
+    return report({ErrorCode::kInvalidArgument,
+                   fmt::format("the run would replace the map in {} that it is to find itself in",
+                               command.output),
+                   "give another folder: -o FOLDER"});
   }
   // There is no folder yet, and somebody has to say what is waited for.
   if (stream::is_stream(command.input.input)) setup_logging({}, command.quiet);

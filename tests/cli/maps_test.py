@@ -128,6 +128,12 @@ class Maps(unittest.TestCase):
                 self.assertFalse(out.exists())
         self.sgs("run", self.room, "--localize", self.folder / "none", "--quiet", code=1)
 
+    def test_a_run_does_not_take_away_the_map_that_it_looks_for_itself_in(self):
+        for given in (self.first, self.map):
+            arguments = ("run", self.room, "--localize", given, "-o", self.first, *SMALL)
+            self.assertIn("would replace", self.sgs(*arguments, code=2).stderr)
+        self.assertTrue(self.map.exists())
+
 
 if __name__ == "__main__":
     SGS = pathlib.Path(sys.argv.pop(1)).resolve()
