@@ -124,8 +124,8 @@ int resume_command(RunCommand command) {
 bool replaces_map(const std::string& map, const std::filesystem::path& output) {
   namespace fs = std::filesystem;
   std::error_code unreadable;
-  const fs::path given = fs::is_directory(map, unreadable) ? fs::path(map) / run::files::kLastingMap
-                                                           : fs::path(map);
+  const fs::path given =
+      fs::is_directory(map, unreadable) ? fs::path(map) / run::files::kLastingMap : fs::path(map);
   return !map.empty() && !output.empty() &&
          fs::equivalent(output / run::files::kLastingMap, given, unreadable);
 }
