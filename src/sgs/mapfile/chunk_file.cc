@@ -23,7 +23,7 @@ static_assert(std::endian::native == std::endian::little, "map files are little-
 
 constexpr std::string_view kMagic = "sgs-map\n";
 constexpr int kPackingLevel = 3;
-// limit: a chunk of a map file, bytes unpacked
+// limit: a chunk of a map file, unpacked, bytes
 constexpr std::uint64_t kLargestChunk_bytes = std::uint64_t{1} << 30;
 
 /// At the very beginning and, with where the table lies, at the very end. Never changes with the

@@ -15,7 +15,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-// limit: pixels on a side of a map's view
+// limit: side of the views in a map file, pixels
 constexpr int kMostPixels = 16384;
 
 int expected_gray(const Image<std::uint8_t>& gray, int u, int v) {
