@@ -90,7 +90,7 @@ struct Path {
   std::vector<StampedPose> poses;
 
   void add(const RgbdFrame* frame, const tracker::TrackResult* result) {
-    if (result != nullptr) poses.push_back({frame->timestamp_s, result->T_world_camera});
+    if (result != nullptr) poses.push_back({frame->timestamp_s, result->T_odom_camera});
   }
   eval::TrajectoryMetrics against(const Trajectory& truth) const {
     return eval::evaluate_trajectory(eval::to_estimates(Trajectory(poses)), truth);

@@ -22,6 +22,7 @@
 #include "sgs/io/trajectory_io.h"
 #include "sgs/loops/loop_closer.h"
 #include "sgs/registration/view_distance.h"
+#include "sgs/tracker/odometry.h"
 #include "tracking_input.h"
 
 namespace {
@@ -120,6 +121,14 @@ Status save_paths(const std::string& folder, const std::string& name,
   return io::save_trajectory(path + "-final.txt", Trajectory(corrected));
 }
 
+std::vector<StampedPose> poses_of(const history::Path& path) {
+  std::vector<StampedPose> out;
+  for (std::size_t k = 0; k < path.size(); ++k) {
+    out.push_back({path[k].timestamp_s, path[k].T_odom_camera});
+  }
+  return out;
+}
+
 /// One row of the table.
 Status judge(const std::string& input_name, const slam::SessionConfig& config,
              const Options& options) {
@@ -129,9 +138,9 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
   dataset::FrameSource& source = *input.source;
   const Trajectory truth = source.ground_truth();
   SGS_ASSIGN_OR_RETURN(auto tracker, tracker::make_tracker(config.tracker, source.camera(), SE3{}));
-  tracker = options.drift.onto(std::move(tracker), config.seed);
+  tracker::Odometry odometry(options.drift.onto(std::move(tracker), config.seed));
   loops::LoopCloser closer(config.loops, config.tracker, config.seed);
-  std::vector<StampedPose> online, corrected;
+  std::vector<StampedPose> online;
   std::vector<double> track_ms;
   double closing_ms = 0, longest_ms = 0;
   int lost = 0;
@@ -141,26 +150,21 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
        read = source.next(frame, error)) {
     if (read != dataset::FrameRead::kOk) continue;
     const double begin_s = thread_cpu_time_s();
-    const auto result = tracker->track(frame, nullptr);
+    const auto result = odometry.track(frame, nullptr);
     const double tracked_s = thread_cpu_time_s();
     track_ms.push_back(1e3 * (tracked_s - begin_s));
     lost += result.status == tracker::TrackingStatus::kLost ? 1 : 0;
-    online.push_back({frame.timestamp_s, result.T_world_camera});
-    corrected.push_back(online.back());
+    online.push_back({frame.timestamp_s, result.T_odom_camera});
     if (!config.loops.enabled) continue;
-    const auto correction = closer.add(frame, result);
+    const auto correction = closer.add(frame, result, odometry.revision());
     const double ms = 1e3 * (thread_cpu_time_s() - tracked_s);
     closing_ms += ms;
     longest_ms = std::max(longest_ms, ms);
     if (!correction) continue;
-    for (StampedPose& p : corrected) {
-      p.T_world_camera = correction->corrected(p.T_world_camera, p.timestamp_s);
-    }
+    odometry.revise({*correction});
     log().debug("frame {}: {} loops, moves by {:.3f} m; error so far {:.2f} cm", frame.index,
                 closer.skeleton().loops().size(), correction->largest_translation_m(),
-                ate_cm(corrected, truth));
-    tracker->correct(*correction);
-    closer.note_applied(*correction);
+                ate_cm(poses_of(odometry.revision().path), truth));
   }
   // Edges against the truth.
   const loops::Skeleton& s = closer.skeleton();
@@ -191,6 +195,7 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
     std::sort(part.begin(), part.end());
     return part[part.size() * 95 / 100];
   };
+  const std::vector<StampedPose> corrected = poses_of(odometry.revision().path);
   const loops::LoopCounts& c = closer.counts();
   fmt::print(
       "| {} | {} | {} | {:.2f} | {:.2f} | {} | {} / {} / {} / {} / {} | {} of {} | {} | {} | {} | "
@@ -199,9 +204,10 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
       "| "
       "{:.1f} / {:.1f} | {:.2f} | {:.0f} |\n",
       benchmarks::short_name(input_name), online.size(), lost, ate_cm(online, truth),
-      ate_cm(corrected, truth), s.size(), c.compared, c.verified, c.gated, c.accepted, c.taken_back,
-      seen.found, seen.stretches, wrong, c.mended, c.corrections, loop_nees.mean(), way_nees.mean(),
-      p95(0, track_ms.size() / 2), p95(track_ms.size() / 2, track_ms.size()),
+      ate_cm(poses_of(odometry.revision().path), truth), s.size(), c.compared, c.verified, c.gated,
+      c.accepted, c.taken_back, seen.found, seen.stretches, wrong, c.mended, c.corrections,
+      loop_nees.mean(), way_nees.mean(), p95(0, track_ms.size() / 2),
+      p95(track_ms.size() / 2, track_ms.size()),
       closing_ms / static_cast<double>(std::max<std::size_t>(1, online.size())), longest_ms);
   std::fflush(stdout);
   return save_paths(options.trajectories, benchmarks::short_name(input_name), online, corrected);

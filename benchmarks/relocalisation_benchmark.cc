@@ -20,7 +20,7 @@
 #include "sgs/core/random.h"
 #include "sgs/dataset/feed_item.h"
 #include "sgs/geometry/trajectory.h"
-#include "sgs/tracker/tracker.h"
+#include "sgs/tracker/odometry.h"
 #include "tracking_input.h"
 
 namespace {
@@ -42,10 +42,11 @@ class Known {
  public:
   Known(std::vector<std::shared_ptr<const RgbdFrame>> frames,
         std::unique_ptr<tracker::Tracker> tracker)
-      : frames_(std::move(frames)), tracker_(std::move(tracker)) {
+      : frames_(std::move(frames)), odometry_(std::move(tracker)) {
     for (const auto& frame : frames_) {
       clock_s_ = frame->timestamp_s;
-      poses_.push_back(tracker_->track(*frame, nullptr).T_world_camera);
+      index_ = frame->index;
+      poses_.push_back(odometry_.track(*frame, nullptr).T_odom_camera);
     }
   }
 
@@ -84,7 +85,7 @@ class Known {
     for (std::size_t k = first; k < first + kFollowed; ++k) {
       const auto result = track(*frames_[k]);
       if (result.status == tracker::TrackingStatus::kLost) continue;
-      if (!is_right(k, result.T_world_camera)) {
+      if (!is_right(k, result.T_odom_camera)) {
         ++out.wrong;
         return;
       }
@@ -95,11 +96,13 @@ class Known {
   tracker::TrackResult track(const RgbdFrame& frame) {
     RgbdFrame now = frame;
     now.timestamp_s = clock_s_ += 1.0 / 30;
-    return tracker_->track(now, nullptr);
+    now.index = ++index_;
+    return odometry_.track(now, nullptr);
   }
 
   std::vector<std::shared_ptr<const RgbdFrame>> frames_;
-  std::unique_ptr<tracker::Tracker> tracker_;
+  tracker::Odometry odometry_;
+  std::int64_t index_ = 0;
   std::vector<SE3> poses_;
   double clock_s_ = 0;
 };

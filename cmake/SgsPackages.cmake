@@ -11,7 +11,7 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
-set(CPACK_COMPONENTS_ALL sgs sgs-video libsgs0 libsgs-dev)
+set(CPACK_COMPONENTS_ALL sgs sgs-video sgs-cameras libsgs0 libsgs-dev)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
@@ -24,12 +24,18 @@ set(CPACK_DEBIAN_SGS_PACKAGE_SECTION science)
 set(CPACK_COMPONENT_SGS_DESCRIPTION
     "RGB-D SLAM on CPUs: the program sgs\n Tracks an RGB-D camera and builds a photorealistic 3D Gaussian map.")
 # Apart, because the encoders bring over a hundred libraries.
-set(CPACK_DEBIAN_SGS_PACKAGE_RECOMMENDS sgs-video)
+set(CPACK_DEBIAN_SGS_PACKAGE_RECOMMENDS "sgs-video, sgs-cameras")
 set(CPACK_DEBIAN_SGS-VIDEO_PACKAGE_NAME sgs-video)
 set(CPACK_DEBIAN_SGS-VIDEO_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_SGS-VIDEO_PACKAGE_DEPENDS "sgs (= ${PROJECT_VERSION})")
 set(CPACK_COMPONENT_SGS-VIDEO_DESCRIPTION
     "RGB-D SLAM on CPUs: videos\n What `sgs render --video` starts.")
+# Without any SDK: they are opened at run time.
+set(CPACK_DEBIAN_SGS-CAMERAS_PACKAGE_NAME sgs-cameras)
+set(CPACK_DEBIAN_SGS-CAMERAS_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_SGS-CAMERAS_PACKAGE_DEPENDS "sgs (= ${PROJECT_VERSION})")
+set(CPACK_COMPONENT_SGS-CAMERAS_DESCRIPTION
+    "RGB-D SLAM on CPUs: cameras\n What `sgs run camera:` starts, and who may open cameras (udev rules).")
 set(CPACK_DEBIAN_LIBSGS0_PACKAGE_NAME libsgs0)
 set(CPACK_DEBIAN_LIBSGS0_PACKAGE_SECTION libs)
 set(CPACK_COMPONENT_LIBSGS0_DESCRIPTION
@@ -42,7 +48,7 @@ set(CPACK_COMPONENT_LIBSGS-DEV_DESCRIPTION
 if(SGS_WITH_OPENVDB)
   # Apart, because OpenVDB weighs more than everything else.
   list(APPEND CPACK_COMPONENTS_ALL sgs-mesh)
-  set(CPACK_DEBIAN_SGS_PACKAGE_RECOMMENDS "sgs-video, sgs-mesh")
+  set(CPACK_DEBIAN_SGS_PACKAGE_RECOMMENDS "sgs-video, sgs-cameras, sgs-mesh")
   set(CPACK_DEBIAN_SGS-MESH_PACKAGE_NAME sgs-mesh)
   set(CPACK_DEBIAN_SGS-MESH_PACKAGE_SECTION science)
   set(CPACK_DEBIAN_SGS-MESH_PACKAGE_DEPENDS "sgs (= ${PROJECT_VERSION})")

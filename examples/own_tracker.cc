@@ -15,15 +15,15 @@ class KnownPoses : public sgs::tracker::Tracker {
  public:
   explicit KnownPoses(sgs::Trajectory poses) : poses_(std::move(poses)) {}
 
-  sgs::tracker::TrackResult track(const sgs::RgbdFrame& frame,
+  sgs::tracker::TrackResult track(const sgs::RgbdFrame& frame, const sgs::history::Revision&,
                                   const sgs::map::SnapshotPtr&) override {
     sgs::tracker::TrackResult result;
-    const auto T_world_camera = poses_.at(frame.timestamp_s, kMaxGap_s);
-    if (!T_world_camera) {
+    const auto T_odom_camera = poses_.at(frame.timestamp_s, kMaxGap_s);
+    if (!T_odom_camera) {
       result.status = sgs::tracker::TrackingStatus::kLost;
       result.lost_reason = sgs::tracker::LostReason::kOther;
     }
-    result.T_world_camera = last_ = T_world_camera.value_or(last_);
+    result.T_odom_camera = last_ = T_odom_camera.value_or(last_);
     return result;
   }
   bool follows_map() const override { return false; }

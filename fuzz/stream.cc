@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// What a client of `sgs run live:...` may send. The first byte says in which pieces it comes.
+// What a client of `sgs run live:...`, or a program for a camera, may send. The first byte says in
+// which pieces it comes.
 #include "harness.h"
 #include "sgs/stream/frame_codec.h"
+#include "sgs/stream/inertial_store.h"
 #include "sgs/stream/protocol.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -14,6 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::size_t piece = 1 + choice.number;
   stream::StreamParser parser;
   std::optional<stream::FrameDecoder> decoder;
+  stream::InertialStore inertial;
   for (std::size_t at = 0; at < choice.rest.size(); at += piece) {
     parser.push(choice.rest.substr(at, piece));
     while (true) {
@@ -24,6 +27,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       }
       if (*part == Part::kNone) break;
       if (*part == Part::kEnd) return 0;
+      if (*part == Part::kImu) {
+        inertial.add(parser.imu(), 0, parser.hello());
+        continue;
+      }
       if (*part == Part::kHello) {
         const auto& hello = parser.hello();
         const PinholeCamera& c = hello.camera_of_depth().camera;

@@ -26,9 +26,19 @@ api::Trajectory make_trajectory(const Doubles& times, const Doubles& poses) {
   return trajectory;
 }
 
+const char* lens_name(const api::Camera& c) {
+  return c.lens == api::Lens::kFisheye ? "fisheye" : "brown";
+}
+
+api::Lens lens_named(const std::string& name) {
+  if (name == "fisheye") return api::Lens::kFisheye;
+  if (name == "brown") return api::Lens::kBrown;
+  throw py::value_error("lens is 'brown' or 'fisheye', not '" + name + "'");
+}
+
 std::string camera_text(const api::Camera& c) {
-  return py::str("Camera({}, {}, fx={}, fy={}, cx={}, cy={}, distortion={})")
-      .format(c.width, c.height, c.fx, c.fy, c.cx, c.cy, c.distortion)
+  return py::str("Camera({}, {}, fx={}, fy={}, cx={}, cy={}, distortion={}, lens='{}')")
+      .format(c.width, c.height, c.fx, c.fy, c.cx, c.cy, c.distortion, lens_name(c))
       .cast<std::string>();
 }
 
@@ -37,11 +47,12 @@ std::string camera_text(const api::Camera& c) {
 void add_values(py::module_& module) {
   py::class_<api::Camera>(module, "Camera")
       .def(py::init([](int width, int height, double fx, double fy, double cx, double cy,
-                       std::vector<double> distortion) {
-             return api::Camera{width, height, fx, fy, cx, cy, std::move(distortion)};
+                       std::vector<double> distortion, const std::string& lens) {
+             return api::Camera{width,           height, fx, fy, cx, cy, std::move(distortion),
+                                lens_named(lens)};
            }),
            py::arg("width"), py::arg("height"), py::arg("fx"), py::arg("fy"), py::arg("cx"),
-           py::arg("cy"), py::arg("distortion") = std::vector<double>{})
+           py::arg("cy"), py::arg("distortion") = std::vector<double>{}, py::arg("lens") = "brown")
       .def_readonly("width", &api::Camera::width)
       .def_readonly("height", &api::Camera::height)
       .def_readonly("fx", &api::Camera::fx)
@@ -49,6 +60,7 @@ void add_values(py::module_& module) {
       .def_readonly("cx", &api::Camera::cx)
       .def_readonly("cy", &api::Camera::cy)
       .def_readonly("distortion", &api::Camera::distortion)
+      .def_property_readonly("lens", &lens_name)
       .def("__repr__", camera_text);
 
   py::class_<api::Trajectory>(module, "Trajectory")

@@ -132,7 +132,8 @@ Mending mend(double stretch, double turn_rad, double step_m = 0, double doubt_sh
   config.loops.min_gap_s = 1000;
   loops::LoopCloser closer(config.loops, config.tracker, 0);
   SE3 T_said, T_now, T_true_last;
-  std::vector<StampedPose> said, online, corrected;
+  history::Revision now;
+  std::vector<StampedPose> said, online;
   for (const auto& frame : desk().frames) {
     const SE3& T_true = *frame->truth_T_world_camera;
     if (said.empty()) {
@@ -146,18 +147,19 @@ Mending mend(double stretch, double turn_rad, double step_m = 0, double doubt_sh
     }
     T_true_last = T_true;
     said.push_back({frame->timestamp_s, T_said});
-    corrected.push_back({frame->timestamp_s, T_now});
-    online.push_back(corrected.back());
+    online.push_back({frame->timestamp_s, T_now});
+    now.path.append({frame->index, frame->timestamp_s, T_now});
     tracker::TrackResult result;
-    result.T_world_camera = T_now;
+    result.T_odom_camera = T_now;
     result.information = 1e7 * Matrix6d::Identity();
-    const auto correction = closer.add(*frame, result);
+    const auto correction = closer.add(*frame, result, now);
     if (!correction) continue;
-    for (StampedPose& p : corrected) {
-      p.T_world_camera = correction->corrected(p.T_world_camera, p.timestamp_s);
-    }
-    T_now = corrected.back().T_world_camera;
-    closer.note_applied(*correction);
+    now = history::revised(now, {*correction});
+    T_now = now.path.back().T_odom_camera;
+  }
+  std::vector<StampedPose> corrected;
+  for (std::size_t k = 0; k < now.path.size(); ++k) {
+    corrected.push_back({now.path[k].timestamp_s, now.path[k].T_odom_camera});
   }
   const auto error_m = [](const std::vector<StampedPose>& poses) {
     return ate_m(Trajectory(poses), desk().truth);
@@ -196,12 +198,14 @@ TEST(Loops, ASingleStepToOldSurfacesIsNotUndone) {
 int loops_across(const std::function<SE3(const RgbdFrame&, std::size_t)>& pose_of) {
   const slam::SessionConfig config = config_with_loops();
   loops::LoopCloser closer(config.loops, config.tracker, 0);
+  history::Revision now;
   std::size_t i = 0;
   for (const auto& frame : desk().frames) {
     tracker::TrackResult result;
-    result.T_world_camera = pose_of(*frame, i++);
+    result.T_odom_camera = pose_of(*frame, i++);
     result.information = 1e7 * Matrix6d::Identity();
-    if (const auto c = closer.add(*frame, result)) closer.note_applied(*c);
+    now.path.append({frame->index, frame->timestamp_s, result.T_odom_camera});
+    if (const auto c = closer.add(*frame, result, now)) now = history::revised(now, {*c});
   }
   const loops::Skeleton& s = closer.skeleton();
   const double half_s = desk().frames[desk().frames.size() / 2]->timestamp_s;
@@ -228,7 +232,11 @@ TEST(Loops, PlacesThatOnlyLookAlikeAreNotJoined) {
 TEST(Loops, TrackersThatSayNothingOfTheirCertaintyAreLeftAlone) {
   const slam::SessionConfig config = config_with_loops();
   loops::LoopCloser closer(config.loops, config.tracker, 0);
-  for (const auto& frame : desk().frames) EXPECT_FALSE(closer.add(*frame, {}));
+  history::Revision now;
+  for (const auto& frame : desk().frames) {
+    now.path.append({frame->index, frame->timestamp_s, {}});
+    EXPECT_FALSE(closer.add(*frame, {}, now));
+  }
   EXPECT_EQ(closer.skeleton().size(), 0);
 }
 

@@ -12,9 +12,10 @@ namespace {
 class TruthTracker : public tracker::Tracker {
  public:
   explicit TruthTracker(std::int64_t lost_index) : lost_index_(lost_index) {}
-  tracker::TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr&) override {
+  tracker::TrackResult track(const RgbdFrame& frame, const history::Revision&,
+                             const map::SnapshotPtr&) override {
     tracker::TrackResult result;
-    result.T_world_camera = *frame.truth_T_world_camera;
+    result.T_odom_camera = *frame.truth_T_world_camera;
     if (frame.index == lost_index_) {
       result.status = tracker::TrackingStatus::kLost;
       result.lost_reason = tracker::LostReason::kOther;

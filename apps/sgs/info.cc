@@ -17,6 +17,7 @@
 #include "sgs/mapfile/map_file.h"
 #include "sgs/runfolder/run_config.h"
 #include "sgs/slam/frame_record.h"
+#include "sgs/stream/camera_program.h"
 #include "sgs/synthetic/source.h"
 
 namespace sgs::app {
@@ -25,7 +26,7 @@ namespace {
 struct InfoOptions {
   run::InputSpec input;
   bool config = false, markdown = false, scenes = false, json = false;
-  bool columns = false, metrics = false;
+  bool columns = false, metrics = false, cameras = false;
   std::string preset = "default";
 };
 
@@ -41,6 +42,58 @@ int print_config(const InfoOptions& options) {
 int print_scenes() {
   for (const auto& scene : synthetic::scene_names()) {
     print("synth:{:<34} {:>5} frames  {}\n", scene.name, scene.default_frames, scene.description);
+  }
+  return kExitDone;
+}
+
+nlohmann::json family_json(const stream::CameraFamily& family) {
+  nlohmann::json json = {{"family", family.program.family},
+                         {"program", family.program.path.string()},
+                         {"library", family.library},
+                         {"devices", nlohmann::json::array()}};
+  for (const auto& device : family.devices) {
+    json["devices"].push_back(
+        {{"input", fmt::format("camera:{}:{}", family.program.family, device.serial)},
+         {"name", device.name},
+         {"serial", device.serial},
+         {"firmware", device.firmware},
+         {"connection", device.connection}});
+  }
+  if (family.problem) {
+    json["problem"] = {{"message", family.problem->message}, {"remedy", family.problem->remedy}};
+  }
+  return json;
+}
+
+void print_family(const stream::CameraFamily& family) {
+  print("{:<12} {}\n", family.program.family,
+        family.library.empty() ? "no library" : "library " + family.library);
+  for (const auto& device : family.devices) {
+    print("  camera:{}:{}  {}, firmware {}, {}\n", family.program.family, device.serial,
+          device.name, device.firmware, device.connection);
+  }
+  if (family.problem) {
+    print("  {}\n  {}\n", family.problem->message, family.problem->remedy);
+  }
+}
+
+/// The programs for cameras that are installed, the libraries that they find, and what is plugged
+/// in.
+int print_cameras(const InfoOptions& options) {
+  const auto programs = stream::find_camera_programs();
+  nlohmann::json all = nlohmann::json::array();
+  for (const auto& program : programs) {
+    const auto family = stream::ask_camera_program(program);
+    if (options.json) {
+      all.push_back(family_json(family));
+    } else {
+      print_family(family);
+    }
+  }
+  if (options.json) {
+    print("{}\n", all.dump(2));
+  } else if (programs.empty()) {
+    print("no program for cameras is installed: the package sgs-cameras has them\n");
   }
   return kExitDone;
 }
@@ -199,6 +252,8 @@ void add_info(CLI::App& app, Action& action) {
   sub->add_flag("--columns", options->columns, "Print what frames.csv holds, as Markdown");
   sub->add_flag("--metrics", options->metrics, "Print what metrics.json holds, as Markdown");
   sub->add_flag("--scenes", options->scenes, "List the synthetic scenes");
+  sub->add_flag("--cameras", options->cameras,
+                "List the cameras that are plugged in, and what to install for others");
   sub->add_flag("--json", options->json, "Print JSON");
   sub->callback([options, &action] {
     action = [options]() -> int {
@@ -208,9 +263,11 @@ void add_info(CLI::App& app, Action& action) {
         return kExitDone;
       }
       if (options->scenes) return print_scenes();
+      if (options->cameras) return print_cameras(*options);
       if (options->input.input.empty()) {
-        return report({ErrorCode::kInvalidArgument, "nothing to describe",
-                       "give a sequence folder, --config, --columns, --metrics or --scenes"});
+        return report(
+            {ErrorCode::kInvalidArgument, "nothing to describe",
+             "give a sequence folder, --cameras, --config, --columns, --metrics or --scenes"});
       }
       if (mapfile::looks_like_map(options->input.input)) {
         return print_map(options->input.input, options->json);

@@ -75,6 +75,7 @@ int parse_and_run(int argc, char** argv) {
   add_synth(app, action);
   add_convert(app, action);
   add_send(app, action);
+  add_camera_test(app, action);
   add_export(app, action);
   add_info(app, action);
   add_view(app, action);

@@ -130,9 +130,16 @@ bool replaces_map(const std::string& map, const std::filesystem::path& output) {
          fs::equivalent(output / run::files::kLastingMap, given, unreadable);
 }
 
+/// A camera sets the pace, unless every frame of it is wanted.
+bool at_the_cameras_rate(const std::string& input) {
+  const auto address = stream::parse_address(input);
+  return address && address->camera && !address->camera->every_frame;
+}
+
 int run_command(RunCommand command) {
   run::return_freed_images(command.options.preload);
   if (!command.resume.empty()) return resume_command(std::move(command));
+  command.options.realtime |= at_the_cameras_rate(command.input.input);
   const auto config = run::resolve_config(command.config, command.input);
   if (!config) return report(config.error());
   if (command.input.input.empty()) {
@@ -166,8 +173,8 @@ void add_run(CLI::App& app, Action& action) {
   auto command = std::make_shared<RunCommand>();
   auto* sub = app.add_subcommand("run", "SLAM on a sequence: trajectory, Gaussian map, scores");
   add_input_argument(*sub, command->input,
-                     "Sequence folder, bag (or the files of one), synth:NAME[:LEVEL], or "
-                     "live:tcp://127.0.0.1:PORT");
+                     "Sequence folder, bag (or the files of one), synth:NAME[:LEVEL], "
+                     "live:tcp://127.0.0.1:PORT, or camera: (docs/cameras.md)");
   sub->add_option("-o,--output", command->output, "Run folder (default runs/TIME-NAME)");
   auto* resume = sub->add_option("--resume", command->resume,
                                  "Go on with the run of this folder, which was killed or stopped: "

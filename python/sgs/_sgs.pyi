@@ -17,7 +17,10 @@ _Association = Literal["interpolate", "nearest", "nice-slam"]
 __version__: str
 
 class Camera:
-    """A pinhole camera: pixels; distortion in OpenCV's order k1 k2 p1 p2 [k3 [k4 k5 k6]]."""
+    """A pinhole camera: pixels; distortion in OpenCV's order k1 k2 p1 p2 [k3 [k4 k5 k6]].
+
+    Of a fisheye (Kannala and Brandt, cv2.fisheye) k1 k2 k3 k4.
+    """
 
     def __init__(
         self,
@@ -28,6 +31,7 @@ class Camera:
         cx: float,
         cy: float,
         distortion: Sequence[float] = ...,
+        lens: Literal["brown", "fisheye"] = ...,
     ) -> None: ...
     @property
     def width(self) -> int: ...
@@ -43,6 +47,8 @@ class Camera:
     def cy(self) -> float: ...
     @property
     def distortion(self) -> List[float]: ...
+    @property
+    def lens(self) -> Literal["brown", "fisheye"]: ...
 
 class Trajectory:
     """Poses T_world_camera (N, 4, 4) in rising order of time (N,), seconds."""

@@ -220,5 +220,64 @@ class UpdateResults(Case):
         self.assertIn("page.md", self.update("a", code=1))
 
 
+class CountPast(Case):
+    """On modules that remember frames in each way there is."""
+
+    def counts(self):
+        lines = self.script("count_past.py", self.folder).stdout.splitlines()
+        return {line[:24].strip(): int(line[24:]) for line in lines}
+
+    def test_counts_nothing_where_nothing_is_remembered(self):
+        self.write("src/sgs/slam/session.h", "struct Session {", "  int frames = 0;", "};")
+        self.assertEqual(set(self.counts().values()), {0})
+
+    def test_a_pose_of_its_own(self):
+        place = ["struct Place {", "  double timestamp_s = 0;", "  SE3 T_world_camera;", "};"]
+        self.write("src/sgs/loops/place.h", *place)
+        self.assertEqual(self.counts()["pose copies"], 0, "of which nobody keeps many")
+        self.write("src/sgs/loops/places.h", "struct Places {", "  std::deque<Place> all;", "};")
+        self.assertEqual(self.counts()["pose copies"], 1)
+        self.write("src/sgs/slam/place.h", *place, "std::vector<Place> refined;")
+        self.assertEqual(self.counts()["pose copies"], 1, "refined ones are another matter")
+        self.write("src/sgs/loops/test_place.h", *place, "std::vector<Place> all;")
+        self.assertEqual(self.counts()["pose copies"], 1, "nor do tests count")
+
+    def test_who_follows_and_where_a_revision_enters(self):
+        self.write(
+            "src/sgs/tracker/points.h",
+            "void follow(const LocalPast& past);",
+            "void bend(const Keyframe& keyframe,",
+            "          const DepthChange& change);",
+            "// void correct(int);",
+            "void look(const LocalPast& past);",
+        )
+        self.write("src/sgs/tracker/points.cc", "void Points::follow(const LocalPast& past) {}")
+        self.write("src/sgs/slam/log.cc", "const SE3 T = revision.path.at(frame);")
+        self.assertEqual(self.counts()["functions that follow"], 2)
+        self.assertEqual(self.counts()["files a revision enters"], 1)
+
+    def test_pictures_and_bounds_of_memory(self):
+        self.write(
+            "src/sgs/backend/keyframe.h",
+            "struct Keyframe {",
+            "  GrayPyramid gray;",
+            "  registration::InverseDepthField inverse_depth;",
+            "};",
+            "struct Other {",
+            "  CompactView view;",
+            "  CompactView made() const;",
+            "};",
+            'p.add("most", most, "Keyframes kept.");',
+            'p.add("most_loops", most_loops, "Edges.");',
+        )
+        self.assertEqual(self.counts()["pixel formats"], 2)
+        self.assertEqual(self.counts()["memory knobs"], 1)
+
+    def test_a_folder_without_sources(self):
+        done = self.script("count_past.py", self.folder, code=2)
+        self.assertIn(str(self.folder), done.stderr)
+        self.assertNotIn("Traceback", done.stderr)
+
+
 if __name__ == "__main__":
     unittest.main(verbosity=2)

@@ -311,14 +311,6 @@ class Clocks(Found):
 
 
 class Lists(Found):
-    def copy(self, name):
-        folder = self.folder / name
-        shutil.copytree(self.shared / "tum", folder)
-        return folder
-
-    def rows(self, folder, file):
-        return [l.split() for l in (folder / file).read_text().splitlines() if l[0] != "#"]
-
     def test_texts_of_other_systems(self):
         for name, code in (
             ("returns", lambda t: t.replace("\n", "\r").encode()),

@@ -17,6 +17,7 @@ import numpy as np
 
 import foreign_writers as foreign
 import ros2_messages as ros2
+from rendered import render
 
 SGS = pathlib.Path(sys.argv.pop(1)).resolve()
 FRAMES = 24
@@ -35,17 +36,9 @@ class Found(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.shared = pathlib.Path(tempfile.mkdtemp(prefix="sgs-found-"))
-        master = cls.shared / "master"
-        command = [SGS, "synth", "room_desk", master, "--frames", str(FRAMES), "--quiet"]
-        subprocess.run(command, check=True, capture_output=True)
-        full = foreign.read_tum(master)
         cls.r = dataclasses.replace(
-            full,
+            render(SGS, cls.shared / "master", FRAMES),
             times=[round(i / 30, 3) for i in range(FRAMES)],
-            color=[np.ascontiguousarray(c[::2, ::2]) for c in full.color],
-            depth=[((d[::2, ::2] + 2) // 5).astype(np.uint16) for d in full.depth],
-            depth_scale=1000,
-            **{k: getattr(full, k) / 2 for k in ("fx", "fy", "cx", "cy")},
         )
         cls.k = (cls.r.fx, cls.r.fy, cls.r.cx, cls.r.cy)
         cls.size = (cls.r.width, cls.r.height)
@@ -128,6 +121,39 @@ class Found(unittest.TestCase):
 
     def bag(self, messages, name="a.db3"):
         return ros2.write_db3(self.folder / name, messages)
+
+    def copy(self, name):
+        """The plain folder under another name."""
+        folder = self.folder / name
+        shutil.copytree(self.shared / "tum", folder)
+        return folder
+
+    def rows(self, folder, file):
+        """The fields of each row of a list."""
+        text = (folder / file).read_text()
+        return [line.split() for line in text.splitlines() if line[0] != "#"]
+
+    def listed(self, name, row):
+        """The plain folder with rows of one's own: row(i, time, name) gives the text of each."""
+        folder = self.copy(name)
+        for file in ("rgb.txt", "depth.txt"):
+            rows = self.rows(folder, file)
+            lines = [row(i, float(t), n) + "\n" for i, (t, n) in enumerate(rows)]
+            foreign.put(folder / file, "".join(lines))
+        return folder
+
+    def two_folders(self, name, picture, color="rgb", depth="depth"):
+        """Pictures in two folders and nothing else; picture(i, time) is their name."""
+        folder = self.folder / name
+        for i, t in enumerate(self.r.times):
+            foreign.put(folder / color / picture(i, t), foreign.png(self.r.color[i]))
+            foreign.put(folder / depth / picture(i, t), foreign.png(self.r.depth[i]))
+        return folder
+
+    @property
+    def camera(self):
+        """Options for pictures of which nothing is known."""
+        return ("--camera", ",".join(map(str, self.k)), "--depth-scale", "1000")
 
     def plain(self):
         return [m for i in range(FRAMES) for m in (self.color_info(i), *self.pair(i))]

@@ -17,6 +17,7 @@ import unittest
 import numpy as np
 
 import foreign_writers as foreign
+from rendered import render
 
 SGS = pathlib.Path(sys.argv.pop(1)).resolve()
 FRAMES = 150
@@ -39,17 +40,7 @@ class Given(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.shared = pathlib.Path(tempfile.mkdtemp(prefix="sgs-given-"))
-        master = cls.shared / "master"
-        command = [SGS, "synth", "room_desk", master, "--frames", str(FRAMES), "--quiet"]
-        subprocess.run(command, check=True, capture_output=True)
-        full = foreign.read_tum(master)
-        cls.full = dataclasses.replace(
-            full,
-            color=[np.ascontiguousarray(c[::2, ::2]) for c in full.color],
-            depth=[np.ascontiguousarray((d[::2, ::2] + 2) // 5) for d in full.depth],
-            depth_scale=1000,
-            **{key: getattr(full, key) / 2 for key in ("fx", "fy", "cx", "cy")},
-        )
+        cls.full = render(SGS, cls.shared / "master", FRAMES)
         cls.sparse = dataclasses.replace(
             cls.full,
             **{

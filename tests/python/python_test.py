@@ -215,6 +215,14 @@ class BadInput(WithSequence):
         self.refused(TypeError, "PathLike", sgs.open, 7)
         self.refused(ValueError, "4x4", sgs.Map.load(str(self.splats())).render, self.camera, 1)
         self.refused(ValueError, "fx", sgs.Session, sgs.Camera(64, 48, 0, 50, 32, 24))
+        bent = sgs.Camera(64, 48, 50, 50, 32, 24, [0.1, 0, 0, 0], lens="fisheye")
+        self.assertEqual((bent.lens, self.camera.lens), ("fisheye", "brown"))
+        self.assertIn("lens='fisheye'", repr(bent))
+        sgs.Session(bent)
+        five = sgs.Camera(64, 48, 50, 50, 32, 24, [0.1, 0, 0, 0, 0], lens="fisheye")
+        self.refused(ValueError, "k1 k2 k3 k4", sgs.Session, five)
+        with self.assertRaisesRegex(ValueError, "'brown' or 'fisheye'"):
+            sgs.Camera(64, 48, 50, 50, 32, 24, lens="telephoto")
         self.refused(ValueError, "nearest", sgs.evaluate, self.truth, self.truth, "near")
 
     def splats(self):

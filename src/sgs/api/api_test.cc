@@ -220,6 +220,11 @@ TEST(ApiSession, RefusesCamerasThreadsAndPosesThatCannotBe) {
   EXPECT_THAT(code_with([](auto& c, auto&) { c.fx = 0; }), Eq(kInvalidArgument));
   EXPECT_THAT(code_with([](auto& c, auto&) { c.width = 1 << 30; }), Eq(kInvalidArgument));
   EXPECT_THAT(code_with([](auto& c, auto&) { c.distortion = {0.1}; }), Eq(kInvalidArgument));
+  EXPECT_THAT(code_with([](auto& c, auto&) {
+                c.lens = Lens::kFisheye;
+                c.distortion = {0.1, 0, 0, 0, 0};
+              }),
+              Eq(kInvalidArgument));
   EXPECT_THAT(code_with([](auto&, auto& o) { o.threads = 0; }), Eq(kInvalidArgument));
   EXPECT_THAT(code_with([](auto&, auto& o) { o.threads = 1000; }), Eq(kInvalidArgument));
   EXPECT_THAT(code_with([](auto&, auto& o) { o.T_world_first[0] = 2; }), Eq(kInvalidArgument));
@@ -237,6 +242,21 @@ TEST(ApiSession, TakesTheLensOutOfTheFrames) {
   bent.finish();
   EXPECT_THAT(bent.camera().distortion, IsEmpty());
   EXPECT_THAT(bent.map()->size(), Not(Eq(straight.map()->size())));
+}
+
+TEST(ApiSession, AFisheyeIsALensEvenWithoutCoefficients) {
+  const auto frames = room_frames(1);
+  std::vector<std::size_t> sizes;
+  for (const Lens model : {Lens::kBrown, Lens::kFisheye}) {
+    Camera lens = frames[0].camera();
+    lens.lens = model;
+    Session session(lens, quick_config());
+    session.feed(color_of(frames[0]), depth_of(frames[0]), 0);
+    session.finish();
+    EXPECT_THAT(session.camera().lens, Eq(Lens::kBrown));
+    sizes.push_back(session.map()->size());
+  }
+  EXPECT_THAT(sizes[1], Not(Eq(sizes[0])));
 }
 
 TEST(ApiSession, ReadersMayRunBesideTheFeeder) {

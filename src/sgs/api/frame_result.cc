@@ -52,13 +52,13 @@ Spectrum to_api_spectrum(const tracker::Diagnostics& diagnostics) {
 
 }  // namespace
 
-FrameResult to_frame_result(const slam::FrameRecord& record) {
+FrameResult to_frame_result(const slam::FrameRecord& record, const SE3& T_odom_camera) {
   FrameResult result;
   result.index = record.index;
   result.timestamp_s = record.timestamp_s;
   result.status = to_api_status(record.status);
   result.lost_reason = to_string(record.lost_reason);
-  result.T_world_camera = to_api(record.T_odom_camera);
+  result.T_world_camera = to_api(T_odom_camera);
   result.spectrum = to_api_spectrum(record.diagnostics);
   result.prior_active = record.diagnostics.prior_active;
   result.mapping_keyframe = record.mapping_keyframe;

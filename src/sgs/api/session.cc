@@ -122,7 +122,7 @@ FrameResult Session::Impl::feed(const std::shared_ptr<const RgbdFrame>& frame) {
   const slam::FrameRecord& record = slam->feed(frame);
   next_index = frame->index + 1;
   last_time_s = frame->timestamp_s;
-  return internal::to_frame_result(record);
+  return internal::to_frame_result(record, record.T_online_camera);
 }
 
 Session::Session(const Camera& camera, const Config& config, const SessionOptions& options)
@@ -183,8 +183,10 @@ std::vector<FrameResult> Session::frames() const {
   return internal::guarded([&] {
     const std::lock_guard lock(impl_->states);
     std::vector<FrameResult> results;
+    const auto& path = impl_->slam->revision().path;
     for (const auto& record : impl_->slam->records().all()) {
-      results.push_back(internal::to_frame_result(record));
+      results.push_back(
+          internal::to_frame_result(record, record.bad ? SE3{} : path.at(record.index)));
     }
     return results;
   });
@@ -195,9 +197,10 @@ Trajectory Session::trajectory() const {
     const std::lock_guard lock(impl_->states);
     if (impl_->is_finished) return internal::to_api(impl_->slam->trajectory());
     Trajectory so_far;
-    for (const auto& frame : impl_->slam->records().briefs()) {
-      so_far.times.push_back(frame.timestamp_s);
-      so_far.poses.push_back(internal::to_api(frame.T_odom_camera));
+    const auto& path = impl_->slam->revision().path;
+    for (std::size_t k = 0; k < path.size(); ++k) {
+      so_far.times.push_back(path[k].timestamp_s);
+      so_far.poses.push_back(internal::to_api(path[k].T_odom_camera));
     }
     return so_far;
   });

@@ -11,13 +11,21 @@
 
 namespace sgs::api {
 
+/// How a lens bends what the pinhole would show.
+enum class Lens {
+  kBrown,    ///< Brown and Conrady: radial and tangential, OpenCV's usual model
+  kFisheye,  ///< Kannala and Brandt: the angle as a polynomial; cv::fisheye, ROS's equidistant
+};
+
 /// A pinhole camera; pixel centres at integer coordinates.
 struct Camera {
   int width = 0, height = 0;              ///< pixels
   double fx = 0, fy = 0, cx = 0, cy = 0;  ///< pixels
-  /// Of the lens, in OpenCV's order k1 k2 p1 p2 [k3 [k4 k5 k6]]: 0, 4, 5 or 8 numbers. Frames are
-  /// rectified on their way in; cameras that the library hands out have none.
+  /// Of the lens, in OpenCV's order k1 k2 p1 p2 [k3 [k4 k5 k6]]: 0, 4, 5 or 8 numbers; k1 k2 k3 k4
+  /// of a fisheye, or 0 numbers. Frames are rectified on their way in; cameras that the
+  /// library hands out have none.
   std::vector<double> distortion;
+  Lens lens = Lens::kBrown;
 };
 
 /// T_world_camera as a 4x4 matrix, row by row: it takes points of the camera (x right, y down, z

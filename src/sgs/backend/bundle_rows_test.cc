@@ -20,7 +20,7 @@ class BundleRowsTest : public testing::Test {
     for (Keyframe& k : keyframes) {
       k.velocity = velocity;
       problem.keyframes.push_back(&k);
-      state.T_world_camera.push_back(k.T_world_camera);
+      state.T_world_camera.push_back(TestRoom::tracked_pose(static_cast<int>(k.frame)));
       state.exposures.push_back({0.05 * static_cast<double>(state.exposures.size()), 2});
       state.readout_turns.push_back(Eigen::Vector3d(1e-3, -2e-3, 5e-4));
       auto& depths = state.inverse_depths.emplace_back();

@@ -21,12 +21,13 @@ std::vector<std::vector<int>> choose_targets(const KeyframeList& keyframes,
   const auto n = static_cast<int>(keyframes.size());
   std::vector<std::vector<int>> targets(keyframes.size());
   for (int i = 0; i < n; ++i) {
-    const Keyframe& host = *keyframes[static_cast<std::size_t>(i)];
+    const PlacedKeyframe& host = keyframes[static_cast<std::size_t>(i)];
+    const SE3 T_host_odom = host.T_odom_camera.inverse();
     std::vector<std::pair<double, int>> revisits;
     for (int j = 0; j < n; ++j) {
       if (j == i) continue;
-      const double distance =
-          view_distance(host, keyframes[static_cast<std::size_t>(j)]->T_world_camera);
+      const double distance = view_distance(
+          *host.keyframe, T_host_odom * keyframes[static_cast<std::size_t>(j)].T_odom_camera);
       if (std::abs(i - j) <= config.neighbours) {
         if (distance < 2 * kSameView) targets[static_cast<std::size_t>(i)].push_back(j);
       } else if (std::abs(i - j) >= kOtherPlace && distance < kSameView) {
@@ -57,8 +58,8 @@ BundleState start_of(const KeyframeList& keyframes, int grid_size, const DepthCa
     state.delay_s = calibration.delay_s;
   }
   SGS_CHECK(state.offsets_per_m.size() == grid_size, "an estimate of another grid");
-  for (const Keyframe* k : keyframes) {
-    state.T_world_camera.push_back(k->T_world_camera);
+  for (const PlacedKeyframe& k : keyframes) {
+    state.T_world_camera.push_back(k.T_odom_camera);
     state.exposures.emplace_back();
     state.readout_turns.push_back(Eigen::Vector3d::Zero());
     auto& depths = state.inverse_depths.emplace_back();
@@ -72,10 +73,10 @@ BundleState start_of(const KeyframeList& keyframes, int grid_size, const DepthCa
 
 }  // namespace
 
-KeyframeList useful_keyframes(const std::vector<Keyframe>& all) {
+KeyframeList useful_keyframes(const std::vector<Keyframe>& all, const history::Path& path) {
   KeyframeList out;
   for (const Keyframe& k : all) {
-    if (static_cast<int>(k.pixels.size()) >= kFewestPixels) out.push_back(&k);
+    if (static_cast<int>(k.pixels.size()) >= kFewestPixels) out.push_back({&k, path.at(k.frame)});
   }
   return out;
 }
@@ -90,15 +91,15 @@ KeyframeList thinned(const KeyframeList& keyframes, int most) {
   return out;
 }
 
-Bundle make_bundle(KeyframeList keyframes, double readout_s, const CalibrationConfig& config,
+Bundle make_bundle(const KeyframeList& keyframes, double readout_s, const CalibrationConfig& config,
                    const DepthCalibration* known) {
   BundleProblem problem;
   problem.targets = choose_targets(keyframes, config);
-  problem.keyframes = std::move(keyframes);
+  for (const PlacedKeyframe& k : keyframes) problem.keyframes.push_back(k.keyframe);
   problem.readout_s = readout_s;
   problem.grid = {config.columns, config.rows};
   problem.config = config;
-  BundleState start = start_of(problem.keyframes, problem.grid.size(), known);
+  BundleState start = start_of(keyframes, problem.grid.size(), known);
   return Bundle(std::move(problem), std::move(start));
 }
 

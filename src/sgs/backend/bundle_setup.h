@@ -8,17 +8,14 @@
 
 namespace sgs::backend {
 
-/// Keyframes in order of time; whoever holds them keeps them alive.
-using KeyframeList = std::vector<const Keyframe*>;
-
-/// Those that show enough contrast on measured surfaces.
-KeyframeList useful_keyframes(const std::vector<Keyframe>& all);
+/// Those that show enough contrast on measured surfaces, where the path has them.
+KeyframeList useful_keyframes(const std::vector<Keyframe>& all, const history::Path& path);
 /// Thinned evenly if there are more than `most`.
 KeyframeList thinned(const KeyframeList& keyframes, int most);
 
-/// Bundle adjustment of all of the keyframes given: which see which, and a start as they were
-/// tracked and measured, corrected by `known` where that is given (of the configured grid).
-Bundle make_bundle(KeyframeList keyframes, double readout_s, const CalibrationConfig& config,
+/// Bundle adjustment of all of the keyframes given: which see which, and a start as they are placed
+/// and measured, corrected by `known` where that is given (of the configured grid).
+Bundle make_bundle(const KeyframeList& keyframes, double readout_s, const CalibrationConfig& config,
                    const DepthCalibration* known = nullptr);
 
 }  // namespace sgs::backend

@@ -148,11 +148,7 @@ void fill(const Bundle& bundle, const Solution& first, const Solution& solution,
   out.grey_residuals = solution.equations.grey_residuals;
   out.depth_residuals = solution.equations.depth_residuals;
   out.noise = solution.equations.measured;
-  const std::vector<const Keyframe*>& keyframes = bundle.problem().keyframes;
-  for (std::size_t k = 0; k < keyframes.size(); ++k) {
-    out.poses.push_back(
-        {keyframes[k]->timestamp_s, keyframes[k]->T_world_camera, state.T_world_camera[k]});
-  }
+  for (std::size_t k = 0; k < out.poses.size(); ++k) out.poses[k].after = state.T_world_camera[k];
 }
 
 /// Coarse to fine; what starts near the solution is there sooner.
@@ -206,7 +202,7 @@ DepthEstimate calibrate_depth(const KeyframeList& useful, double readout_s,
                               const CalibrationConfig& config, const CalibrationParts& held,
                               const DepthEstimate* known, int fewest) {
   DepthEstimate out;
-  KeyframeList keyframes = thinned(useful, config.keyframes);
+  const KeyframeList keyframes = thinned(useful, config.keyframes);
   out.keyframes = static_cast<int>(keyframes.size());
   if (out.keyframes < fewest) {
     out.why_not =
@@ -217,8 +213,11 @@ DepthEstimate calibrate_depth(const KeyframeList& useful, double readout_s,
   log().debug("bundle: {} of {} keyframes, readout {:.4f} s", out.keyframes, useful.size(),
               readout_s);
   out.stamped = std::any_of(keyframes.begin(), keyframes.end(),
-                            [](const Keyframe* k) { return k->depth_delay_s != 0; });
-  Bundle bundle = make_bundle(std::move(keyframes), readout_s, holding(config, held),
+                            [](const PlacedKeyframe& k) { return k->depth_delay_s != 0; });
+  for (const PlacedKeyframe& k : keyframes) {
+    out.poses.push_back({k->timestamp_s, k.T_odom_camera, k.T_odom_camera});
+  }
+  Bundle bundle = make_bundle(keyframes, readout_s, holding(config, held),
                               known != nullptr ? &known->calibration : nullptr);
   out.calibration.camera = bundle.problem().keyframes.front()->gray.level(0).camera;
   out.calibration.grid = bundle.problem().grid;
@@ -229,9 +228,10 @@ DepthEstimate calibrate_depth(const KeyframeList& useful, double readout_s,
   return out;
 }
 
-DepthEstimate calibrate_depth(const std::vector<Keyframe>& keyframes, double readout_s,
-                              const CalibrationConfig& config, const DepthEstimate* known) {
-  return calibrate_depth(useful_keyframes(keyframes), readout_s, config, {}, known);
+DepthEstimate calibrate_depth(const std::vector<Keyframe>& keyframes, const history::Path& path,
+                              double readout_s, const CalibrationConfig& config,
+                              const DepthEstimate* known) {
+  return calibrate_depth(useful_keyframes(keyframes, path), readout_s, config, {}, known);
 }
 
 }  // namespace sgs::backend

@@ -50,9 +50,9 @@ struct DepthEstimate {
 DepthEstimate calibrate_depth(const KeyframeList& keyframes, double readout_s,
                               const CalibrationConfig& config, const CalibrationParts& held = {},
                               const DepthEstimate* known = nullptr, int fewest = 8);
-/// The same from those that are of use.
-DepthEstimate calibrate_depth(const std::vector<Keyframe>& keyframes, double readout_s,
-                              const CalibrationConfig& config,
+/// The same from those that are of use, where the path has them.
+DepthEstimate calibrate_depth(const std::vector<Keyframe>& keyframes, const history::Path& path,
+                              double readout_s, const CalibrationConfig& config,
                               const DepthEstimate* known = nullptr);
 
 }  // namespace sgs::backend

@@ -24,7 +24,7 @@ CalibrationConfig small_config() {
 }
 
 DepthEstimate calibrated(const TestRoom& room, int views = kViews) {
-  return calibrate_depth(room.keyframes(views), 0, small_config());
+  return calibrate_depth(room.keyframes(views), TestRoom::tracked_path(views), 0, small_config());
 }
 
 TEST(CalibrateDepth, ACameraThatIsRightStaysAsItIs) {
@@ -163,8 +163,9 @@ TEST(CalibrateDepth, WhatIsHeldStaysNothing) {
   room.distort = [](double, double, double q) { return q - 0.006; };
   room.shift_px = {1.4, -0.8};
   const auto views = room.keyframes(kViews);
-  const DepthEstimate e = calibrate_depth(useful_keyframes(views), 0, small_config(),
-                                          {.shape = true, .shift = true, .delay = true});
+  const DepthEstimate e =
+      calibrate_depth(useful_keyframes(views, TestRoom::tracked_path(kViews)), 0, small_config(),
+                      {.shape = true, .shift = true, .delay = true});
   EXPECT_EQ(e.known.names(), "mean offset");
   EXPECT_TRUE(e.calibration.shift_px.isZero());
   EXPECT_EQ(e.calibration.delay_s, 0);

@@ -28,12 +28,11 @@ std::vector<HostPixel> choose_pixels(const Keyframe& keyframe, const DepthImage&
 
 }  // namespace
 
-Keyframe make_keyframe(const RgbdFrame& frame, const SE3& T_world_camera, const Vector6d& velocity,
+Keyframe make_keyframe(const RgbdFrame& frame, const Vector6d& velocity,
                        const ArchiveConfig& config) {
   Keyframe k;
   k.frame = frame.index;
   k.timestamp_s = frame.timestamp_s;
-  k.T_world_camera = T_world_camera;
   k.velocity = velocity;
   k.depth_delay_s = frame.depth_delay_s;
   k.mean_depth_m = registration::mean_depth(frame.depth, kFarthest_m);
@@ -45,18 +44,17 @@ Keyframe make_keyframe(const RgbdFrame& frame, const SE3& T_world_camera, const 
 }
 
 void KeyframeArchive::add(const std::shared_ptr<const RgbdFrame>& frame,
-                          const SE3& T_world_camera) {
-  if (pending_ && before_ && wants(pending_->T_world_camera)) {
-    const double dt = frame->timestamp_s - before_->frame->timestamp_s;
-    const Vector6d moved = (before_->T_world_camera.inverse() * T_world_camera).log();
+                          const history::Path& path) {
+  if (pending_ && before_ && wants(*pending_, path)) {
+    const double dt = frame->timestamp_s - before_->timestamp_s;
+    const SE3 T_before_now = path.at(before_->index).inverse() * path.at(frame->index);
     if (dt > 0 && dt <= config_.longest_gap_s) {
-      auto keyframe =
-          make_keyframe(*pending_->frame, pending_->T_world_camera, moved / dt, config_);
+      auto keyframe = make_keyframe(*pending_, T_before_now.log() / dt, config_);
       if (keyframe.mean_depth_m > 0) keyframes_.push_back(std::move(keyframe));
     }
   }
   before_ = std::move(pending_);
-  pending_ = Tracked{frame, T_world_camera};
+  pending_ = frame;
 }
 
 void KeyframeArchive::note_gap() {
@@ -64,21 +62,12 @@ void KeyframeArchive::note_gap() {
   pending_.reset();
 }
 
-void KeyframeArchive::correct(const PastCorrection& correction) {
-  for (Keyframe& k : keyframes_) {
-    k.T_world_camera = correction.corrected(k.T_world_camera, k.timestamp_s);
-  }
-  for (auto* tracked : {&before_, &pending_}) {
-    if (!*tracked) continue;
-    SE3& T = (*tracked)->T_world_camera;
-    T = correction.corrected(T, (*tracked)->frame->timestamp_s);
-  }
-}
-
-bool KeyframeArchive::wants(const SE3& T_world_camera) const {
+bool KeyframeArchive::wants(const RgbdFrame& frame, const history::Path& path) const {
   if (keyframes_.size() >= static_cast<std::size_t>(config_.most)) return false;
-  return keyframes_.empty() ||
-         view_distance(keyframes_.back(), T_world_camera) > config_.view_distance;
+  if (keyframes_.empty()) return true;
+  const Keyframe& last = keyframes_.back();
+  return view_distance(last, path.at(last.frame).inverse() * path.at(frame.index)) >
+         config_.view_distance;
 }
 
 }  // namespace sgs::backend

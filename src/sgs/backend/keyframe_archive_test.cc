@@ -16,25 +16,30 @@ std::vector<std::int64_t> frames_of(const KeyframeArchive& archive) {
   return out;
 }
 
-/// Feeds views of the room along a walk of so many centimetres a frame.
-void walk(KeyframeArchive& archive, int first, int frames, double step_m) {
+/// Feeds views of the room, as many metres apart; returns where the frames are.
+history::Path walk(KeyframeArchive& archive, int first, int frames, double step_m,
+                   history::Path path = {}, bool with_depth = true) {
   const TestRoom room;
   for (int k = first; k < first + frames; ++k) {
     auto frame = room.view(0);
     frame->index = k;
     frame->timestamp_s = k / 30.0;
-    archive.add(frame, SE3(Eigen::Matrix3d::Identity(), {step_m * k, 0, 0}));
+    if (!with_depth) frame->depth.fill(0);
+    path.append({k, frame->timestamp_s, SE3(Eigen::Matrix3d::Identity(), {step_m * k, 0, 0})});
+    archive.add(frame, path);
   }
+  return path;
 }
 
 TEST(KeyframeArchive, KeepsAViewWhenItHasMoved) {
   KeyframeArchive archive({});
-  walk(archive, 0, 20, 0.02);
+  const history::Path path = walk(archive, 0, 20, 0.02);
   ASSERT_GE(archive.keyframes().size(), 2u);
   for (std::size_t i = 1; i < archive.keyframes().size(); ++i) {
     const Keyframe& before = archive.keyframes()[i - 1];
     const Keyframe& keyframe = archive.keyframes()[i];
-    EXPECT_GT(view_distance(before, keyframe.T_world_camera), ArchiveConfig{}.view_distance);
+    EXPECT_GT(view_distance(before, path.at(before.frame).inverse() * path.at(keyframe.frame)),
+              ArchiveConfig{}.view_distance);
     EXPECT_NEAR(keyframe.velocity[3], 0.02 * 30, 1e-9);
     EXPECT_FALSE(keyframe.pixels.empty());
   }
@@ -48,13 +53,12 @@ TEST(KeyframeArchive, AStandingCameraGivesOneKeyframe) {
 
 TEST(KeyframeArchive, WhatLiesBesideAGapTellsNoVelocity) {
   KeyframeArchive archive({});
-  walk(archive, 0, 2, 0.2);
+  const history::Path before = walk(archive, 0, 2, 0.2);
   archive.note_gap();
-  walk(archive, 2, 2, 0.2);
+  walk(archive, 2, 2, 0.2, before);
   EXPECT_THAT(frames_of(archive), testing::IsEmpty());
   KeyframeArchive late({});
-  walk(late, 0, 2, 0.2);
-  walk(late, 20, 1, 0.2);  // 0.6 s later
+  walk(late, 20, 1, 0.2, walk(late, 0, 2, 0.2));  // 0.6 s later
   EXPECT_THAT(frames_of(late), testing::IsEmpty());
 }
 
@@ -69,13 +73,7 @@ TEST(KeyframeArchive, KeepsNoMoreThanItIsTold) {
 
 TEST(KeyframeArchive, AFrameWithoutDepthIsNone) {
   KeyframeArchive archive({});
-  const TestRoom room;
-  for (int k = 0; k < 5; ++k) {
-    auto frame = room.view(0);
-    frame->depth.fill(0);
-    frame->timestamp_s = k / 30.0;
-    archive.add(frame, SE3(Eigen::Matrix3d::Identity(), {0.3 * k, 0, 0}));
-  }
+  walk(archive, 0, 5, 0.3, {}, false);
   EXPECT_THAT(frames_of(archive), testing::IsEmpty());
 }
 

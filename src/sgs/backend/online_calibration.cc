@@ -63,19 +63,18 @@ OnlineCalibration::OnlineCalibration(const BackendConfig& config)
       archive_(config.archive),
       next_(static_cast<std::size_t>(config.calibration.first_keyframes)) {}
 
+void OnlineCalibration::note_gap() { archive_.note_gap(); }
+
 std::optional<LearnedCalibration> OnlineCalibration::add(
-    const std::shared_ptr<const RgbdFrame>& raw, const std::optional<SE3>& T_world_camera,
+    const std::shared_ptr<const RgbdFrame>& raw, const history::Revision& revision,
     double readout_s, std::optional<double> tracked_delay_s) {
   if (done_) return std::nullopt;
-  if (!T_world_camera) {
-    archive_.note_gap();
-    return std::nullopt;
-  }
-  archive_.add(raw, *T_world_camera);
+  archive_.add(raw, revision.path);
   readout_s_ = readout_s;
   tracked_delay_s_ = tracked_delay_s;
-  if (in_flight_ || archive_.keyframes().size() < next_) return std::nullopt;
-  auto learned = learn();
+  const bool in_flight = revision.calibrations < versions_;
+  if (in_flight || archive_.keyframes().size() < next_) return std::nullopt;
+  auto learned = learn(revision);
   const auto enough = static_cast<std::size_t>(enough_keyframes());
   const bool sure = learned && learned->estimate.calibration.mean_sigma_per_m < kSure_per_m;
   done_ = contradicted_ || sure || next_ >= enough;
@@ -90,19 +89,20 @@ int OnlineCalibration::enough_keyframes() const {
   return std::max(most, config_.first_keyframes);
 }
 
-std::optional<LearnedCalibration> OnlineCalibration::finish() {
+std::optional<LearnedCalibration> OnlineCalibration::finish(const history::Revision& revision) {
   const std::size_t used = last_ ? static_cast<std::size_t>(last_->keyframes) : 0;
-  if (done_ || in_flight_ || archive_.keyframes().size() < used + used / 8 + 1) return std::nullopt;
+  const bool in_flight = revision.calibrations < versions_;
+  if (done_ || in_flight || archive_.keyframes().size() < used + used / 8 + 1) return std::nullopt;
   done_ = true;
-  return learn();
+  return learn(revision);
 }
 
 // What this attempt says, where the last one has said the same.
-std::optional<DepthEstimate> OnlineCalibration::attempt() {
+std::optional<DepthEstimate> OnlineCalibration::attempt(const history::Path& path) {
   CalibrationConfig config = config_;
   config.keyframes = enough_keyframes();
   DepthEstimate estimate =
-      calibrate_depth(archive_.keyframes(), readout_s_, config, last_ ? &*last_ : nullptr);
+      calibrate_depth(archive_.keyframes(), path, readout_s_, config, last_ ? &*last_ : nullptr);
   if (!estimate.why_not.empty()) return std::nullopt;
   estimate.tracked_delay_s = tracked_delay_s_;
   const auto last = std::exchange(last_, estimate);
@@ -129,10 +129,11 @@ bool OnlineCalibration::is_contradiction(const DepthEstimate& estimate, double s
   return contradicted_;
 }
 
-std::optional<LearnedCalibration> OnlineCalibration::learn() {
-  auto estimate = attempt();
+std::optional<LearnedCalibration> OnlineCalibration::learn(const history::Revision& revision) {
+  auto estimate = attempt(revision.path);
   if (!estimate) return std::nullopt;
-  auto change = std::make_shared<const DepthChange>(current_, estimate->calibration);
+  auto calibration = std::make_shared<const DepthCalibration>(estimate->calibration);
+  const auto change = history::depth_change(revision.calibration, calibration);
   if (change->rms_per_m() < kLeastChange_per_m && change->shift_px() < kLeastShift_px &&
       std::abs(change->delay_s()) < kLeastDelay_s) {
     return std::nullopt;
@@ -144,15 +145,8 @@ std::optional<LearnedCalibration> OnlineCalibration::learn() {
   PoseCorrection poses =
       versions_ == 0 ? PoseCorrection(estimate->poses) : rescaled(estimate->poses, scale);
   scale_ *= scale;
-  current_ = estimate->calibration;
-  in_flight_ = true;
   ++versions_;
-  return LearnedCalibration{std::move(*estimate), {std::move(poses), std::move(change)}};
-}
-
-void OnlineCalibration::note_applied(const PastCorrection& correction) {
-  archive_.correct(correction);
-  if (correction.depth) in_flight_ = false;
+  return LearnedCalibration{std::move(*estimate), {std::move(poses), std::move(calibration)}};
 }
 
 }  // namespace sgs::backend

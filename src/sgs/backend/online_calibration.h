@@ -7,14 +7,14 @@
 
 #include "sgs/backend/calibrate_depth.h"
 #include "sgs/backend/keyframe_archive.h"
-#include "sgs/camera/past_correction.h"
+#include "sgs/history/revision.h"
 
 namespace sgs::backend {
 
 /// A calibration that was learned, and how the past changes with it.
 struct LearnedCalibration {
   DepthEstimate estimate;
-  PastCorrection correction;  ///< of poses, and of depth as it was corrected before
+  history::Update update;
 };
 
 /// Whether a calibration lies where an earlier one, made from a part of the same keyframes, expects
@@ -29,22 +29,23 @@ bool confirms(const DepthCalibration& later, const DepthCalibration& earlier);
 /// by each stretch of it. What changes nothing that matters is not told. A pure function of what it
 /// is given, in order: deterministic, one thread.
 ///
-/// A correction that add() returns is in the tracker's coordinates of that moment. The caller
-/// applies it when it suits; until note_applied() says so there is no other.
+/// What add() returns changes the path that it was given. The caller makes a revision of it when
+/// it suits; until one comes there is no other.
 class OnlineCalibration {
  public:
   explicit OnlineCalibration(const BackendConfig& config);
 
-  /// Takes in the next frame, its depth as measured. `T_world_camera`: as tracked, empty where it
-  /// was lost; `readout_s`: readout time of the rolling shutter as known now; `tracked_delay_s`: by
-  /// how much later than stamped the tracker takes depth for measured, where it learns that.
+  /// Takes in the next frame that was tracked, its depth as measured; `revision` has its pose, and
+  /// those before it. `readout_s`: readout time of the rolling shutter as known now;
+  /// `tracked_delay_s`: by how much later than stamped the tracker takes depth for measured, where
+  /// it learns that.
   std::optional<LearnedCalibration> add(const std::shared_ptr<const RgbdFrame>& raw,
-                                        const std::optional<SE3>& T_world_camera, double readout_s,
+                                        const history::Revision& revision, double readout_s,
                                         std::optional<double> tracked_delay_s = {});
+  /// A frame was lost.
+  void note_gap();
   /// A last attempt when no more frames come, if there are a few new keyframes.
-  std::optional<LearnedCalibration> finish();
-  /// Poses of frames that come from now on are corrected, by this or by whatever else there is.
-  void note_applied(const PastCorrection& correction);
+  std::optional<LearnedCalibration> finish(const history::Revision& revision);
 
   /// How often a calibration was learned.
   int versions() const { return versions_; }
@@ -52,9 +53,9 @@ class OnlineCalibration {
  private:
   /// How many are adjusted together at most.
   int enough_keyframes() const;
-  std::optional<DepthEstimate> attempt();
+  std::optional<DepthEstimate> attempt(const history::Path& path);
   bool is_contradiction(const DepthEstimate& estimate, double scale);
-  std::optional<LearnedCalibration> learn();
+  std::optional<LearnedCalibration> learn(const history::Revision& revision);
 
   CalibrationConfig config_;
   KeyframeArchive archive_;
@@ -62,8 +63,7 @@ class OnlineCalibration {
   std::optional<double> tracked_delay_s_;
   std::size_t next_;                   // keyframes that make the next attempt
   std::optional<DepthEstimate> last_;  // of the last attempt
-  DepthCalibration current_;
-  bool in_flight_ = false, done_ = false, contradicted_ = false;
+  bool done_ = false, contradicted_ = false;
   double scale_ = 1;  // of the path, by all corrections together
   int versions_ = 0;
 };

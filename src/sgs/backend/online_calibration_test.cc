@@ -18,29 +18,22 @@ BackendConfig quick_config() {
   return config;
 }
 
-/// Poses along the way of TestRoom, a little wrong.
-SE3 tracked_pose(int k, double scale = 1) {
-  Vector6d off;
-  for (int i = 0; i < 6; ++i) off[i] = 0.001 * std::sin(12.9898 * (6 * k + i + 1));
-  SE3 T = TestRoom::pose(k) * SE3::exp(off);
-  T.t *= scale;
-  return T;
-}
-
 struct Lesson {
   int frame;
   LearnedCalibration learned;
 };
 
-/// What is learned from views of a room; corrections are applied at once. `scale`: of the tracked
-/// path, as the distorted depth made it.
+/// What is learned from views of a room that come with slightly wrong poses; every update is a
+/// revision at once. `scale`: of the tracked path, as the distorted depth made it.
 std::vector<Lesson> lessons(const TestRoom& room, double scale = 1) {
   constexpr int kFrames = 26;
   OnlineCalibration calibration(quick_config());
+  history::Revision now;
   std::vector<Lesson> out;
   for (int k = 0; k < kFrames; ++k) {
-    if (auto learned = calibration.add(room.view(k), tracked_pose(k, scale), 0)) {
-      calibration.note_applied(learned->correction);
+    now.path.append({k, k / 30.0, TestRoom::tracked_pose(k, scale)});
+    if (auto learned = calibration.add(room.view(k), now, 0)) {
+      now = history::revised(now, learned->update);
       out.push_back({k, std::move(*learned)});
     }
   }
@@ -56,13 +49,14 @@ TEST(OnlineCalibration, LearnsWhileItGoesOn) {
   EXPECT_NEAR(learned.back().learned.estimate.calibration.mean_offset_per_m(), 0.006, 6e-4);
   // Not before a second attempt has confirmed the first.
   EXPECT_GE(learned.front().frame, 12);
-  const PastCorrection& first = learned.front().learned.correction;
-  ASSERT_TRUE(first.depth);
-  EXPECT_NEAR(first.depth->rms_per_m(), 0.006, 1e-3);
+  const history::Update& first = learned.front().learned.update;
+  ASSERT_TRUE(first.calibration);
+  EXPECT_NEAR(history::depth_change({}, first.calibration)->rms_per_m(), 0.006, 1e-3);
   EXPECT_GE(first.poses.poses().size(), 12u);
-  // What comes later is told as a change of what was there.
+  // What comes later is near what was there.
   for (std::size_t i = 1; i < learned.size(); ++i) {
-    EXPECT_LT(learned[i].learned.correction.depth->rms_per_m(), 2e-3);
+    const auto &before = learned[i - 1].learned.update, &after = learned[i].learned.update;
+    EXPECT_LT(history::depth_change(before.calibration, after.calibration)->rms_per_m(), 2e-3);
   }
 }
 
@@ -111,8 +105,12 @@ TEST(OnlineCalibration, WaitsUntilWhatItSaidIsApplied) {
   TestRoom room;
   room.distort = [](double, double, double q) { return q - 0.006; };
   OnlineCalibration calibration(quick_config());
+  history::Revision now;
   int learned = 0;
-  for (int k = 0; k < 26; ++k) learned += calibration.add(room.view(k), tracked_pose(k), 0) ? 1 : 0;
+  for (int k = 0; k < 26; ++k) {
+    now.path.append({k, k / 30.0, TestRoom::tracked_pose(k)});
+    learned += calibration.add(room.view(k), now, 0) ? 1 : 0;
+  }
   EXPECT_EQ(learned, 1);
 }
 
@@ -120,7 +118,13 @@ TEST(OnlineCalibration, FramesThatWereLostTellNothing) {
   TestRoom room;
   room.distort = [](double, double, double q) { return q - 0.006; };
   OnlineCalibration calibration(quick_config());
-  for (int k = 0; k < 20; ++k) EXPECT_FALSE(calibration.add(room.view(k), std::nullopt, 0));
+  history::Revision now;
+  for (int k = 0; k < 20; ++k) {
+    now.path.append({k, k / 30.0, TestRoom::tracked_pose(k)});
+    calibration.note_gap();
+    EXPECT_FALSE(calibration.add(room.view(k), now, 0));
+  }
+  EXPECT_FALSE(calibration.finish(now));
 }
 
 }  // namespace

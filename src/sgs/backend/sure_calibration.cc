@@ -148,9 +148,9 @@ void note(const std::array<Disagreement, 2>& disagreements) {
 
 }  // namespace
 
-DepthEstimate calibrate_surely(const std::vector<Keyframe>& all, double readout_s,
-                               const CalibrationConfig& config) {
-  const KeyframeList useful = useful_keyframes(all);
+DepthEstimate calibrate_surely(const std::vector<Keyframe>& all, const history::Path& path,
+                               double readout_s, const CalibrationConfig& config) {
+  const KeyframeList useful = useful_keyframes(all, path);
   DepthEstimate whole = calibrate_depth(useful, readout_s, config);
   if (!whole.useful()) return whole;
   const FreeEstimate before = whole.free;

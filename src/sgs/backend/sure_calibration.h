@@ -16,7 +16,7 @@ namespace sgs::backend {
 /// - pictures and depth must agree on the metre (metre.h).
 /// Otherwise `refused` says why; so it does where every part is contradicted. Costs four times as
 /// much as calibrate_depth().
-DepthEstimate calibrate_surely(const std::vector<Keyframe>& keyframes, double readout_s,
-                               const CalibrationConfig& config);
+DepthEstimate calibrate_surely(const std::vector<Keyframe>& keyframes, const history::Path& path,
+                               double readout_s, const CalibrationConfig& config);
 
 }  // namespace sgs::backend

@@ -31,7 +31,8 @@ std::vector<Keyframe> keyframes_of(const TestRoom& first, const TestRoom& second
 }
 
 DepthEstimate both_say(const TestRoom& first, const TestRoom& second) {
-  return calibrate_surely(keyframes_of(first, second), 0, coarse_config());
+  return calibrate_surely(keyframes_of(first, second), TestRoom::tracked_path(kViewsOfBoth), 0,
+                          coarse_config());
 }
 
 TEST(SureCalibration, ARecordingThatAgreesIsBelieved) {
@@ -74,8 +75,10 @@ TEST(SureCalibration, WhatIsSaidDifferentlyIsRefusedAndNamed) {
 }
 
 TEST(SureCalibration, TooFewKeyframesStillSaySo) {
-  EXPECT_THAT(calibrate_surely(TestRoom().keyframes(5), 0, coarse_config()).why_not,
-              HasSubstr("5 keyframes"));
+  EXPECT_THAT(
+      calibrate_surely(TestRoom().keyframes(5), TestRoom::tracked_path(5), 0, coarse_config())
+          .why_not,
+      HasSubstr("5 keyframes"));
 }
 
 }  // namespace

@@ -60,14 +60,24 @@ class TestRoom {
     return frame;
   }
 
-  /// Views 0 .. n-1 as keyframes whose poses are slightly wrong.
+  /// Where the k-th view is held to be: slightly wrong. `scale`: of the whole path.
+  static SE3 tracked_pose(int k, double scale = 1) {
+    Vector6d off;
+    for (int i = 0; i < 6; ++i) off[i] = 0.001 * std::sin(12.9898 * (6 * k + i + 1));
+    SE3 T = pose(k) * SE3::exp(off);
+    T.t *= scale;
+    return T;
+  }
+  static history::Path tracked_path(int n) {
+    history::Path out;
+    for (int k = 0; k < n; ++k) out.append({k, k / 30.0, tracked_pose(k)});
+    return out;
+  }
+
+  /// Views 0 .. n-1 as keyframes.
   std::vector<Keyframe> keyframes(int n) const {
     std::vector<Keyframe> out;
-    for (int k = 0; k < n; ++k) {
-      Vector6d off;
-      for (int i = 0; i < 6; ++i) off[i] = 0.001 * std::sin(12.9898 * (6 * k + i + 1));
-      out.push_back(make_keyframe(*view(k), pose(k) * SE3::exp(off), velocity(k), {}));
-    }
+    for (int k = 0; k < n; ++k) out.push_back(make_keyframe(*view(k), velocity(k), {}));
     return out;
   }
 

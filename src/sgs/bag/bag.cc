@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 #include <system_error>
 
 #include "sgs/bag/byte_file.h"
@@ -85,7 +86,7 @@ std::string kind_by_content(const fs::path& path) {
 }
 
 Result<std::unique_ptr<Bag>> open_bag_file(const fs::path& path) {
-  const std::string named = kind_of(path), found = named.empty() ? "" : kind_by_content(path);
+  const std::string named = kind_of(path), found = kind_by_content(path);
   const std::string& kind = found.empty() ? named : found;
   if (kind == ".mcap") return open_mcap(path);
   if (kind == ".db3") return open_db3(path);
@@ -190,8 +191,40 @@ Result<std::unique_ptr<Bag>> joined(std::vector<Part> parts, std::vector<std::st
   return join_bags(std::move(bags), std::move(warnings));
 }
 
-/// A folder of files without a list of them, or with one that is of no use, and `why`: what cannot
-/// be read costs itself.
+/// Files of one recording. What cannot be read costs itself, as the last file of a recorder that
+/// was switched off; what is not there is an error.
+Result<std::unique_ptr<Bag>> open_parts(const std::vector<fs::path>& files,
+                                        std::vector<std::string> warnings) {
+  std::vector<Part> parts;
+  std::optional<Error> first_error;
+  for (const fs::path& file : files) {
+    auto bag = open_bag_file(file);
+    if (bag) {
+      parts.push_back({file, std::move(*bag)});
+      continue;
+    }
+    if (bag.error().code == ErrorCode::kNotFound) return bag;
+    warnings.push_back(fmt::format("left out: {}", bag.error().text()));
+    if (!first_error) first_error = std::move(bag.error());
+  }
+  if (parts.empty()) return tl::unexpected<Error>(std::move(*first_error));
+  return joined(std::move(parts), std::move(warnings));
+}
+
+/// Packed recordings of a folder that were not unpacked.
+std::vector<std::string> still_packed(const fs::path& folder) {
+  std::vector<std::string> commands;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const auto unpacking = io::unpacking_of(it->path());
+    if (!unpacking || kind_of(unpacking->unpacked).empty()) continue;
+    if (!fs::exists(unpacking->unpacked, error)) commands.push_back(unpacking->command);
+  }
+  std::sort(commands.begin(), commands.end());
+  return commands;
+}
+
+/// A folder of files without a list of them, or with one that is of no use, and `why`.
 Result<std::unique_ptr<Bag>> open_bag_folder(const fs::path& folder, const std::string& why) {
   const auto files = bag_files(folder);
   if (files.empty()) {
@@ -199,21 +232,13 @@ Result<std::unique_ptr<Bag>> open_bag_folder(const fs::path& folder, const std::
                 "give a folder with .bag, .mcap or .db3 files");
   }
   SGS_RETURN_IF_ERROR(check_kinds(files));
-  std::vector<Part> parts;
   std::vector<std::string> warnings;
   if (!why.empty()) warnings.push_back(why);
-  Error first_error;
-  for (const fs::path& file : files) {
-    auto bag = open_bag_file(file);
-    if (bag) {
-      parts.push_back({file, std::move(*bag)});
-      continue;
-    }
-    warnings.push_back(fmt::format("left out: {}", bag.error().text()));
-    if (first_error.message.empty()) first_error = bag.error();
+  if (const auto commands = still_packed(folder); !commands.empty()) {
+    warnings.push_back(fmt::format("packed parts are left out; unpack them first: `{}`",
+                                   fmt::join(commands, " && ")));
   }
-  if (parts.empty()) return tl::unexpected<Error>(std::move(first_error));
-  return joined(std::move(parts), std::move(warnings));
+  return open_parts(files, std::move(warnings));
 }
 
 }  // namespace
@@ -234,7 +259,7 @@ bool looks_like_bag(const fs::path& path) {
   std::error_code error;
   if (fs::is_directory(path, error)) return is_rosbag2_folder(path);
   const auto unpacking = io::unpacking_of(path);
-  return !kind_of(unpacking ? unpacking->unpacked : path).empty();
+  return !kind_of(unpacking ? unpacking->unpacked : path).empty() || !kind_by_content(path).empty();
 }
 
 std::vector<fs::path> bag_files(const fs::path& folder) {
@@ -242,7 +267,8 @@ std::vector<fs::path> bag_files(const fs::path& folder) {
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const bool hidden = it->path().filename().string().starts_with('.');
-    if (!hidden && !it->is_directory(error) && !kind_of(it->path()).empty()) {
+    const bool file = it->exists(error) && !it->is_directory(error);
+    if (!hidden && file && !kind_of(it->path()).empty()) {
       files.push_back(it->path());
     }
   }
@@ -294,12 +320,7 @@ Result<std::unique_ptr<Bag>> open_bags(const std::vector<fs::path>& paths) {
     files.insert(files.end(), inside.begin(), inside.end());
   }
   SGS_RETURN_IF_ERROR(check_kinds(files));
-  std::vector<Part> parts;
-  for (const fs::path& file : files) {
-    SGS_ASSIGN_OR_RETURN(auto bag, open_bag_file(file));
-    parts.push_back({file, std::move(bag)});
-  }
-  return joined(std::move(parts), {});
+  return open_parts(files, {});
 }
 
 }  // namespace sgs::bag

@@ -73,7 +73,8 @@ class Bag {
 };
 
 /// Whether a path is a recording that open_bag() is meant for: a file named .bag, .mcap or .db3 (in
-/// capitals, too, or packed as a whole: .db3.zstd), or a folder with the metadata.yaml of rosbag2.
+/// capitals, too, or packed as a whole: .db3.zstd) or of another name that begins as these do, or a
+/// folder with the metadata.yaml of rosbag2.
 bool looks_like_bag(const std::filesystem::path& path);
 
 /// The recordings in a folder, by name; not those below it.

@@ -191,6 +191,25 @@ TEST(Pictures, SizesThatDoNotFitAreRefused) {
   EXPECT_TRUE(decode_color(image_of("rgb8", 1, 2, 8, "abcxxxxxdef")));
 }
 
+TEST(Pictures, RowsThatAreSaidFarTooShortHaveNoGaps) {
+  for (const std::uint32_t step : {0u, 2u}) {
+    const auto image = image_of("rgb8", 2, 2, step, "abcdefghijkl");
+    EXPECT_TRUE(row_length_contradicts(image));
+    const auto color = decode_color(image);
+    ASSERT_TRUE(color);
+    EXPECT_EQ((*color)(0, 1), (Rgb8{'g', 'h', 'i'}));
+  }
+  const auto depth = decode_depth(image_of("16UC1", 2, 1, 2, std::string(4, '\1')), {});
+  ASSERT_TRUE(depth);
+  EXPECT_FLOAT_EQ((*depth)(1, 0), 0.257f);
+  EXPECT_FALSE(row_length_contradicts(image_of("rgb8", 2, 2, 6, "abcdefghijkl")));
+  EXPECT_FALSE(row_length_contradicts(image_of("nv12", 2, 2, 2, "abcdef")));
+  EXPECT_FALSE(row_length_contradicts(image_of("mjpg", 2, 2, 0, "abcdef")));
+  const auto grey = decode_color(image_of("mono16", 1, 1, 2, std::string_view("\0\x50", 2)));
+  ASSERT_TRUE(grey);
+  EXPECT_EQ((*grey)(0, 0), (Rgb8{80, 80, 80}));
+}
+
 TEST(Pictures, DepthOfIntegersAndFloats) {
   const std::string integers = raw<std::uint16_t>(1500) + raw<std::uint16_t>(0) +
                                raw<std::uint16_t>(65535) + raw<std::uint16_t>(2);

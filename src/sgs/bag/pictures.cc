@@ -41,6 +41,7 @@ constexpr ColorEncoding kColorEncodings[] = {
     {"bayer_bggr8", CV_8UC1, cv::COLOR_BayerRG2RGB},
     {"bayer_gbrg8", CV_8UC1, cv::COLOR_BayerGR2RGB},
     {"bayer_grbg8", CV_8UC1, cv::COLOR_BayerGB2RGB},
+    {"mono16", CV_16UC1, cv::COLOR_GRAY2RGB},
     {"rgb16", CV_16UC3, -1},
     {"bgr16", CV_16UC3, cv::COLOR_BGR2RGB},
     {"yuv422", CV_8UC2, cv::COLOR_YUV2RGB_UYVY},
@@ -52,6 +53,12 @@ constexpr ColorEncoding kColorEncodings[] = {
     {"nv21", CV_8UC1, cv::COLOR_YUV2RGB_NV21},
 };
 
+/// Whether the data are a JPEG stream.
+bool is_jpeg(const ImageMessage& image) {
+  const std::string name = io::lower_case(image.encoding);
+  return name == "mjpg" || name == "mjpeg" || name == "jpeg";
+}
+
 /// Encodings of which each two rows of brightness share a row of colour, which lie behind all of
 /// them.
 bool has_colour_behind(const ColorEncoding& encoding) {
@@ -59,15 +66,20 @@ bool has_colour_behind(const ColorEncoding& encoding) {
          encoding.conversion == cv::COLOR_YUV2RGB_NV21;
 }
 
-/// Whether the rows of `pixel_bytes` per pixel fit the step and the data. Nothing is allocated on
-/// the word of a header that does not.
-Status check_size(const ImageMessage& image, std::uint64_t pixel_bytes) {
+/// The bytes from one row of `pixel_bytes` per pixel to the next: those that the message says, or
+/// those of a row without gaps, where that is far too short and only these fit the data. Nothing is allocated on the word of
+/// a header that does not fit them at all.
+Result<std::size_t> row_step(const ImageMessage& image, std::uint64_t pixel_bytes) {
   const std::uint64_t row = pixel_bytes * image.width;
-  const bool some = image.width > 0 && image.height > 0;
+  const bool some = image.width > 0 && image.height > 0 &&
+                    std::uint64_t{image.width} * image.height <= kLargestPicture_px;
   if (some && image.step >= row &&
-      std::uint64_t{image.step} * (image.height - 1) + row <= image.data.size() &&
-      std::uint64_t{image.width} * image.height <= kLargestPicture_px) {
-    return {};
+      std::uint64_t{image.step} * (image.height - 1) + row <= image.data.size()) {
+    return std::size_t{image.step};
+  }
+  const bool far_too_short = 2 * std::uint64_t{image.step} <= row;
+  if (some && far_too_short && row * image.height == image.data.size()) {
+    return static_cast<std::size_t>(row);
   }
   return fail(ErrorCode::kInvalidFormat,
               fmt::format("an image of {}x{} {} with rows of {} bytes does not fit its {} bytes",
@@ -99,11 +111,11 @@ T pixel(const char* from, bool swap) {
 /// The pixels of a raw image, turned into metres by `convert`.
 template <class T, class Convert>
 Result<DepthImage> convert_depth(const ImageMessage& image, bool other_order, Convert convert) {
-  SGS_RETURN_IF_ERROR(check_size(image, sizeof(T)));
+  SGS_ASSIGN_OR_RETURN(const std::size_t step, row_step(image, sizeof(T)));
   static_assert(std::endian::native == std::endian::little);
   DepthImage out(static_cast<int>(image.width), static_cast<int>(image.height));
   for (int y = 0; y < out.height(); ++y) {
-    const char* row = image.data.data() + std::size_t{image.step} * static_cast<std::size_t>(y);
+    const char* row = image.data.data() + step * static_cast<std::size_t>(y);
     for (int x = 0; x < out.width(); ++x) {
       out(x, y) = convert(
           pixel<T>(row + sizeof(T) * static_cast<std::size_t>(x), image.big_endian != other_order));
@@ -162,9 +174,15 @@ bool byte_order_contradicts(const ImageMessage& image) {
   return std::isfinite(turned) && as_said > kMuchRougher * turned;
 }
 
+bool row_length_contradicts(const ImageMessage& image) {
+  if (is_jpeg(image)) return false;
+  // Rows of colour behind those of brightness (NV12) add half as many.
+  return image.height > 0 && 2 * std::uint64_t{image.step} * image.height <= image.data.size();
+}
+
 Result<ColorImage> decode_color(const ImageMessage& image) {
   const std::string name = io::lower_case(image.encoding);
-  if (name == "mjpg" || name == "mjpeg" || name == "jpeg") {
+  if (is_jpeg(image)) {
     return io::decode_color(std::string(image.data), "an image");
   }
   const auto* known = std::find_if(std::begin(kColorEncodings), std::end(kColorEncodings),
@@ -174,13 +192,12 @@ Result<ColorImage> decode_color(const ImageMessage& image) {
                 fmt::format("colour encoding '{}' is not known", image.encoding),
                 "record or convert it as rgb8, or choose another topic with --topics");
   }
-  SGS_RETURN_IF_ERROR(check_size(image, CV_ELEM_SIZE(known->type)));
+  SGS_ASSIGN_OR_RETURN(const std::size_t step, row_step(image, CV_ELEM_SIZE(known->type)));
   const bool behind = has_colour_behind(*known), pairs = CV_MAT_CN(known->type) == 2 || behind;
   const std::uint64_t rows = image.height + (behind ? image.height / 2 : 0);
   const bool no_pattern = name.starts_with("bayer") && std::min(image.width, image.height) < 3;
   const bool odd = (pairs && image.width % 2 != 0) || (behind && image.height % 2 != 0);
-  if (odd || no_pattern ||
-      std::uint64_t{image.step} * rows > image.data.size() + image.step - image.width) {
+  if (odd || no_pattern || std::uint64_t{step} * rows > image.data.size() + step - image.width) {
     return fail(ErrorCode::kInvalidFormat,
                 fmt::format("{} of {}x{} does not fit its {} bytes", image.encoding, image.width,
                             image.height, image.data.size()),
@@ -189,7 +206,7 @@ Result<ColorImage> decode_color(const ImageMessage& image) {
   ColorImage out(static_cast<int>(image.width), static_cast<int>(image.height));
   // Only read; cv::Mat has no const view.
   cv::Mat in(static_cast<int>(rows), out.width(), known->type, const_cast<char*>(image.data.data()),
-             image.step);
+             step);
   if (CV_MAT_DEPTH(known->type) == CV_16U) in = upper_bytes(in, image.big_endian);
   cv::Mat rgb(out.height(), out.width(), CV_8UC3, out.data());
   if (known->conversion < 0) {

@@ -16,8 +16,9 @@ namespace sgs::bag {
 enum class DepthEncoding { kYes, kMaybe, kNo };
 DepthEncoding depth_encoding(const std::string& encoding);
 
-/// Colour of rgb8, bgr8, rgba8, bgra8, mono8, 8UC1, 8UC3 (blue first), yuv422 (UYVY), yuv422_yuy2,
-/// and MJPG, in either case of letters. Sizes are checked against the data. Other encodings are
+/// Colour of rgb8, bgr8, rgba8, bgra8, mono8, mono16, 8UC1, 8UC3 (blue first), yuv422 (UYVY),
+/// yuv422_yuy2, and MJPG, in either case of letters. Sizes are checked against the data; rows that
+/// are said far too short are taken without gaps where this fits. Other encodings are
 /// kUnsupported.
 Result<ColorImage> decode_color(const ImageMessage& image);
 /// Colour of a JPEG or PNG stream; what it is is told from its bytes.
@@ -35,6 +36,9 @@ struct DepthUnit {
 /// Whether depth is smooth only if its bytes are read in the other order than the message says
 /// (is_bigendian is often set wrongly). Of an image without depth, or packed: no.
 bool byte_order_contradicts(const ImageMessage& image);
+
+/// Whether the message says rows that are far too short for its data.
+bool row_length_contradicts(const ImageMessage& image);
 
 Result<DepthImage> decode_depth(const ImageMessage& image, const DepthUnit& unit);
 /// Depth of a 16-bit PNG, also behind the 12 bytes of compressed_depth_image_transport.

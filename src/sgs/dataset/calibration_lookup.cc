@@ -99,14 +99,39 @@ Result<std::optional<FoundCalibration>> from_files(const std::vector<fs::path>& 
   return Found{};
 }
 
-/// What a calibration program left in the folder. It seldom knows the unit of depth.
-Result<std::optional<FoundCalibration>> from_camera_yaml(const std::vector<fs::path>& folders) {
+/// What a calibration program left in the folder. It seldom knows the unit of depth. Other files
+/// than camera.yaml may have one of the names by chance: what cannot be read goes to `unreadable`.
+Result<std::optional<FoundCalibration>> from_camera_file(const std::vector<fs::path>& folders,
+                                                         std::optional<Error>& unreadable) {
   using Found = std::optional<FoundCalibration>;
+  constexpr std::array kNames = {"camera.yaml",
+                                 "camera.yml",
+                                 "camera_info.yaml",
+                                 "calibration.yaml",
+                                 "intrinsics.yaml",
+                                 "camera.json",
+                                 "camera_intrinsic.json",
+                                 "camera_intrinsics.json",
+                                 "intrinsics.json",
+                                 "intrinsic.json",
+                                 "calibration.json",
+                                 "cam_K.txt",
+                                 "K.txt",
+                                 "intrinsics.txt",
+                                 "camera-intrinsics.txt",
+                                 "camera_intrinsics.txt",
+                                 "camera_matrix.txt",
+                                 "calibration.txt",
+                                 "camera_calibration.yaml"};
   for (const fs::path& folder : folders) {
-    const fs::path path = entry_of(folder, "camera.yaml");
-    if (!fs::exists(path)) continue;
-    SGS_ASSIGN_OR_RETURN(const auto calibration, io::load_camera_yaml(path));
-    return Found{{calibration, path.string(), false}};
+    for (const char* name : kNames) {
+      const fs::path path = entry_of(folder, name);
+      if (!fs::exists(path)) continue;
+      const auto calibration = io::load_camera_yaml(path);
+      if (calibration) return Found{{*calibration, path.string(), false}};
+      if (name == kNames.front()) return tl::unexpected(calibration.error());
+      if (!unreadable) unreadable = calibration.error();
+    }
   }
   return Found{};
 }
@@ -125,8 +150,9 @@ tl::unexpected<Error> nothing_found(const std::vector<fs::path>& folders, const 
   return fail(
       ErrorCode::kNotFound,
       fmt::format(
-          "{} unknown: no sgs.toml with [camera], camera.txt, cam_params.json or camera.yaml in "
-          "{}, and the folder's name is not that of a known TUM sequence "
+          "{} unknown: no sgs.toml with [camera], camera.txt, cam_params.json, camera.yaml, "
+          "cam_K.txt or file of a like name in {}, and the folder's name is not that of a known "
+          "TUM sequence "
           "(freiburg1, freiburg2, freiburg3) or Bonn sequence (rgbd_bonn), nor that of one "
           "of the eight "
           "Replica scenes (room0, office0, ...)",
@@ -141,6 +167,7 @@ tl::unexpected<Error> nothing_found(const std::vector<fs::path>& folders, const 
 Result<FoundCalibration> find_calibration(const std::vector<fs::path>& folders,
                                           const FrameList& list, const OpenOptions& options) {
   std::optional<FoundCalibration> found;
+  std::optional<Error> unreadable;
   // What the options give in full needs nothing else, not even readable files.
   if (!(options.camera && options.depth_scale)) {
     SGS_ASSIGN_OR_RETURN(found, from_files(folders));
@@ -148,11 +175,12 @@ Result<FoundCalibration> find_calibration(const std::vector<fs::path>& folders,
       found = {list.calibration->calibration, list.calibration->source, true};
     }
     if (!found) {
-      SGS_ASSIGN_OR_RETURN(found, from_camera_yaml(folders));
+      SGS_ASSIGN_OR_RETURN(found, from_camera_file(folders, unreadable));
     }
     if (!found) found = known_sequence(folder_name(list.folder));
     if (!found) found = known_replica_scene(list);
   }
+  if (!found && !options.camera && unreadable) return tl::unexpected<Error>(std::move(*unreadable));
   if (!found && !options.camera) return nothing_found(folders, list, "camera calibration");
   FoundCalibration result = found.value_or(FoundCalibration{});
   result.unit_source = result.source;

@@ -85,6 +85,17 @@ void warn_of_doubtful_unit(double median_m, std::vector<std::string>& warnings) 
       median_m, median_m < kNear_m ? "near" : "far"));
 }
 
+void warn_of_doubtful_centre(const PinholeCamera& camera, std::string_view source,
+                             std::vector<std::string>& warnings) {
+  const bool inside = camera.cx > 0 && camera.cx < camera.width - 1 && camera.cy > 0 &&
+                      camera.cy < camera.height - 1;
+  if (inside || camera.width == 0) return;
+  warnings.push_back(fmt::format(
+      "the principal point from {} is {:g},{:g} in pictures of {}x{}, which is not inside them: if "
+      "it was not filled in, everything comes out bent; --camera fx,fy,cx,cy says it",
+      source, camera.cx, camera.cy, camera.width, camera.height));
+}
+
 Status check_depth_unit(const DepthImage& depth, double depth_scale, std::string_view source) {
   constexpr double kNearest_m = 0.05, kFarthest_m = 20;
   const double median_m = median_depth_m(depth);

@@ -61,6 +61,11 @@ Status check_depth_unit(const DepthImage& depth, double depth_scale, std::string
 /// another one. 0 = nothing was measured.
 void warn_of_doubtful_unit(double median_m, std::vector<std::string>& warnings);
 
+/// Warns where the principal point lies on the picture's rim or outside: mostly it was not filled
+/// in. A part of a larger picture may have it there. `source` says who gave the camera.
+void warn_of_doubtful_centre(const PinholeCamera& camera, std::string_view source,
+                             std::vector<std::string>& warnings);
+
 /// The median of what was measured, in metres; 0 where nothing was.
 double median_depth_m(const DepthImage& depth);
 

@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <string_view>
+#include <tuple>
 
 #include "sgs/core/text.h"
+#include "sgs/dataset/calendar_time.h"
 #include "sgs/dataset/frame_list.h"
 #include "sgs/io/text.h"
 
@@ -56,7 +59,33 @@ struct Split {
   bool whole = false;
   std::string_view rest;
 };
+
+/// A date or a time of day at the front of a row; its own blanks and commas belong to it.
+std::optional<Split> split_calendar_time(std::string_view text) {
+  constexpr int kMostParts = 3;
+  std::optional<Split> found;
+  std::size_t end = 0;
+  for (int part = 0; part < kMostParts && end != std::string_view::npos; ++part) {
+    end = text.find_first_of(" \t;,", end + (part > 0 ? 1 : 0));
+    if (end == std::string_view::npos) break;
+    const auto time = calendar_seconds(trimmed(text.substr(0, end), "\""));
+    const std::string_view rest = trimmed(text.substr(end), " \t\r;,");
+    if (time && !rest.empty()) found = Split{*time, false, rest};
+  }
+  return found;
+}
+
+/// Whether a row goes on with a time: then what stood before it only counts the rows.
+bool begins_with_time(std::string_view text) {
+  constexpr std::size_t kDigitsOfTime = 9;
+  const std::string_view token = text.substr(0, text.find_first_of(" \t;,"));
+  const bool long_enough =
+      token.size() >= kDigitsOfTime || token.find('.') != std::string_view::npos;
+  return token.size() < text.size() && long_enough && io::parse_double(token).has_value();
+}
+
 std::optional<Split> split_time(std::string_view text) {
+  if (const auto calendar = split_calendar_time(text)) return calendar;
   const auto end = std::min(text.find_first_of(" \t;"), text.size());
   std::string_view token = text.substr(0, end);
   std::string_view rest = trimmed(text.substr(end), " \t\r;,");
@@ -67,8 +96,12 @@ std::optional<Split> split_time(std::string_view text) {
       token = token.substr(0, comma);
     }
   }
+  token = trimmed(token, "\"");
   const auto time = io::parse_decimal(token);
   if (!time || !std::isfinite(*time) || rest.empty()) return std::nullopt;
+  if (token.find_first_not_of("0123456789") == std::string_view::npos && begins_with_time(rest)) {
+    return split_time(rest);
+  }
   return Split{*time, token.find_first_of(".,eE") == std::string_view::npos, rest};
 }
 
@@ -94,8 +127,10 @@ fs::path file_named(const fs::path& folder, std::string_view name, const std::st
   std::string slashed(name);
   std::replace(slashed.begin(), slashed.end(), '\\', '/');
   const fs::path written = slashed, last = written.parent_path().filename() / written.filename();
-  for (const fs::path& tried : {entry_of(folder, written.relative_path()), folder / last,
-                                folder / list / written.filename()}) {
+  // Archives that are unpacked beside each other hold one folder more.
+  for (const fs::path& tried :
+       {entry_of(folder, written.relative_path()), folder / last,
+        folder / list / written.filename(), folder / list / written.relative_path()}) {
     if (const fs::path found = picture_there(tried); !found.empty()) return found;
   }
   return plain;
@@ -132,8 +167,19 @@ TimeUnit bring_to_seconds(std::vector<Row>& rows, const fs::path& list,
   const bool counts = median_step(times) == 1 &&
                       std::all_of(rows.begin(), rows.end(),
                                   [](const Row& r) { return r.time == std::floor(r.time); });
+  const bool even = steps_evenly(times);
+  const double step = median_step(times);
   const TimeUnit unit = unit_of_times(std::move(times), written_whole || counts);
-  if (unit.name.empty()) return unit;
+  if (unit.name.empty()) {
+    constexpr double kLongestStep_s = 2;
+    if (even && step > kLongestStep_s) {
+      warnings.push_back(fmt::format(
+          "{}: its times go by {:.3g} s, as evenly as a camera's do: if they are milliseconds, "
+          "write them in seconds",
+          list.string(), step));
+    }
+    return unit;
+  }
   for (Row& row : rows) {
     row.time /= unit.per_second;
     row.depth_delay /= unit.per_second;
@@ -145,6 +191,23 @@ TimeUnit bring_to_seconds(std::vector<Row>& rows, const fs::path& list,
           : fmt::format("{}: its times are {}; they are taken as {:g} a second, which is a guess",
                         list.string(), unit.name, unit.per_second));
   return unit;
+}
+
+/// Leaves out what stands in a list more than once, as where lists were put together: it would look
+/// like a clock that was set back. A row or two are left to put_in_order().
+void drop_repeated(std::vector<Row>& rows, const fs::path& list,
+                   std::vector<std::string>& warnings) {
+  constexpr std::size_t kMany = 3;
+  std::set<std::tuple<double, fs::path, fs::path>> seen;
+  std::vector<Row> once;
+  for (const Row& row : rows) {
+    if (seen.insert({row.time, row.path, row.depth}).second) once.push_back(row);
+  }
+  const std::size_t repeated = rows.size() - once.size();
+  if (repeated < kMany) return;
+  rows = std::move(once);
+  warnings.push_back(fmt::format("{}: {} rows stand there more than once, which are left out",
+                                 list.string(), repeated));
 }
 
 /// The rows at which a clock that was set back begins anew; empty where times go back for another
@@ -255,6 +318,7 @@ Result<std::vector<Row>> read_rows(const fs::path& list, std::vector<std::string
     if (rows.size() == 1) warn_of_other_names(list, split->rest, rows.back().path, warnings);
   }
   std::erase_if(rows, is_left_behind_row);
+  drop_repeated(rows, list, warnings);
   if (rows.empty()) {
     return fail(ErrorCode::kInvalidFormat, fmt::format("{}: lists no images", list.string()),
                 "each row must be 'timestamp filename'");
@@ -267,8 +331,8 @@ struct Association {
   Split first, second;  ///< what follows the times are the names
 };
 
-/// "time name time name"; names may have blanks, and then the second time is the number that both
-/// files are there with.
+/// "time name time name", or "time name name"; names may have blanks, and then the second time is
+/// the number that both files are there with.
 std::optional<Association> split_association(std::string_view text, const fs::path& folder) {
   const auto first = split_time(text);
   if (!first) return std::nullopt;
@@ -283,6 +347,13 @@ std::optional<Association> split_association(std::string_view text, const fs::pa
     if (!found) found = candidate;
     if (candidate.first.rest.find_first_of(kBlanks) == std::string_view::npos) return candidate;
     if (fs::exists(file_named(folder, candidate.first.rest, "rgb"), error)) return candidate;
+  }
+  const auto names = io::split_fields(first->rest, ",;");
+  if (!found && names.size() == 2) {
+    const auto named = [&](std::string_view name) {
+      return Split{first->time, first->whole, name};
+    };
+    return Association{named(names[0]), named(names[1])};
   }
   return found;
 }
@@ -329,6 +400,7 @@ Result<TimeUnit> read_associations(const fs::path& list, bool frame_numbers, Fra
     return fail(ErrorCode::kInvalidFormat, fmt::format("{}: lists no images", list.string()),
                 "each row must be 'timestamp color timestamp depth'");
   }
+  drop_repeated(rows, list, out.warnings);
   out.color_images = rows.size();
   TimeUnit unit;
   if (!frame_numbers) unit = bring_to_seconds(rows, list, out.warnings);

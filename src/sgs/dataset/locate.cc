@@ -119,11 +119,26 @@ std::string how_to_describe(const fs::path& folder) {
   return "give the folder that holds one of these; an sgs.toml describes any folder of images";
 }
 
+/// Folders of a folder that hold nothing, where colour or depth is missing.
+std::vector<std::string> empty_folders(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::size_t with_images = 0;
+  std::error_code error;
+  for (const fs::path& path : content_of(folder)) {
+    if (!fs::is_directory(path, error)) continue;
+    if (content_of(path).empty()) names.push_back(path.filename().string());
+    with_images += image_files(path).empty() ? 0 : 1;
+  }
+  return with_images < 2 ? names : std::vector<std::string>{};
+}
+
 tl::unexpected<Error> no_sequence(const fs::path& folder) {
-  for (const fs::path& file : content_of(folder)) {
-    if (const auto unpacking = io::unpacking_of(file)) {
-      return io::packed_as_a_whole(file, *unpacking);
-    }
+  if (const auto packed = packed_in(folder)) return tl::unexpected<Error>(*packed);
+  if (const auto empty = empty_folders(folder); !empty.empty()) {
+    return fail(ErrorCode::kInvalidFormat,
+                fmt::format("{}: no known sequence layout, and nothing lies in {}", folder.string(),
+                            fmt::join(empty, ", ")),
+                "copy or record these images again: colour and depth are both needed");
   }
   return fail(ErrorCode::kInvalidFormat,
               fmt::format("{}: no known sequence layout; looked for rgb.txt with depth.txt, or "
@@ -183,6 +198,12 @@ Result<FrameList> list_frames(const fs::path& folder, const OpenOptions& options
   };
   SGS_ASSIGN_OR_RETURN(FrameList frames, list());
   if (!toml.name.empty()) frames.name = toml.name;
+  if (const auto bags = bag::bag_files(folder); !bags.empty()) {
+    frames.warnings.push_back(
+        fmt::format("{}: its images are read, not {}, which lies beside them; give this file to "
+                    "read it",
+                    folder.string(), bags.front().filename().string()));
+  }
   return frames;
 }
 
@@ -217,6 +238,31 @@ Result<Location> locate_recording(const fs::path& input) {
   SGS_ASSIGN_OR_RETURN(const fs::path below, only_below(input));
   const bool folder = fs::is_directory(below, error);
   return Location{below, folder && is_bag_folder(below)};
+}
+
+std::optional<Error> packed_in(const fs::path& folder) {
+  std::vector<std::pair<fs::path, io::Unpacking>> packed;
+  bool others = false;
+  std::error_code error;
+  for (const fs::path& file : content_of(folder)) {
+    const auto unpacking = io::unpacking_of(file);
+    const bool done = unpacking && fs::exists(unpacking->unpacked, error);
+    if (unpacking && !done) packed.emplace_back(file, *unpacking);
+    others = others || fs::is_directory(file, error) || (!unpacking && bag::looks_like_bag(file));
+  }
+  if (packed.empty()) return std::nullopt;
+  const auto& [first, unpacking] = packed.front();
+  if (packed.size() == 1 && !others) return io::packed_as_a_whole(first, unpacking).value();
+  std::string names, commands;
+  for (const auto& [file, how] : packed) {
+    names += (names.empty() ? "" : ", ") + file.filename().string();
+    commands += (commands.empty() ? "" : " && ") + how.command;
+  }
+  return Error{
+      ErrorCode::kUnsupported,
+      fmt::format("{}: {} {} packed as a whole", folder.string(), names,
+                  packed.size() == 1 ? "is" : "are"),
+      fmt::format("unpack it first: `{}`, then give {}", commands, io::shell_quoted(folder))};
 }
 
 }  // namespace sgs::dataset

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "sgs/core/error.h"
 #include "sgs/dataset/frame_list.h"
@@ -13,5 +14,9 @@ namespace sgs::dataset {
 /// The frames of a folder by the layout that it has the marks of. The folder must have one
 /// (locate_recording()).
 Result<FrameList> list_frames(const std::filesystem::path& folder, const OpenOptions& options);
+
+/// The refusal of a folder in which something is still packed as a whole, with the commands that
+/// unpack it; empty where nothing is.
+std::optional<Error> packed_in(const std::filesystem::path& folder);
 
 }  // namespace sgs::dataset

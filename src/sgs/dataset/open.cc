@@ -17,6 +17,7 @@
 #include "sgs/dataset/reduced_source.h"
 #include "sgs/dataset/sens_source.h"
 #include "sgs/dataset/sparse_capture.h"
+#include "sgs/dataset/time_unit.h"
 #include "sgs/io/archive.h"
 #include "sgs/io/image_io.h"
 #include "sgs/io/text.h"
@@ -98,6 +99,7 @@ Result<Probe> probe(const FrameList& list, const std::string& source, const Stor
   }
   if (fallback) return std::move(*fallback);
   if (!first_size.message.empty()) return tl::unexpected<Error>(std::move(first_size));
+  if (const auto packed = packed_in(list.folder)) return tl::unexpected<Error>(*packed);
   first_error.message = fmt::format("{}: none of {} frames can be read; the first: {}",
                                     list.folder.string(), list.frames.size(), first_error.message);
   return tl::unexpected<Error>(std::move(first_error));
@@ -122,6 +124,13 @@ void add_warnings(SequenceInfo& info, const FrameList& list) {
         fmt::format("colour images without depth {}, left out", list.paired).c_str());
   count(info.depth_without_color,
         fmt::format("depth images without colour {}, left out", list.paired).c_str());
+  for (std::size_t i = 1; i < list.frames.size(); ++i) {
+    const double before_s = list.frames[i - 1].timestamp_s, after_s = list.frames[i].timestamp_s;
+    if (!is_no_pause(after_s - before_s)) continue;
+    info.warnings.push_back(
+        fmt::format("{}: {}", info.folder.string(), clock_set_ahead(before_s, after_s)));
+    break;
+  }
   count(info.missing_images, "frames name an image that does not exist; they will be skipped");
   const auto covered = [&](const FrameEntry& e) { return list.truth.at(e.timestamp_s, 0.1); };
   if (!list.truth.empty() && std::none_of(list.frames.begin(), list.frames.end(), covered)) {
@@ -198,7 +207,7 @@ std::vector<double> times_of_frames(const FrameList& list) {
 
 /// What the first frame lets doubt.
 void warn_of_probe(const Probe& seen, const StoredFormat& format, const OpenOptions& options,
-                   std::vector<std::string>& warnings) {
+                   const std::string& source, std::vector<std::string>& warnings) {
   const ImageSize depth{seen.depth.width(), seen.depth.height()};
   const bool own_camera = format.depth_camera.fx > 0;
   if (!own_camera && !format.depth_size_differs && depth != seen.color) {
@@ -213,6 +222,7 @@ void warn_of_probe(const Probe& seen, const StoredFormat& format, const OpenOpti
         seen.color_file.string(), turned));
   }
   if (!options.depth_scale) warn_of_doubtful_unit(median_depth_m(seen.depth), warnings);
+  warn_of_doubtful_centre(seen.cameras.color, source, warnings);
 }
 
 Result<Sequence> open_folder(const fs::path& folder, const OpenOptions& options) {
@@ -240,7 +250,7 @@ Result<Sequence> open_folder(const fs::path& folder, const OpenOptions& options)
   sequence.info = describe(list, found);
   sequence.info.color_images += images_outside;
   sequence.info.frames_in_folder = frames_in_folder;
-  warn_of_probe(seen, format, options, sequence.info.warnings);
+  warn_of_probe(seen, format, options, found.source, sequence.info.warnings);
   sequence.info.calibration = format.calibration;
   sequence.info.delivered = delivered_camera(typical, options.max_width);
   warn_of_little_seen(sequence.info, typical.color);

@@ -22,4 +22,14 @@ TimeUnit unit_of_times(std::vector<double> times, bool whole);
 /// Half of the steps between sorted times are smaller, half larger; 0 for fewer than two times.
 double median_step(const std::vector<double>& sorted);
 
+/// Whether sorted times go by one step, as those of a camera do; gaps may lie between them.
+bool steps_evenly(const std::vector<double>& sorted);
+
+/// Whether so many seconds between two images are no pause of a recording, but a clock that was
+/// set.
+bool is_no_pause(double gap_s);
+
+/// The words for a clock that was set ahead between two images.
+std::string clock_set_ahead(double before_s, double after_s);
+
 }  // namespace sgs::dataset

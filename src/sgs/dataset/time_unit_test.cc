@@ -49,6 +49,29 @@ TEST(TimeUnit, SecondsStayWhatTheyAre) {
   EXPECT_TRUE(unit_of_times({1, 1, 1, 1}, true).name.empty());
 }
 
+TEST(TimeUnit, TicksAreNoNanoseconds) {
+  std::vector<double> file_times, net_ticks, nanoseconds;
+  for (int i = 0; i < 20; ++i) {
+    file_times.push_back(1.33e17 + 333'333.0 * i);
+    net_ticks.push_back(6.38e17 + 333'333.0 * i);
+    nanoseconds.push_back(1.7e18 + 33'333'333.0 * i);
+  }
+  EXPECT_EQ(unit_of_times(file_times, true).per_second, 1e7);
+  EXPECT_EQ(unit_of_times(net_ticks, true).per_second, 1e7);
+  EXPECT_EQ(unit_of_times(nanoseconds, true).per_second, 1e9);
+}
+
+TEST(TimeUnit, StepsOfACameraAreEven) {
+  std::vector<double> even, uneven;
+  for (int i = 0; i < 20; ++i) {
+    even.push_back(33.3 * i + (i > 15 ? 500 : 0));
+    uneven.push_back(i * i);
+  }
+  EXPECT_TRUE(steps_evenly(even));
+  EXPECT_FALSE(steps_evenly(uneven));
+  EXPECT_FALSE(steps_evenly({1, 2, 3}));
+}
+
 TEST(TimeUnit, NumbersThatGoByOneCountFrames) {
   std::vector<double> counts;
   for (int i = 1; i < 20; ++i) counts.push_back(i);

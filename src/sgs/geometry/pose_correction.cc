@@ -38,15 +38,6 @@ SE3 PoseCorrection::corrected(const SE3& T_world_camera, double timestamp_s) con
   return interpolate(moved(before, T_world_camera), moved(*after, T_world_camera), alpha);
 }
 
-PoseCorrection PoseCorrection::in_frame(const SE3& T_frame_world) const {
-  PoseCorrection out = *this;
-  for (MovedPose& p : out.poses_) {
-    p.before = T_frame_world * p.before;
-    p.after = T_frame_world * p.after;
-  }
-  return out;
-}
-
 double PoseCorrection::largest_translation_m() const {
   double largest = 0;
   for (const MovedPose& p : poses_) largest = std::max(largest, (p.after.t - p.before.t).norm());

@@ -26,8 +26,6 @@ class PoseCorrection {
   /// Where a camera that was held to be at `T_world_camera` at that time is now: moved as the poses
   /// next to it in time are, interpolated between the two, and as the first or last beyond them.
   SE3 corrected(const SE3& T_world_camera, double timestamp_s) const;
-  /// The same change told in other coordinates.
-  PoseCorrection in_frame(const SE3& T_frame_world) const;
   /// By how much the camera moves where it moves most.
   double largest_translation_m() const;
   double largest_rotation_rad() const;

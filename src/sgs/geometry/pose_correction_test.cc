@@ -37,9 +37,11 @@ TEST(PoseCorrection, CamerasMoveWithTheirNeighboursInTime) {
 TEST(PoseCorrection, DoesNotDependOnTheWorld) {
   const SE3 W = pose(0.4, -0.3, 0.2, 100, -50, 20);
   const SE3 T1 = pose(0.3, 0, 0, 4, 0, 0), T2 = pose(0, 0.4, 0, 0, 5, 0);
-  const PoseCorrection c({{1, T1, pose(0, 0, 0.2, 1, 0, 0) * T1}, {3, T2, T2}});
+  const SE3 T1_after = pose(0, 0, 0.2, 1, 0, 0) * T1;
+  const PoseCorrection here({{1, T1, T1_after}, {3, T2, T2}});
+  const PoseCorrection there({{1, W * T1, W * T1_after}, {3, W * T2, W * T2}});
   const SE3 T = pose(0.5, 0.2, 0.1, 1, 1, 1);
-  expect_same(c.in_frame(W).corrected(W * T, 1.7), W * c.corrected(T, 1.7));
+  expect_same(there.corrected(W * T, 1.7), W * here.corrected(T, 1.7));
 }
 
 // A long recording is corrected hundreds of times, each time from where the last one has left it.

@@ -11,6 +11,7 @@
 #include "sgs/dataset/given_poses.h"
 #include "sgs/dataset/prefetch.h"
 #include "sgs/dataset/reduced_source.h"
+#include "sgs/input/inertial.h"
 #include "sgs/io/camera_file.h"
 #include "sgs/io/depth_calibration_io.h"
 #include "sgs/io/trajectory_io.h"
@@ -129,7 +130,8 @@ Status check_stream_options(const InputSpec& spec) {
         set("--stamps", spec.stamps != InputSpec{}.stamps)}) {
     if (option == nullptr) continue;
     return fail(ErrorCode::kInvalidArgument, fmt::format("{} does not apply to a stream", option),
-                "give it to the sender: `sgs send` takes it");
+                stream::is_camera(spec.input) ? "a camera says it itself"
+                                              : "give it to the sender: `sgs send` takes it");
   }
   return {};
 }
@@ -148,27 +150,46 @@ Status add_poses_to_stream(const InputSpec& spec, Input& input) {
   return {};
 }
 
+Status calibrate(const InputSpec& spec, Input& input) {
+  if (spec.calibration.empty()) return {};
+  SGS_ASSIGN_OR_RETURN(auto calibration, io::load_depth_calibration(spec.calibration));
+  SGS_ASSIGN_OR_RETURN(input.source,
+                       dataset::calibrated(std::move(input.source), calibration, spec.calibration));
+  input.calibration = std::move(calibration);
+  return {};
+}
+
 Result<Input> open_live(const InputSpec& spec, const std::stop_token& stop) {
   SGS_RETURN_IF_ERROR(check_stream_options(spec));
   SGS_ASSIGN_OR_RETURN(const auto address, stream::parse_address(spec.input));
   stream::Patience patience;
   patience.first_s = patience.wait_s = spec.wait_s;
   const auto announce = [](const std::string& what) { log().warn("{}", what); };
+  if (address.camera) {
+    constexpr double kStart_s = 30;  // SDKs take their time until there are frames
+    patience.greeting_s = kStart_s;
+  }
   SGS_ASSIGN_OR_RETURN(auto source, stream::open_stream(address, patience, announce, stop));
   Input input;
   const stream::Hello& hello = source->hello();
+  const stream::StreamSource* stream = source.get();
+  const bool has_imu = hello.T_color_imu.has_value();
   input.info.layout = "stream";
   input.info.name = source->name();
   input.info.calibration = {hello.color_camera.camera, hello.color_camera.distortion,
                             hello.depth_scale};
   input.info.calibration_source = "the stream's greeting";
   input.info.unit_source = input.info.calibration_source;
-  input.info.times_source = "the sender";
+  input.info.times_source = hello.device_clock ? "the camera's clock" : "the sender";
   input.info.relation_source = hello.depth_camera ? "depth is registered with color_from_depth"
                                                   : "depth is registered, says the sender";
   input.source = dataset::reduced(std::move(source), spec.max_width);
   input.info.delivered = input.source->camera();
   SGS_RETURN_IF_ERROR(add_poses_to_stream(spec, input));
+  SGS_RETURN_IF_ERROR(calibrate(spec, input));
+  if (has_imu) {
+    input.source = with_imu(std::move(input.source), [stream] { return stream->imu(); });
+  }
   return input;
 }
 
@@ -193,7 +214,8 @@ Result<Input> open_uncalibrated(const InputSpec& spec, int threads, const std::s
 
 void InputSpec::declare(ParameterList& list) {
   const auto group = list.group("input");
-  list.add("source", input, "Folder of the sequence, bag, synth:NAME[:LEVEL], or live:...", {});
+  list.add("source", input,
+           "Folder of the sequence, bag, synth:NAME[:LEVEL], live:... or camera:...", {});
   list.add("frames", frames, "Frames a:b (half open) of the sequence; empty = all.", {});
   list.add("camera", camera,
            "fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]] instead of the folder's calibration.", {});
@@ -271,12 +293,12 @@ Result<synthetic::SynthOptions> synth_options(const InputSpec& spec, int threads
 }
 
 Result<Input> open_input(const InputSpec& spec, int threads, const std::stop_token& stop) {
-  if (spec.calibration.empty()) return open_uncalibrated(spec, threads, stop);
-  SGS_ASSIGN_OR_RETURN(auto calibration, io::load_depth_calibration(spec.calibration));
+  if (!spec.calibration.empty()) {
+    // A file that is none is told before anything is waited for.
+    SGS_RETURN_IF_ERROR(io::load_depth_calibration(spec.calibration));
+  }
   SGS_ASSIGN_OR_RETURN(auto input, open_uncalibrated(spec, threads, stop));
-  SGS_ASSIGN_OR_RETURN(input.source,
-                       dataset::calibrated(std::move(input.source), calibration, spec.calibration));
-  input.calibration = std::move(calibration);
+  if (!stream::is_stream(spec.input)) SGS_RETURN_IF_ERROR(calibrate(spec, input));
   return input;
 }
 

@@ -18,7 +18,8 @@ namespace {
 
 constexpr const char* kForms =
     "a calibration as ROS or OpenCV (camera_matrix), Kalibr (cam0), ORB-SLAM (Camera.fx) or Open3D "
-    "(intrinsic_matrix) writes it can be read; or give the numbers: --camera "
+    "(intrinsic_matrix) writes it, fx, fy, cx, cy by these names, and a matrix K of three rows can "
+    "be read; or give the numbers: --camera "
     "fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]], of a fisheye --camera "
     "fx,fy,cx,cy,fisheye,k1,k2,k3,k4";
 
@@ -124,17 +125,73 @@ Found of_open3d(const YAML::Node& file) {
   return found;
 }
 
+/// The value of the first key that is there.
+YAML::Node first_of(const YAML::Node& file, std::initializer_list<const char*> keys) {
+  for (const char* key : keys) {
+    if (const YAML::Node value = file[key]) return value;
+  }
+  return YAML::Node(YAML::NodeType::Undefined);
+}
+
+/// A unit of depth that is written either way: less than one is metres per unit, often in single
+/// precision.
+double units_per_metre(double scale) {
+  constexpr double kRounded = 1e-5;
+  if (!(scale > 0 && scale < 1)) return scale;
+  const double units = 1 / scale, whole = std::round(units);
+  return std::abs(units - whole) < kRounded * units ? whole : units;
+}
+
+/// What programs of one's own write: the numbers under their names, or the matrix as K.
+Found of_plain_names(const YAML::Node& file) {
+  for (const char* inner : {"intrinsics", "camera"}) {
+    if (file[inner] && file[inner].IsMap() && file[inner]["fx"]) return of_plain_names(file[inner]);
+  }
+  Found found;
+  PinholeCamera& camera = found.calibration.camera;
+  camera = {0,
+            0,
+            number(first_of(file, {"fx"})),
+            number(first_of(file, {"fy"})),
+            number(first_of(file, {"cx", "ppx"})),
+            number(first_of(file, {"cy", "ppy"}))};
+  take_matrix(numbers(first_of(file, {"K", "intrinsics", "intrinsic"})), false, camera);
+  take_size(first_of(file, {"width", "w", "image_width"}),
+            first_of(file, {"height", "h", "image_height"}), camera);
+  found.coefficients =
+      numbers(first_of(file, {"coeffs", "D", "dist", "distortion", "dist_coeffs"}));
+  if (const YAML::Node model = first_of(file, {"model", "distortion_model"})) {
+    found.model = model.as<std::string>();
+  }
+  found.calibration.depth_scale = units_per_metre(number(first_of(file, {"depth_scale", "scale"})));
+  return found;
+}
+
+/// The matrix K alone, as text: three rows, or four with a column of zeros.
+std::optional<Found> of_matrix_text(std::string_view text) {
+  auto k = parse_doubles(text, ",;[]");
+  if (!k || (k->size() != 9 && k->size() != 16)) return std::nullopt;
+  if (k->size() == 16) k->erase(k->begin() + 3), k->erase(k->begin() + 6);
+  const auto at = [&](std::size_t i) { return (*k)[i]; };
+  if (at(1) != 0 || at(3) != 0 || at(6) != 0 || at(7) != 0 || at(8) != 1) return std::nullopt;
+  Found found;
+  found.calibration.camera = {0, 0, at(0), at(4), at(2), at(5)};
+  return found;
+}
+
 /// The first form that the file has.
 Found read_any(const YAML::Node& file) {
   if (!file.IsMap()) return {};
   if (file["camera_matrix"]) return of_ros(file);
   if (file["cam0"]) return of_kalibr(file["cam0"]);
-  if (file["intrinsics"]) return of_kalibr(file);
+  if (file["intrinsics"] && file["intrinsics"].size() == 4 && file["intrinsics"].IsSequence()) {
+    return of_kalibr(file);
+  }
   if (file["intrinsic_matrix"]) return of_open3d(file);
   for (const char* camera : {"Camera", "Camera1"}) {
     if (file[std::string(camera) + ".fx"]) return of_orb_slam(file, camera);
   }
-  return {};
+  return of_plain_names(file);
 }
 
 /// The text without the first line of OpenCV's files, "%YAML:1.0", which is none of YAML.
@@ -182,11 +239,15 @@ Result<Calibration> load_camera_yaml(const fs::path& path) {
   };
   Found found;
   try {
-    const YAML::Node file = YAML::Load(std::string(without_directive(text)));
-    if (file.IsMap() && file["cam0"] && file["cam1"]) {
-      return bad("has several cameras, so it is not clear which is meant; leave that of colour");
+    if (auto matrix = of_matrix_text(text)) {
+      found = std::move(*matrix);
+    } else {
+      const YAML::Node file = YAML::Load(std::string(without_directive(text)));
+      if (file.IsMap() && file["cam0"] && file["cam1"]) {
+        return bad("has several cameras, so it is not clear which is meant; leave that of colour");
+      }
+      found = read_any(file);
     }
-    found = read_any(file);
   } catch (const YAML::Exception& e) {
     return bad(e.what());
   }

@@ -24,7 +24,8 @@ std::optional<LensModel> lens_model_named(std::string_view name);
 std::optional<Distortion> lens_named(std::string_view name, std::span<const double> coefficients);
 
 /// Reads a camera from YAML or JSON as other programs write it: ROS's camera_info_manager and
-/// OpenCV (`camera_matrix`), Kalibr (`cam0`), ORB-SLAM (`Camera.fx`), Open3D (`intrinsic_matrix`).
+/// OpenCV (`camera_matrix`), Kalibr (`cam0`), ORB-SLAM (`Camera.fx`), Open3D (`intrinsic_matrix`),
+/// the plain names `fx fy cx cy` (`ppx ppy`) or `K`; or the nine or sixteen numbers of a matrix.
 /// What the file does not say is 0: the size of the pictures, the unit of depth. Errors name the
 /// file and the forms that are read.
 Result<Calibration> load_camera_yaml(const std::filesystem::path& path);

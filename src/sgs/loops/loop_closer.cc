@@ -38,10 +38,21 @@ LoopCloser::LoopCloser(const LoopConfig& config, const tracker::TrackerConfig& t
                        std::uint64_t seed)
     : config_(config), verifier_(config, tracker), way_check_(config), ferns_(seed) {}
 
+// Loops that were measured with another depth are not believed.
+void LoopCloser::take_over(const history::Revision& revision) {
+  if (revision.calibration != skeleton_.revision().calibration) {
+    pending_.clear();
+    way_check_.forget();
+  }
+  skeleton_.follow(revision);
+}
+
 std::optional<PoseCorrection> LoopCloser::add(const RgbdFrame& frame,
-                                              const tracker::TrackResult& result) {
-  const double dt = T_last_ ? frame.timestamp_s - last_s_ : 0;
-  if (!T_last_) begin_s_ = solved_s_ = frame.timestamp_s;
+                                              const tracker::TrackResult& result,
+                                              const history::Revision& revision) {
+  take_over(revision);
+  const double dt = last_frame_ ? frame.timestamp_s - last_s_ : 0;
+  if (!last_frame_) begin_s_ = solved_s_ = frame.timestamp_s;
   last_s_ = frame.timestamp_s;
   if (result.status == tracker::TrackingStatus::kLost) {
     gap_s_ += dt;
@@ -49,27 +60,31 @@ std::optional<PoseCorrection> LoopCloser::add(const RgbdFrame& frame,
   }
   if (!result.information) return std::nullopt;
   camera_ = frame.camera;
-  if (T_last_) path_m_ += (result.T_world_camera.t - T_last_->t).norm();
-  T_last_ = result.T_world_camera;
-  if (!wants_node(frame, result.T_world_camera)) return std::nullopt;
+  if (last_frame_) {
+    const history::Path& path = revision.path;
+    path_m_ += (path.at(frame.index).t - path.at(*last_frame_).t).norm();
+  }
+  last_frame_ = frame.index;
+  if (!wants_node(frame)) return std::nullopt;
   add_node(frame, result);
   look_for_loops();
   accept_supported();
   return is_time_to_solve() ? correction() : std::nullopt;
 }
 
-bool LoopCloser::wants_node(const RgbdFrame& frame, const SE3& T_world_camera) const {
+bool LoopCloser::wants_node(const RgbdFrame& frame) const {
   if (skeleton_.size() == 0 || gap_s_ > 0) return true;
   const Node& last = skeleton_.node(skeleton_.size() - 1);
-  SE3 T_last_camera = last.T_world_camera.inverse() * T_world_camera;
+  const SE3 T_last_camera =
+      skeleton_.pose(skeleton_.size() - 1).inverse() * skeleton_.revision().path.at(frame.index);
   return registration::view_distance(frame.camera, last.mean_depth_m, T_last_camera) >
          way_check_.share() * config_.view_distance;
 }
 
 void LoopCloser::add_node(const RgbdFrame& frame, const tracker::TrackResult& result) {
   Node node;
+  node.frame = frame.index;
   node.timestamp_s = frame.timestamp_s;
-  node.T_world_camera = result.T_world_camera;
   node.mean_depth_m = registration::mean_depth(frame.depth, kFarthestDepth_m);
   if (node.mean_depth_m <= 0) return;
   node.motion = result.motion;
@@ -195,8 +210,7 @@ bool LoopCloser::is_time_to_solve() const {
   if (last_s_ - solved_s_ >= config_.rhythm * (last_s_ - begin_s_)) return true;
   return std::any_of(loops.begin() + static_cast<std::ptrdiff_t>(loops_solved_), loops.end(),
                      [&](const graph::Edge& e) {
-                       return graph::chi2(e, skeleton_.node(e.from).T_world_camera,
-                                          skeleton_.node(e.to).T_world_camera) >
+                       return graph::chi2(e, skeleton_.pose(e.from), skeleton_.pose(e.to)) >
                               graph::chi2_limit(6);
                      });
 }
@@ -204,7 +218,8 @@ bool LoopCloser::is_time_to_solve() const {
 // Solves with new loops and mended ways; takes loops back where they bend the tracked way too much.
 std::optional<PoseCorrection> LoopCloser::correction() {
   const std::size_t fresh = skeleton_.loops().size() - loops_solved_;
-  if ((fresh == 0 && !ways_are_mended_) || in_flight_) return std::nullopt;
+  const bool in_flight = skeleton_.revision().loops < counts_.corrections;
+  if ((fresh == 0 && !ways_are_mended_) || in_flight) return std::nullopt;
   const graph::GraphSolution solution = skeleton_.solve();
   solved_s_ = last_s_;
   ways_are_mended_ = false;
@@ -224,29 +239,16 @@ std::optional<PoseCorrection> LoopCloser::correction() {
   loops_solved_ = skeleton_.loops().size();
   std::vector<MovedPose> poses;
   for (int k = 0; k < skeleton_.size(); ++k) {
-    const Node& n = skeleton_.node(k);
-    poses.push_back(
-        {n.timestamp_s, n.T_world_camera, solution.T_world_node[static_cast<std::size_t>(k)]});
+    poses.push_back({skeleton_.node(k).timestamp_s, skeleton_.pose(k),
+                     solution.T_world_node[static_cast<std::size_t>(k)]});
   }
   PoseCorrection out(std::move(poses));
   if (out.largest_translation_m() < config_.apply_m &&
       out.largest_rotation_rad() < config_.apply_deg * std::numbers::pi / 180) {
     return std::nullopt;
   }
-  in_flight_ = true;
   ++counts_.corrections;
   return out;
-}
-
-void LoopCloser::note_applied(const PastCorrection& correction) {
-  skeleton_.correct(correction);
-  if (T_last_) T_last_ = correction.corrected(*T_last_, last_s_);
-  if (correction.depth) {
-    pending_.clear();  // measured with the old depth
-    way_check_.forget();
-  } else {
-    in_flight_ = false;
-  }
 }
 
 }  // namespace sgs::loops

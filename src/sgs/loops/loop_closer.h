@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "sgs/camera/past_correction.h"
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/features/ferns.h"
+#include "sgs/history/revision.h"
 #include "sgs/loops/loop_config.h"
 #include "sgs/loops/loop_verifier.h"
 #include "sgs/loops/skeleton.h"
@@ -32,23 +32,23 @@ struct LoopCounts {
 /// Knows places again and says how the past has to move for them to be in one place only. A pure
 /// function of what it is given, in order: deterministic, one thread.
 ///
-/// A correction that add() returns is in the tracker's coordinates of that moment. The caller
-/// applies it when it suits; until note_applied() says so there is no other.
+/// What add() returns changes the path that it was given. The caller makes a revision of it when
+/// it suits; until one comes there is no other.
 class LoopCloser {
  public:
   LoopCloser(const LoopConfig& config, const tracker::TrackerConfig& tracker, std::uint64_t seed);
 
-  /// Takes in the next tracked frame. Frames without TrackResult::information are passed over.
-  std::optional<PoseCorrection> add(const RgbdFrame& frame, const tracker::TrackResult& result);
-  /// Poses of frames that come from now on are corrected, by what add() returned or, where depth
-  /// has changed, by a calibration.
-  void note_applied(const PastCorrection& correction);
+  /// Takes in the next tracked frame, which is in the path of `revision`, as all before it are.
+  /// Frames without TrackResult::information are passed over.
+  std::optional<PoseCorrection> add(const RgbdFrame& frame, const tracker::TrackResult& result,
+                                    const history::Revision& revision);
 
   const Skeleton& skeleton() const { return skeleton_; }
   const LoopCounts& counts() const { return counts_; }
 
  private:
-  bool wants_node(const RgbdFrame& frame, const SE3& T_world_camera) const;
+  void take_over(const history::Revision& revision);
+  bool wants_node(const RgbdFrame& frame) const;
   void add_node(const RgbdFrame& frame, const tracker::TrackResult& result);
   std::vector<int> candidates(const std::vector<graph::UncertainPose>& predicted) const;
   void mend_way();
@@ -65,10 +65,9 @@ class LoopCloser {
   features::Ferns ferns_;
   PinholeCamera camera_;
   Skeleton skeleton_;
-  std::vector<graph::Edge> pending_;  // verified, without enough support so far
-  bool in_flight_ = false;
-  bool ways_are_mended_ = false;  // and the graph not solved since
-  std::optional<SE3> T_last_;     // of the last trusted frame
+  std::vector<graph::Edge> pending_;        // verified, without enough support so far
+  bool ways_are_mended_ = false;            // and the graph not solved since
+  std::optional<std::int64_t> last_frame_;  // that was trusted
   double last_s_ = 0;
   double path_m_ = 0, gap_s_ = 0;  // since the last node
   std::size_t loops_solved_ = 0;

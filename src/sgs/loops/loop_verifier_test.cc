@@ -24,21 +24,23 @@ class LoopVerifierTest : public testing::Test {
   void add(const SE3& T_said, const SE3& T_seen) {
     const RgbdFrame frame = tracker::see_wall(T_seen, skeleton_.size());
     Node node;
+    node.frame = skeleton_.size();
     node.timestamp_s = 10 * skeleton_.size();
-    node.T_world_camera = T_said;
     node.mean_depth_m = registration::mean_depth(frame.depth, 10);
     node.view = CompactView(frame);
+    revision_.path.append({node.frame, node.timestamp_s, T_said});
+    skeleton_.follow(revision_);
     skeleton_.add(std::move(node), 1e-4 * Matrix6d::Identity());
   }
   /// Of the newest node to the one in the middle, which is expected where the nodes say.
   std::optional<graph::Edge> verify() const {
     const LoopVerifier verifier(LoopConfig{}, tracker::TrackerConfig{});
     const int newest = skeleton_.size() - 1;
-    return verifier.verify(
-        skeleton_, 1, newest,
-        skeleton_.node(1).T_world_camera.inverse() * skeleton_.node(newest).T_world_camera);
+    return verifier.verify(skeleton_, 1, newest,
+                           skeleton_.pose(1).inverse() * skeleton_.pose(newest));
   }
 
+  history::Revision revision_;
   Skeleton skeleton_;
 };
 

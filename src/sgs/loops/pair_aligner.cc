@@ -19,17 +19,18 @@ tracker::SpectralConfig of_one_view(tracker::SpectralConfig config) {
 PairAligner::PairAligner(const tracker::SpectralConfig& config, const RgbdFrame& reference,
                          const registration::FrameMotion& motion)
     : aligner_(of_one_view(config), reference.camera, SE3{}) {
-  aligner_.look_at(reference, nullptr);
+  aligner_.look_at(reference, {}, nullptr);
   tracker::Alignment here;
   here.points_motion = motion;
   aligner_.extend(here, motion.readout);
+  reference_.path.append({reference.index, reference.timestamp_s, SE3{}});
 }
 
 std::optional<PairAlignment> PairAligner::align(const RgbdFrame& frame,
                                                 const registration::FrameMotion& motion,
                                                 const SE3& T_start) {
   if (!aligner_.has_map()) return std::nullopt;
-  aligner_.look_at(frame, nullptr);
+  aligner_.look_at(frame, reference_, nullptr);
   const tracker::Alignment a = aligner_.align(T_start, tracker::known_readout(motion));
   if (!a.trusted()) return std::nullopt;
   PairAlignment out;

@@ -34,6 +34,7 @@ class PairAligner {
 
  private:
   tracker::JointAligner aligner_;
+  history::Revision reference_;  // alone, and where the local coordinates are
 };
 
 }  // namespace sgs::loops

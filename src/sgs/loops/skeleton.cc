@@ -12,7 +12,7 @@
 namespace sgs::loops {
 void Skeleton::add(Node node, const Matrix6d& motion_covariance) {
   if (!nodes_.empty()) {
-    const SE3 T = nodes_.back().T_world_camera.inverse() * node.T_world_camera;
+    const SE3 T = pose(size() - 1).inverse() * revision_.path.at(node.frame);
     motions_.push_back({T, motion_covariance, motion_covariance.inverse()});
   }
   node.number = added_++;
@@ -24,11 +24,11 @@ void Skeleton::mend_last_way(const graph::UncertainPose& way) {
 }
 
 void Skeleton::note_left(const PinholeCamera& camera, double left_distance) {
-  const SE3& newest = nodes_.back().T_world_camera;
+  const SE3& newest = pose(size() - 1);
   for (Node& n : nodes_) {
-    n.left =
-        n.left || registration::view_distance(camera, n.mean_depth_m,
-                                              n.T_world_camera.inverse() * newest) > left_distance;
+    n.left = n.left || registration::view_distance(camera, n.mean_depth_m,
+                                                   revision_.path.at(n.frame).inverse() * newest) >
+                           left_distance;
   }
 }
 
@@ -42,8 +42,7 @@ void Skeleton::bound_views(const PinholeCamera& camera, std::size_t most_bytes) 
   }
   if (bytes <= most_bytes) return;
   const auto one_way = [&](int a, int b) {
-    return registration::view_distance(camera, node(a).mean_depth_m,
-                                       node(a).T_world_camera.inverse() * node(b).T_world_camera);
+    return registration::view_distance(camera, node(a).mean_depth_m, pose(a).inverse() * pose(b));
   };
   struct Likeness {
     double distance;
@@ -141,7 +140,7 @@ std::vector<graph::UncertainPose> Skeleton::relative_to(int to) const {
   };
   std::vector<std::vector<Step>> steps(nodes_.size());
   const auto join = [&](int a, int b, const Matrix6d& at_b) {
-    const Matrix6d world = graph::carried(at_b, node(b).T_world_camera);
+    const Matrix6d world = graph::carried(at_b, pose(b));
     const double cost = at_b.trace();
     steps[static_cast<std::size_t>(a)].push_back({b, world, cost});
     steps[static_cast<std::size_t>(b)].push_back({a, world, cost});
@@ -170,11 +169,11 @@ std::vector<graph::UncertainPose> Skeleton::relative_to(int to) const {
       queue.emplace(best[next], s.node);
     }
   }
-  const SE3 T_to_world = node(to).T_world_camera.inverse();
+  const SE3 T_to_world = pose(to).inverse();
   std::vector<graph::UncertainPose> out;
-  for (std::size_t k = 0; k < nodes_.size(); ++k) {
-    out.push_back({nodes_[k].T_world_camera.inverse() * node(to).T_world_camera,
-                   graph::carried(covariance[k], T_to_world)});
+  for (int k = 0; k < size(); ++k) {
+    out.push_back({pose(k).inverse() * pose(to),
+                   graph::carried(covariance[static_cast<std::size_t>(k)], T_to_world)});
   }
   return out;
 }
@@ -189,26 +188,32 @@ std::vector<graph::Edge> Skeleton::edges() const {
   return out;
 }
 
-graph::GraphSolution Skeleton::solve() const {
-  std::vector<SE3> poses;
-  for (const Node& n : nodes_) poses.push_back(n.T_world_camera);
-  return graph::optimise(std::move(poses), edges());
+std::vector<SE3> Skeleton::poses() const {
+  std::vector<SE3> out;
+  out.reserve(nodes_.size());
+  for (int k = 0; k < size(); ++k) out.push_back(pose(k));
+  return out;
 }
 
-void Skeleton::correct(const PastCorrection& correction) {
-  std::vector<SE3> before;
+graph::GraphSolution Skeleton::solve() const { return graph::optimise(poses(), edges()); }
+
+void Skeleton::follow(const history::Revision& revision) {
+  const auto change = history::depth_change(revision_.calibration, revision.calibration);
+  const std::vector<SE3> T_before = change ? poses() : std::vector<SE3>();
+  revision_ = revision;
+  if (change) change_depth(*change, T_before, poses());
+}
+
+void Skeleton::change_depth(const DepthChange& change, const std::vector<SE3>& T_before,
+                            const std::vector<SE3>& T_now) {
   for (Node& n : nodes_) {
-    before.push_back(n.T_world_camera);
-    n.T_world_camera = correction.corrected(n.T_world_camera, n.timestamp_s);
-    if (!correction.depth) continue;
-    if (!n.view.empty()) n.view.change_depth(*correction.depth);
-    n.motion.depth_delay_s += correction.depth->delay_s();
+    if (!n.view.empty()) n.view.change_depth(change);
+    n.motion.depth_delay_s += change.delay_s();
   }
-  if (!correction.depth) return;
   const auto measured_anew = [&](const SE3& T_from_to, int from, int to) {
     const auto a = static_cast<std::size_t>(from), b = static_cast<std::size_t>(to);
-    const SE3 deviation = (before[a].inverse() * before[b]).inverse() * T_from_to;
-    return nodes_[a].T_world_camera.inverse() * nodes_[b].T_world_camera * deviation;
+    const SE3 deviation = (T_before[a].inverse() * T_before[b]).inverse() * T_from_to;
+    return T_now[a].inverse() * T_now[b] * deviation;
   };
   for (int k = 0; k + 1 < size(); ++k) {
     SE3& T = motions_[static_cast<std::size_t>(k)].T_from_to;

@@ -7,19 +7,19 @@
 #include <vector>
 
 #include "sgs/camera/compact_view.h"
-#include "sgs/camera/past_correction.h"
 #include "sgs/features/ferns.h"
 #include "sgs/graph/consistency.h"
 #include "sgs/graph/pose_graph.h"
+#include "sgs/history/revision.h"
 #include "sgs/registration/rolling_shutter.h"
 
 namespace sgs::loops {
 
-/// A frame that is remembered so that its place can be known again.
+/// A frame that is remembered so that its place can be known again. Where it is, the path says.
 struct Node {
-  int number = 0;  ///< counts the nodes that there were, given by add()
+  int number = 0;          ///< counts the nodes that there were, given by add()
+  std::int64_t frame = 0;  ///< its index
   double timestamp_s = 0;
-  SE3 T_world_camera;  ///< in the tracker's world, as corrected so far
   double mean_depth_m = 0;
   registration::FrameMotion motion;  ///< of the camera while it was measured
   CompactView view;                  ///< empty: forgotten, the place is known by others
@@ -31,8 +31,16 @@ struct Node {
 /// known of where they lie relative to each other, and how well.
 class Skeleton {
  public:
+  /// What is believed of the past now, the frames of all nodes in its path; comes before the
+  /// first node and with each frame. Where depth has changed, what was measured with the old one
+  /// is held to deviate from the new poses as it did from the old ones.
+  void follow(const history::Revision& revision);
+  const history::Revision& revision() const { return revision_; }
+
   int size() const { return static_cast<int>(nodes_.size()); }
   const Node& node(int index) const { return nodes_[static_cast<std::size_t>(index)]; }
+  /// Camera to odom.
+  const SE3& pose(int index) const { return revision_.path.at(node(index).frame); }
   /// Appends a node; `motion_covariance` is that of the way from the last one, on twists of the new
   /// one (of no meaning for the first).
   void add(Node node, const Matrix6d& motion_covariance);
@@ -72,9 +80,6 @@ class Skeleton {
   /// Number of edges of the tracked way in solve(): the first of its edges, one to each node but
   /// the first.
   int tracked_edges() const { return size() - 1; }
-  /// The past was different. Where depth is, too, what was measured with the old one is held to
-  /// deviate from the new poses as it did from the old ones.
-  void correct(const PastCorrection& correction);
 
  private:
   struct Motion {
@@ -83,7 +88,11 @@ class Skeleton {
   };
   static Motion joined(const Motion& first, const Motion& then);
   std::vector<graph::Edge> edges() const;
+  std::vector<SE3> poses() const;
+  void change_depth(const DepthChange& change, const std::vector<SE3>& T_before,
+                    const std::vector<SE3>& T_now);
 
+  history::Revision revision_;
   std::vector<Node> nodes_;
   std::vector<Motion> motions_;  // to each node but the first
   std::vector<graph::Edge> loops_;

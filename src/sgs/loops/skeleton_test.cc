@@ -16,13 +16,23 @@ const PinholeCamera kCamera{64, 48, 60, 60, 31.5, 23.5};
 
 SE3 at(double x) { return {Eigen::Matrix3d::Identity(), {x, 0, 0}}; }
 
-Node node(double time_s, const SE3& T) {
+Node node(int k) {
   Node n;
-  n.timestamp_s = time_s;
-  n.T_world_camera = T;
+  n.frame = k;
+  n.timestamp_s = k;
   n.mean_depth_m = 2;
   return n;
 }
+
+/// A skeleton that is told where each of its nodes is.
+struct Walk : Skeleton {
+  void add(Node node, const SE3& T, const Matrix6d& covariance) {
+    now.path.append({node.frame, node.timestamp_s, T});
+    follow(now);
+    Skeleton::add(std::move(node), covariance);
+  }
+  history::Revision now;
+};
 
 TEST(EdgeInformation, SaysNothingOfWhatWasNotSeenAndNeverMoreThanItsFloor) {
   DriftConfig config;
@@ -52,9 +62,9 @@ TEST(MotionCovariance, GrowsWithTheWayAndWithTheTimeLost) {
 }
 
 TEST(Skeleton, KnowsTheWayThroughALoopToBeSurer) {
-  Skeleton s;
+  Walk s;
   const Matrix6d step = Matrix6d::Identity() * 1e-4;
-  for (int k = 0; k < 20; ++k) s.add(node(k, at(0.1 * k)), step);
+  for (int k = 0; k < 20; ++k) s.add(node(k), at(0.1 * k), step);
   const double open = s.relative_to(19)[0].covariance.trace();
   EXPECT_NEAR(s.tracked(0, 19).covariance.trace() / open, 1, 1e-6);
   s.add_loop({1, 18, at(1.7), Matrix6d::Identity() * 1e6, true});
@@ -65,23 +75,23 @@ TEST(Skeleton, KnowsTheWayThroughALoopToBeSurer) {
 }
 
 TEST(Skeleton, NodesThatAreOutOfSightAreLeft) {
-  Skeleton s;
+  Walk s;
   const Matrix6d step = Matrix6d::Identity() * 1e-4;
-  s.add(node(0, at(0)), step);
+  s.add(node(0), at(0), step);
   s.note_left(kCamera, 0.8);
   EXPECT_FALSE(s.node(0).left);
-  s.add(node(1, at(5)), step);
+  s.add(node(1), at(5), step);
   s.note_left(kCamera, 0.8);
   EXPECT_TRUE(s.node(0).left);
-  s.add(node(2, at(0)), step);
+  s.add(node(2), at(0), step);
   s.note_left(kCamera, 0.8);
   EXPECT_TRUE(s.node(0).left) << "it stays a place that was left";
   EXPECT_FALSE(s.node(2).left);
 }
 
 TEST(Skeleton, ALoopSpreadsItsErrorOverTheWay) {
-  Skeleton s;
-  for (int k = 0; k < 11; ++k) s.add(node(k, at(0.1 * k)), Matrix6d::Identity() * 1e-4);
+  Walk s;
+  for (int k = 0; k < 11; ++k) s.add(node(k), at(0.1 * k), Matrix6d::Identity() * 1e-4);
   s.add_loop({0, 10, at(1.1), Matrix6d::Identity() * 1e10, true});
   const auto solution = s.solve();
   EXPECT_EQ(solution.weights.back(), 1);
@@ -122,12 +132,12 @@ TEST(Skeleton, ViewsOfPlacesThatAreKnownAreForgotten) {
   frame.color = ColorImage(kCamera.width, kCamera.height);
   frame.depth = DepthImage(kCamera.width, kCamera.height, 2.0f);
   const std::size_t one = CompactView(frame).bytes();
-  Skeleton s;
+  Walk s;
   for (int k = 0; k < kPlaces * kRounds; ++k) {
     const int phase = k % (2 * kPlaces), place = phase < kPlaces ? phase : 2 * kPlaces - 1 - phase;
-    Node n = node(k, at(0.5 * place + 0.001 * k));
+    Node n = node(k);
     n.view = CompactView(frame);
-    s.add(std::move(n), Matrix6d::Identity() * 1e-4);
+    s.add(std::move(n), at(0.5 * place + 0.001 * k), Matrix6d::Identity() * 1e-4);
     s.note_left(kCamera, 0.3);
     s.bound_views(kCamera, 12 * one);
     std::size_t views = 0;
@@ -146,18 +156,19 @@ TEST(Skeleton, WaysAreJoinedWithoutChangingWhatTheySay) {
   frame.color = ColorImage(kCamera.width, kCamera.height);
   frame.depth = DepthImage(kCamera.width, kCamera.height, 2.0f);
   const auto build = [&frame] {
-    Skeleton s;
+    Walk s;
     for (int k = 0; k < 30; ++k) {
-      Node n = node(k, SE3(so3_exp({0, 0, 0.02 * k}), {0.1 * k, 0.003 * k * k, 0}));
+      Node n = node(k);
       if (k % 10 == 5) n.view = CompactView(frame);
-      s.add(std::move(n), Matrix6d::Identity() * 1e-4 * (1 + k % 3));
+      s.add(std::move(n), SE3(so3_exp({0, 0, 0.02 * k}), {0.1 * k, 0.003 * k * k, 0}),
+            Matrix6d::Identity() * 1e-4 * (1 + k % 3));
     }
-    const SE3 T = s.node(2).T_world_camera.inverse() * s.node(27).T_world_camera;
+    const SE3 T = s.pose(2).inverse() * s.pose(27);
     s.add_loop({2, 27, T * at(0.05), Matrix6d::Identity() * 1e6, true});
     return s;
   };
-  const Skeleton all = build();
-  Skeleton few = build();
+  const Walk all = build();
+  Walk few = build();
   std::vector<graph::Edge> pending = {{4, 28, at(2.4), Matrix6d::Identity(), true}};
   few.join_ways(pending);
   // First, last, the ends of both edges, and three views.
@@ -189,11 +200,11 @@ TEST(Skeleton, WaysAreJoinedWithoutChangingWhatTheySay) {
 
 // Forty rounds of a circle whose way has drifted, each tied to the last one at every place.
 TEST(Skeleton, FewerLoopsHoldWhatTheyHaveFound) {
-  Skeleton s;
+  Walk s;
   constexpr int kPlaces = 10, kRounds = 40;
   for (int k = 0; k < kPlaces * kRounds; ++k) {
     const double angle = 0.2 * std::numbers::pi * k;
-    s.add(node(k, SE3(so3_exp({0, 0, angle}), {std::cos(angle), std::sin(angle), 1e-3 * k})),
+    s.add(node(k), SE3(so3_exp({0, 0, angle}), {std::cos(angle), std::sin(angle), 1e-3 * k}),
           Matrix6d::Identity() * 1e-4);
     if (k >= kPlaces) s.add_loop({k - kPlaces, k, SE3(), Matrix6d::Identity() * 1e5, true});
   }
@@ -211,6 +222,28 @@ TEST(Skeleton, FewerLoopsHoldWhatTheyHaveFound) {
     const SE3& expected = all.T_world_node[static_cast<std::size_t>(s.node(k).number)];
     EXPECT_LT((fewer.T_world_node[static_cast<std::size_t>(k)].t - expected.t).norm(), 0.01) << k;
   }
+}
+
+// Another calibration: loops and ways deviate from the new poses as they did from the old ones.
+TEST(Skeleton, WhatWasMeasuredFollowsAnotherDepth) {
+  Walk s;
+  for (int k = 0; k < 3; ++k) s.add(node(k), at(0.1 * k), Matrix6d::Identity() * 1e-4);
+  s.add_loop({0, 2, at(0.25), Matrix6d::Identity() * 1e6, true});
+  auto calibration = std::make_shared<DepthCalibration>();
+  calibration->camera = kCamera;
+  calibration->delay_s = 0.004;
+  std::vector<MovedPose> twice;
+  for (int k = 0; k < 3; ++k) twice.push_back({1.0 * k, at(0.1 * k), at(0.2 * k)});
+  // Poses alone change nothing that was measured.
+  s.follow(history::revised(s.now, {PoseCorrection(twice)}));
+  EXPECT_NEAR(s.tracked(0, 2).T.t.x(), 0.2, 1e-12);
+  EXPECT_NEAR(s.pose(2).t.x(), 0.4, 1e-12);
+  s.follow(s.now);
+  s.follow(history::revised(s.now, {PoseCorrection(twice), calibration}));
+  EXPECT_NEAR(s.tracked(0, 2).T.t.x(), 0.4, 1e-12);
+  EXPECT_NEAR(s.loops()[0].T_from_to.t.x(), 0.45, 1e-12);
+  EXPECT_NEAR(s.node(1).motion.depth_delay_s, 0.004, 1e-12);
+  EXPECT_NEAR(s.pose(2).t.x(), 0.4, 1e-12);
 }
 
 }  // namespace

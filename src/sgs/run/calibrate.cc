@@ -15,13 +15,15 @@ namespace sgs::run {
 Result<backend::DepthEstimate> calibrate(Input& input, const slam::SessionConfig& config,
                                          const TrackedFrame& watch, const std::stop_token& stop) {
   backend::KeyframeArchive archive(config.backend.archive);
+  history::Path path;
   double readout_s = 0, delay_s = 0;
   const auto take_in = [&](const std::shared_ptr<const RgbdFrame>& frame,
                            const tracker::TrackResult* result) {
     if (result == nullptr || result->status == tracker::TrackingStatus::kLost) {
       archive.note_gap();
     } else {
-      archive.add(frame, result->T_world_camera);
+      path.append({frame->index, frame->timestamp_s, result->T_odom_camera});
+      archive.add(frame, path);
       delay_s = result->motion.depth_delay_s - frame->depth_delay_s;
       const double learned_s = result->diagnostics.readout_s;
       if (std::isfinite(learned_s)) readout_s = learned_s;
@@ -30,7 +32,7 @@ Result<backend::DepthEstimate> calibrate(Input& input, const slam::SessionConfig
   };
   SGS_RETURN_IF_ERROR(track_only(*input.source, config, take_in, stop));
   auto estimate =
-      backend::calibrate_surely(archive.keyframes(), readout_s, config.backend.calibration);
+      backend::calibrate_surely(archive.keyframes(), path, readout_s, config.backend.calibration);
   estimate.tracked_delay_s = delay_s;
   return estimate;
 }

@@ -10,6 +10,7 @@
 #include "sgs/core/memory_reserve.h"
 #include "sgs/core/stopwatch.h"
 #include "sgs/export/convert.h"
+#include "sgs/input/inertial.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/ply.h"
 #include "sgs/io/trajectory_io.h"
@@ -192,7 +193,7 @@ void write_end(const slam::Session& session, const Run& run, RunFolder& folder) 
 /// is wrong with an accelerometer is told, and no reason to end.
 std::optional<Upright> upright_along(const Input& input, const slam::Session& session,
                                      const Trajectory& path) {
-  const dataset::ImuRecording imu = dataset::read_imu(input.info);
+  const dataset::ImuRecording imu = read_imu(input);
   std::vector<std::string> warnings = imu.warnings;
   const auto snapshot = session.final_snapshot();
   const auto patches = snapshot ? patches_of(*snapshot) : std::vector<Patch>();
@@ -262,6 +263,10 @@ Result<RunResult> run_in(Input& input, const InputSpec& spec, const RunConfig& a
   auto clock = play(*input.source, *session, {options.realtime, recorder ? &*recorder : nullptr},
                     keeping, stop);
   keeper.reset();
+  if (recorder) {
+    if (const Status kept = keep_imu(input, options.record); !kept)
+      log().warn("{}", kept.error().text());
+  }
   if (clock) {
     clock->frames_replayed = replayed;
     clock->frames_in += static_cast<std::int64_t>(replayed);

@@ -176,7 +176,8 @@ fs::path killed(const fs::path& path, const run::Run& made) {
   state.stage = Stage::kRunning;
   EXPECT_TRUE(io::write_file(path / files::kState, state_text(state)));
   std::vector<StampedPose> online;
-  for (const auto& frame : made.frames) online.push_back({frame.timestamp_s, frame.T_odom_camera});
+  for (const auto& frame : made.frames)
+    online.push_back({frame.timestamp_s, frame.T_online_camera});
   EXPECT_TRUE(io::write_file(path / files::kTrajectory,
                              std::string(kOnlinePoses) + io::trajectory_text(Trajectory(online))));
   return path;

@@ -3,15 +3,15 @@
 #include "sgs/run/track_only.h"
 
 #include "sgs/core/log.h"
-#include "sgs/tracker/tracker.h"
+#include "sgs/tracker/odometry.h"
 
 namespace sgs::run {
 
 Status track_only(dataset::FrameSource& source, const slam::SessionConfig& config,
                   const TrackedFrame& after_frame, const std::stop_token& stop) {
-  SGS_ASSIGN_OR_RETURN(const auto tracker,
-                       tracker::make_tracker(config.tracker, source.camera(), SE3{}));
-  if (tracker->follows_map()) {
+  SGS_ASSIGN_OR_RETURN(auto tracker, tracker::make_tracker(config.tracker, source.camera(), SE3{}));
+  tracker::Odometry odometry(std::move(tracker));
+  if (odometry.follows_map()) {
     return fail(ErrorCode::kInvalidArgument, "this tracker follows the map and needs one",
                 "use --tracker spectral, gicp or orb");
   }
@@ -30,7 +30,7 @@ Status track_only(dataset::FrameSource& source, const slam::SessionConfig& confi
       after_frame(nullptr, nullptr);
       continue;
     }
-    const auto result = tracker->track(*frame, nullptr);
+    const auto result = odometry.track(*frame, nullptr);
     after_frame(frame, &result);
   }
   if (stop.stop_requested()) return fail(ErrorCode::kInterrupted, "interrupted");

@@ -20,7 +20,7 @@ constexpr std::chrono::milliseconds kJournalInterval{500};
 
 std::string pose_line(const slam::FrameRecord& record) {
   return io::trajectory_text(
-      Trajectory(std::vector<StampedPose>{{record.timestamp_s, record.T_odom_camera}}));
+      Trajectory(std::vector<StampedPose>{{record.timestamp_s, record.T_online_camera}}));
 }
 
 /// Where an interrupted run has ended, trajectory.txt holds its results; makes the poses as they

@@ -36,10 +36,11 @@ class KeepingTracker : public tracker::Tracker {
  public:
   KeepingTracker(bool knows_lag, std::vector<RgbdFrame>& given)
       : knows_lag_(knows_lag), given_(given) {}
-  tracker::TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr&) override {
+  tracker::TrackResult track(const RgbdFrame& frame, const history::Revision&,
+                             const map::SnapshotPtr&) override {
     given_.push_back(frame);
     tracker::TrackResult result;
-    result.T_world_camera = pose_at_time(frame.timestamp_s);
+    result.T_odom_camera = pose_at_time(frame.timestamp_s);
     return result;
   }
   bool follows_map() const override { return false; }

@@ -22,10 +22,9 @@ struct FrameRecord {
   double timestamp_s = 0;
   bool bad = false;  ///< the frame could not be read; everything below is empty
   std::string bad_reason;
-  /// The tracker's pose, before keyframe refinement (keyframe_pose.h), as corrected since; not in
-  /// frames.csv.
-  SE3 T_odom_camera;
-  SE3 T_online_camera;  ///< the same as it was said when the frame came
+  /// The tracker's pose as it was said when the frame came; not in frames.csv. As it is known now:
+  /// Session::revision().
+  SE3 T_online_camera;
   tracker::TrackingStatus status = tracker::TrackingStatus::kLost;
   tracker::LostReason lost_reason = tracker::LostReason::kNone;
   bool tracking_keyframe = false;

@@ -36,18 +36,24 @@ std::size_t known_views(const Session& session) {
   return nodes_with_views(session.skeleton()).size();
 }
 
+// The last revision may have come after the nodes were last told.
 tracker::KnownView known_view(const Session& session, const Trajectory& path, std::size_t number) {
   const auto nodes = nodes_with_views(session.skeleton());
   SGS_CHECK(number < nodes.size(), "no such view");
   const loops::Node& node = *nodes[number];
   tracker::KnownView view;
   view.timestamp_s = node.timestamp_s;
-  // The last correction may have come after the nodes were last told.
-  view.T_world_camera = path.at(node.timestamp_s, 0.0).value_or(node.T_world_camera);
+  view.T_world_camera =
+      path.at(node.timestamp_s, 0.0).value_or(session.revision().path.at(node.frame));
   view.motion = node.motion;
   view.view = node.view;
   view.ferns = node.ferns;
   view.fern_seed = session.config().seed;
+  if (const auto change = history::depth_change(session.skeleton()->revision().calibration,
+                                                session.revision().calibration)) {
+    view.view.change_depth(*change);
+    view.motion.depth_delay_s += change->delay_s();
+  }
   return view;
 }
 

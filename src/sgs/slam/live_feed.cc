@@ -3,6 +3,7 @@
 #include "sgs/slam/live_feed.h"
 
 #include <chrono>
+#include <utility>
 
 #include "sgs/core/log.h"
 
@@ -26,6 +27,7 @@ void LiveFeed::play(dataset::FrameSource& source) {
   constexpr std::chrono::seconds kLongestWait(10);
   Clock::time_point start;
   std::optional<double> first_time_s;
+  bool gap_told = false;
   while (!stop_) {
     std::optional<dataset::FeedItem> item;
     try {
@@ -46,10 +48,12 @@ void LiveFeed::play(dataset::FrameSource& source) {
     auto due = start + std::chrono::duration_cast<Clock::duration>(
                            std::chrono::duration<double>(item->timestamp_s - *first_time_s));
     if (const auto now = Clock::now(); due - now > kLongestWait) {
-      log().warn(
-          "{:.1f} s without a frame before {:.3f} s: this gap is not waited for; are the "
-          "times in seconds?",
-          std::chrono::duration<double>(due - now).count(), item->timestamp_s);
+      if (!std::exchange(gap_told, true)) {
+        log().warn(
+            "{:.1f} s without a frame before {:.3f} s: this gap is not waited for, nor are later "
+            "ones as long; are the times in seconds?",
+            std::chrono::duration<double>(due - now).count(), item->timestamp_s);
+      }
       start -= due - now;
       due = now;
     }

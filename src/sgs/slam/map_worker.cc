@@ -3,6 +3,7 @@
 #include "sgs/slam/map_worker.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace sgs::slam {
 namespace {
@@ -32,30 +33,32 @@ LaggedWorker<MapWorker::Order>::Tasks MapWorker::tasks() {
 }
 
 // Both worlds move alike: what refinement has found stays.
-void MapWorker::correct(const PastCorrection& correction) {
-  if (correction.depth) mapper_.change_depth(correction.depth);
+void MapWorker::follow(const history::Revision& revision) {
+  const history::Revision before = std::exchange(revision_, revision);
+  if (before.number() == revision.number()) return;
+  if (const auto change = history::depth_change(before.calibration, revision.calibration)) {
+    mapper_.change_depth(change);
+  }
   std::vector<SE3> moves;
   moves.reserve(keyframes_.size());
-  for (KeyframePose& k : keyframes_) {
-    const SE3 T_odom_camera = correction.corrected(k.T_odom_camera, k.timestamp_s);
-    moves.push_back(T_odom_camera * k.T_odom_camera.inverse());
-    k.T_odom_camera = T_odom_camera;
+  for (const KeyframePose& k : keyframes_) {
+    moves.push_back(revision.path.at(k.frame_index) * before.path.at(k.frame_index).inverse());
   }
   mapper_.move_keyframes(moves);
   publish();
 }
 
 void MapWorker::process(const MapJob& job) {
-  for (const auto& correction : job.corrections) correct(*correction);
+  follow(job.revision);
   if (job.keyframe) {
-    KeyframePose keyframe{job.keyframe->index, job.keyframe->timestamp_s, job.T_odom_camera,
-                          job.T_odom_camera};
+    const SE3& T_odom_camera = revision_.path.at(job.keyframe->index);
+    KeyframePose keyframe{job.keyframe->index, job.keyframe->timestamp_s, T_odom_camera};
     // A tracker with a world of its own does not notice that keyframes move; the newest keyframe's
     // correction carries its poses into the refined map.
     if (!tracker_follows_map_ && !keyframes_.empty()) {
-      keyframe.T_world_camera = T_world_odom(keyframes_.back()) * job.T_odom_camera;
+      keyframe.T_world_camera = T_world_odom(keyframes_.back(), revision_.path) * T_odom_camera;
     }
-    if (mapper_.add_keyframe(job.keyframe, keyframe.T_world_camera, job.T_odom_camera) >= 0) {
+    if (mapper_.add_keyframe(job.keyframe, keyframe.T_world_camera, T_odom_camera) >= 0) {
       keyframes_.push_back(keyframe);
     }
   }
@@ -109,7 +112,9 @@ void MapWorker::submit(MapJob job) {
   if (left_to_replay() > 0) return replay(job);
   ++submitted_;
   worker_.rethrow_failure();
-  if (mode_ == WorkerMode::kLive && !job.keyframe && job.corrections.empty()) return;
+  const int number = job.revision.number();
+  const bool is_revised = std::exchange(submitted_revision_, number) != number;
+  if (mode_ == WorkerMode::kLive && !job.keyframe && !is_revised) return;
   worker_.submit({.job = std::move(job)});
 }
 
@@ -148,8 +153,9 @@ Status MapWorker::restore(ArchiveReader& bytes) {
 
 void MapWorker::replay(const MapJob& job) {
   ++submitted_;
-  for (const auto& correction : job.corrections) {
-    if (correction->depth) mapper_.restore_depth_change(correction->depth);
+  const history::Revision before = std::exchange(revision_, job.revision);
+  if (const auto change = history::depth_change(before.calibration, revision_.calibration)) {
+    mapper_.restore_depth_change(change);
   }
   if (job.keyframe && mapper_.awaited_frame() == job.keyframe->index) {
     mapper_.restore_keyframe(*job.keyframe);

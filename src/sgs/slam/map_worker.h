@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "sgs/camera/past_correction.h"
 #include "sgs/core/thread_pool.h"
+#include "sgs/history/revision.h"
 #include "sgs/mapper/mapper.h"
 #include "sgs/slam/keyframe_pose.h"
 #include "sgs/slam/lagged_worker.h"
@@ -22,9 +22,7 @@ namespace sgs::slam {
 /// What the tracker hands to the mapper for every frame, in frame order.
 struct MapJob {
   std::shared_ptr<const RgbdFrame> keyframe;  ///< null when the frame is no mapping keyframe
-  SE3 T_odom_camera;                          ///< the tracker's pose of that keyframe
-  /// How the tracker's past was corrected just before this frame, in order.
-  std::vector<std::shared_ptr<const PastCorrection>> corrections;
+  history::Revision revision;                 ///< its path has the frame
   double frames = 1;  ///< of a video that this one stands for: its steps are so many times more
 };
 
@@ -104,7 +102,7 @@ class MapWorker {
   void show(const Order* order);
   void replay(const MapJob& job);
   std::string state(std::string before);
-  void correct(const PastCorrection& correction);
+  void follow(const history::Revision& revision);
   void publish();
 
   SessionConfig config_;
@@ -112,6 +110,7 @@ class MapWorker {
   WorkerMode mode_;
   ThreadPool pool_;
   mapper::Mapper mapper_;
+  history::Revision revision_;  // of the last job
   std::vector<KeyframePose> keyframes_;
   double budget_ = 0;
   std::int64_t jobs_since_snapshot_ = 0;
@@ -121,6 +120,7 @@ class MapWorker {
   int live_iterations_ = 0;
   std::int64_t submitted_ = 0;  // jobs; of the submitting thread, and so is:
   std::int64_t replayed_until_ = 0;
+  int submitted_revision_ = 0;  // its number
   // Guarded by the worker's lock:
   std::deque<MapView> views_;  // views_[i] is the state after job first_view_ + i
   std::int64_t first_view_ = 0;

@@ -24,16 +24,15 @@ struct ArchiveColumn {
   }
 };
 
-/// All columns, and what is none. Poses as corrected since are those of the brief.
+/// All columns, and what is none.
 template <class Archive>
 void archive_record(Archive& a, FrameRecord& r) {
   visit_columns(r, ArchiveColumn<Archive>{a});
-  a(r.bad_reason, r.T_online_camera, r.T_odom_camera);
+  a(r.bad_reason, r.T_online_camera);
 }
 
 FrameBrief brief_of(const FrameRecord& r) {
-  return {r.index, r.timestamp_s, r.T_odom_camera, r.bad,
-          !r.bad && r.status != tracker::TrackingStatus::kLost};
+  return {r.index, r.timestamp_s, r.bad, !r.bad && r.status != tracker::TrackingStatus::kLost};
 }
 
 }  // namespace
@@ -63,19 +62,9 @@ std::vector<FrameRecord> RecordLog::all() const {
   for (std::size_t i = 0; i < records.size(); ++i) {
     records[i].index = briefs_[i].index;
     records[i].timestamp_s = briefs_[i].timestamp_s;
-    records[i].T_odom_camera = briefs_[i].T_odom_camera;
     records[i].bad = briefs_[i].bad;
   }
   return records;
-}
-
-void RecordLog::correct(const PastCorrection& correction) {
-  for (FrameBrief& f : briefs_) {
-    if (!f.bad) f.T_odom_camera = correction.corrected(f.T_odom_camera, f.timestamp_s);
-  }
-  for (std::size_t i = 0; i < newest_.size(); ++i) {
-    newest_[i].T_odom_camera = briefs_[briefs_.size() - newest_.size() + i].T_odom_camera;
-  }
 }
 
 void RecordLog::put_away() {

@@ -10,17 +10,15 @@
 #include <string>
 #include <vector>
 
-#include "sgs/camera/past_correction.h"
 #include "sgs/core/spill_file.h"
 #include "sgs/slam/frame_record.h"
 
 namespace sgs::slam {
 
-/// What the present needs of a frame's record: an eighth of its bytes.
+/// What the present needs of a frame's record: few of its bytes.
 struct FrameBrief {
   std::int64_t index = 0;
   double timestamp_s = 0;
-  SE3 T_odom_camera;  ///< as FrameRecord
   bool bad = false;
   bool tracked = false;  ///< neither bad nor lost
 };
@@ -45,11 +43,8 @@ class RecordLog {
   /// The newest record; there has to be one.
   const FrameRecord& back() const { return newest_.back(); }
   const std::deque<FrameBrief>& briefs() const { return briefs_; }
-  /// All records, as corrected. Throws std::system_error where the disk does not give them back.
+  /// All records. Throws std::system_error where the disk does not give them back.
   std::vector<FrameRecord> all() const;
-
-  /// Moves T_odom_camera of all frames that have one.
-  void correct(const PastCorrection& correction);
 
  private:
   /// Bytes of kBlock records: in the file, or here where there is none.

@@ -8,8 +8,8 @@
 #include "sgs/camera/depth_lag.h"
 #include "sgs/camera/fingerprint.h"
 #include "sgs/core/log.h"
-#include "sgs/slam/calibration_estimator.h"
-#include "sgs/slam/loop_estimator.h"
+#include "sgs/slam/calibration_back_end.h"
+#include "sgs/slam/loop_back_end.h"
 #include "sgs/slam/track_stopwatch.h"
 #include "sgs/slam/video_gap.h"
 
@@ -73,13 +73,13 @@ Session::Session(const SessionConfig& config, const PinholeCamera& camera,
   worker_ =
       std::make_unique<MapWorker>(config_, camera_, tracker_->follows_map(), mode, options.threads);
   if (config_.loops.enabled) {
-    auto estimator = std::make_unique<LoopEstimator>(config_);
-    loop_estimator_ = estimator.get();
-    loops_ = std::make_unique<PastWorker>(std::move(estimator), config_.loops.lag, mode);
+    auto back_end = std::make_unique<LoopBackEnd>(config_);
+    loop_back_end_ = back_end.get();
+    loops_ = std::make_unique<BackEndWorker>(std::move(back_end), config_.loops.lag, mode);
   }
   if (config_.backend.calibration.online) {
-    calibrator_ = std::make_unique<PastWorker>(std::make_unique<CalibrationEstimator>(config_),
-                                               config_.backend.calibration.lag, mode);
+    calibrator_ = std::make_unique<BackEndWorker>(std::make_unique<CalibrationBackEnd>(config_),
+                                                  config_.backend.calibration.lag, mode);
   }
 }
 
@@ -94,12 +94,15 @@ Status Session::localise_in(const KnownMap& map) {
         fmt::format("the tracker {} cannot find itself in a map", to_string(config_.tracker.type)),
         "leave out --tracker and --preset, or use --tracker spectral");
   }
+  if (map.calibration) {
+    revision_.calibration = std::make_shared<const DepthCalibration>(*map.calibration);
+  }
   for (std::size_t i = 0; i < map.views; ++i) {
     SGS_ASSIGN_OR_RETURN(const tracker::KnownView view, map.view(i));
-    tracker_->know(view);
+    revision_.path.append({tracker::known_view_index(i), view.timestamp_s, view.T_world_camera});
+    tracker_->know(view, revision_);
   }
   known_ = map.gaussians;
-  calibration_ = map.calibration;
   return {};
 }
 
@@ -108,20 +111,24 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& raw) {
   SGS_CHECK(raw->color.width() == camera_.width && raw->color.height() == camera_.height &&
                 raw->depth.width() == camera_.width && raw->depth.height() == camera_.height,
             "frame size differs from the session's camera");
-  correct_past();
+  SGS_CHECK(revision_.path.empty() || raw->index > revision_.path.back().frame,
+            "frames come in the order of their indices");
+  const double moved_m = revise_past();
   auto frame = calibrated(raw);
   if (!tracker_->knows_depth_lag())
     frame = frame_of_one_time(frame, frame->depth_delay_s * last_velocity());
   const MapView view = wait_for_map();
   double cpu_ms = 0;
   const tracker::TrackResult result = track(*frame, view.snapshot, cpu_ms);
+  revision_.path.append({frame->index, frame->timestamp_s, result.T_odom_camera});
   FrameRecord record = make_record(*frame, view, result);
+  record.correction_m = moved_m;
   record.track_ms = cpu_ms;
   if (tracker_->knows_depth_lag() && result.status != tracker::TrackingStatus::kLost) {
     record.diagnostics.depth_delay_s = result.motion.depth_delay_s - raw->depth_delay_s;
   }
   record.fingerprint = fingerprint(*raw);  // as the recording has it
-  estimate_past(raw, frame, result, record);
+  ask_back_ends(raw, frame, result, record);
   if (comes_as_before(record, depth_fingerprint(*raw))) hand_to_mapper(frame, result, record);
   report_loss(record);
   const FrameRecord& added = records_.add(std::move(record));
@@ -129,30 +136,29 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& raw) {
   return added;
 }
 
-// Before a frame is tracked: tracker, records and (with this frame's job) the map move together.
-void Session::correct_past() {
-  corrections_.clear();
-  for (PastWorker* worker : {loops_.get(), calibrator_.get()}) {
+// Before a frame is tracked: from the next revision on go the tracker and, with the jobs of this
+// frame, map and back ends. One at a time: what another back end has found waits for the next
+// frame. Returns by how much the camera moves where it moves most.
+double Session::revise_past() {
+  std::optional<history::Update> update;
+  for (BackEndWorker* worker : {loops_.get(), calibrator_.get()}) {
     if (worker == nullptr) continue;
-    if (auto correction = worker->correction_before(frames_fed_)) {
-      corrections_.push_back(std::move(correction));
-    }
+    worker->wait_before(frames_fed_);
+    if (!update) update = worker->take_before(frames_fed_);
   }
-  if (corrections_.empty()) return;
-  const ScopedTimer timer(track_times_, "correct the past");
-  for (const auto& correction : corrections_) {
-    tracker_->correct(*correction);
-    move_past(*correction);
-    if (correction->depth) calibration_ = correction->depth->after();
-  }
+  if (!update) return 0;
+  const ScopedTimer timer(track_times_, "revise the past");
+  revise(*update);
+  return update->poses.largest_translation_m();
 }
 
 std::shared_ptr<const RgbdFrame> Session::calibrated(
     const std::shared_ptr<const RgbdFrame>& raw) const {
-  if (!calibration_) return raw;
+  const auto& calibration = revision_.calibration;
+  if (!calibration) return raw;
   auto frame = std::make_shared<RgbdFrame>(*raw);
-  frame->depth = calibration_->apply(raw->depth);
-  frame->depth_delay_s += calibration_->delay_s;  // beside what its stamp says
+  frame->depth = calibration->apply(raw->depth);
+  frame->depth_delay_s += calibration->delay_s;  // beside what its stamp says
   return frame;
 }
 
@@ -164,28 +170,29 @@ Vector6d Session::last_velocity() const {
   const FrameBrief &last = past.back(), &before = past[past.size() - 2];
   const double dt = last.timestamp_s - before.timestamp_s;
   if (!last.tracked || !before.tracked || !(dt > 0) || dt > kLongest_s) return Vector6d::Zero();
-  return (before.T_odom_camera.inverse() * last.T_odom_camera).log() / dt;
+  const history::Path& path = revision_.path;
+  return (path.at(before.index).inverse() * path.at(last.index)).log() / dt;
 }
 
-void Session::estimate_past(const std::shared_ptr<const RgbdFrame>& raw,
+void Session::ask_back_ends(const std::shared_ptr<const RgbdFrame>& raw,
                             const std::shared_ptr<const RgbdFrame>& frame,
                             const tracker::TrackResult& result, FrameRecord& record) {
   if (loops_) {
     record.loops = loops_->found_before(frames_fed_);
-    loops_->submit(frame, result, corrections_);
+    loops_->submit(frame, result, revision_);
   }
   if (calibrator_) {
     record.calibrations = calibrator_->found_before(frames_fed_);
-    calibrator_->submit(raw, result, corrections_);
+    calibrator_->submit(raw, result, revision_);
   }
 }
 
-void Session::move_past(const PastCorrection& correction) {
-  records_.correct(correction);
-  const MovedPose& newest = correction.poses.poses().back();
+void Session::revise(const history::Update& update) {
+  revision_ = history::revised(revision_, update);
+  const MovedPose& newest = update.poses.poses().back();
   log().info("{}: the past moves by up to {:.1f} cm, the camera by {:.1f} cm",
-             correction.depth ? "depth is calibrated" : "the path is corrected",
-             100 * correction.poses.largest_translation_m(),
+             update.calibration ? "depth is calibrated" : "the path is corrected",
+             100 * update.poses.largest_translation_m(),
              100 * (newest.after.t - newest.before.t).norm());
 }
 
@@ -206,7 +213,7 @@ tracker::TrackResult Session::track(const RgbdFrame& frame, const map::SnapshotP
                                     double& cpu_ms) {
   const auto recess = take_core();
   const TrackStopwatch stopwatch;
-  tracker::TrackResult result = tracker_->track(frame, snapshot);
+  tracker::TrackResult result = tracker_->track(frame, revision_, snapshot);
   cpu_ms = stopwatch.note(result.diagnostics, track_times_);
   return result;
 }
@@ -219,10 +226,7 @@ FrameRecord Session::make_record(const RgbdFrame& frame, const MapView& view,
   record.heldout = is_heldout(frame.index, config_.heldout_interval);
   record.gaussians = view.gaussians;
   record.iterations = view.iterations;
-  record.T_odom_camera = record.T_online_camera = result.T_world_camera;
-  for (const auto& correction : corrections_) {
-    record.correction_m = std::max(record.correction_m, correction->poses.largest_translation_m());
-  }
+  record.T_online_camera = result.T_odom_camera;
   record.status = result.status;
   record.lost_reason = result.lost_reason;
   record.tracking_keyframe = result.keyframe;
@@ -237,8 +241,9 @@ double Session::video_frames(const FrameRecord& record) const {
   const auto last =
       std::find_if(past.rbegin(), past.rend(), [](const FrameBrief& f) { return f.tracked; });
   if (last == past.rend()) return 1;
-  return video_frames_between({last->timestamp_s, last->T_odom_camera},
-                              {record.timestamp_s, record.T_odom_camera}, config_.max_gap_frames);
+  const history::Path& path = revision_.path;
+  return video_frames_between({last->timestamp_s, path.at(last->index)},
+                              {record.timestamp_s, path.at(record.index)}, config_.max_gap_frames);
 }
 
 bool Session::wants_mapping_keyframe(const FrameRecord& record) const {
@@ -251,7 +256,7 @@ void Session::hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame,
                              const tracker::TrackResult& result, FrameRecord& record) {
   if (known_) {
     ++frames_fed_;
-    if (!found_at_ && record.status != tracker::TrackingStatus::kLost) found_at_ = records_.size();
+    if (!found_at_ && record.status != tracker::TrackingStatus::kLost) found_at_ = record.index;
     return;
   }
   keyframe_pending_ = keyframe_pending_ || record.tracking_keyframe;
@@ -265,9 +270,8 @@ void Session::hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame,
     ++mapping_keyframes_;
     keyframe_pending_ = false;
     job.keyframe = frame_of_one_time(frame, result.motion.lag());
-    job.T_odom_camera = record.T_odom_camera;
   }
-  job.corrections = corrections_;
+  job.revision = revision_;
   worker_->submit(std::move(job));
   ++frames_fed_;
 }
@@ -328,9 +332,8 @@ void Session::finish() {
   // What fails here must not cost the map.
   std::exception_ptr failure;
   try {
-    PastCorrections last;
-    if (loops_) apply_last(loops_->finish(), last);
-    if (calibrator_) apply_last(calibrator_->finish(last), last);
+    if (loops_) revise_last(loops_->finish(revision_));
+    if (calibrator_) revise_last(calibrator_->finish(revision_));
   } catch (...) {
     failure = std::current_exception();
   }
@@ -338,39 +341,40 @@ void Session::finish() {
   if (failure) std::rethrow_exception(failure);
 }
 
-void Session::apply_last(const std::shared_ptr<const PastCorrection>& correction,
-                         PastCorrections& last) {
-  if (!correction) return;
-  last.push_back(correction);
-  move_past(*correction);
-  worker_->submit({nullptr, {}, {correction}});
-  if (!correction->depth) return;
-  calibration_ = correction->depth->after();
-  // Each keyframe's turn once more, with its new depth.
-  for (std::size_t k = 0; k < mapping_keyframes_; ++k) worker_->submit({});
+void Session::revise_last(const std::optional<history::Update>& update) {
+  if (!update) return;
+  revise(*update);
+  // Where depth has changed, each keyframe's turn comes once more.
+  const std::size_t jobs = update->calibration ? 1 + mapping_keyframes_ : 1;
+  for (std::size_t k = 0; k < jobs; ++k) worker_->submit({nullptr, revision_});
 }
 
 std::optional<loops::LoopCounts> Session::loop_counts() const {
-  return loop_estimator_ ? std::optional(loop_estimator_->closer().counts()) : std::nullopt;
+  return loop_back_end_ ? std::optional(loop_back_end_->closer().counts()) : std::nullopt;
 }
 
 const loops::Skeleton* Session::skeleton() const {
-  return loop_estimator_ ? &loop_estimator_->closer().skeleton() : nullptr;
+  return loop_back_end_ ? &loop_back_end_->closer().skeleton() : nullptr;
 }
 
 map::SnapshotPtr Session::snapshot() { return known_ ? known_ : worker_->newest_snapshot(); }
 
+// Before the camera has found itself in its map it could be anywhere; and the map's own views are
+// no frames of this session.
+bool Session::has_place(std::int64_t frame) const {
+  return !known_ || (found_at_ && frame >= *found_at_);
+}
+
 Trajectory Session::trajectory() const {
   // Refined poses make better pictures, not a truer path (docs/decisions/0042-views.md), unless the
   // path was made in the refined map, or refining it was asked for.
-  const PoseCorrection to_world =
-      tracker_->path_follows_refinement() ? odom_to_world(worker_->keyframes()) : PoseCorrection();
-  // Before the camera has found itself in its map it could be anywhere.
-  const std::size_t first = known_ ? found_at_.value_or(records_.size()) : 0;
+  const PoseCorrection to_world = tracker_->path_follows_refinement()
+                                      ? odom_to_world(worker_->keyframes(), revision_.path)
+                                      : PoseCorrection();
   std::vector<StampedPose> poses;
-  for (std::size_t i = first; i < records_.size(); ++i) {
-    const FrameBrief& f = records_.briefs()[i];
-    if (f.bad) continue;
+  for (std::size_t k = 0; k < revision_.path.size(); ++k) {
+    const history::Path::Entry& f = revision_.path[k];
+    if (!has_place(f.frame)) continue;
     poses.push_back({f.timestamp_s, to_world.corrected(f.T_odom_camera, f.timestamp_s)});
   }
   return Trajectory(std::move(poses));
@@ -378,13 +382,8 @@ Trajectory Session::trajectory() const {
 
 Trajectory Session::online_trajectory() const {
   std::vector<StampedPose> poses;
-  std::size_t skipped = known_ ? found_at_.value_or(records_.size()) : 0;
   for (const FrameRecord& r : records_.all()) {
-    if (skipped > 0) {
-      --skipped;
-      continue;
-    }
-    if (!r.bad) poses.push_back({r.timestamp_s, r.T_online_camera});
+    if (!r.bad && has_place(r.index)) poses.push_back({r.timestamp_s, r.T_online_camera});
   }
   return Trajectory(std::move(poses));
 }

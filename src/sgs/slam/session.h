@@ -14,13 +14,14 @@
 #include "sgs/core/error.h"
 #include "sgs/core/stopwatch.h"
 #include "sgs/geometry/trajectory.h"
+#include "sgs/history/revision.h"
 #include "sgs/loops/loop_closer.h"
 #include "sgs/map/gaussian.h"
+#include "sgs/slam/back_end_worker.h"
 #include "sgs/slam/frame_record.h"
 #include "sgs/slam/keyframe_pose.h"
 #include "sgs/slam/known_map.h"
 #include "sgs/slam/map_worker.h"
-#include "sgs/slam/past_worker.h"
 #include "sgs/slam/record_log.h"
 #include "sgs/slam/session_config.h"
 #include "sgs/tracker/tracker.h"
@@ -34,7 +35,7 @@ struct SessionOptions {
   SE3 T_world_first;  ///< pose given to the first frame
 };
 
-class LoopEstimator;
+class LoopBackEnd;
 
 /// SLAM from frames to trajectory and map: tracker and mapper side by side, meeting only in
 /// immutable snapshots. feed() and finish() belong to one thread; snapshot() may be called from
@@ -104,6 +105,9 @@ class Session {
   /// The finished map (after finish()); null where no keyframe was mapped.
   map::SnapshotPtr final_snapshot() const { return known_ ? known_ : worker_->final_snapshot(); }
   const RecordLog& records() const { return records_; }
+  /// What is believed of the past now: poses of all frames so far, after those of the map's views
+  /// (tracker::known_view_index()) where the session was given one, and the calibration in force.
+  const history::Revision& revision() const { return revision_; }
   /// Poses of all tracked frames, loops closed and depth calibrated (after finish()); frames that
   /// were lost carry the tracker's guess at their pose. Those of a tracker that follows the map,
   /// and given poses that are to be refined, are carried into the refined map.
@@ -120,7 +124,9 @@ class Session {
   /// Edges of the pose graph that close loops, and its nodes (after finish()); null as above.
   const loops::Skeleton* skeleton() const;
   /// What was learned about the depth camera (docs/calibration.md); empty where nothing was.
-  const std::optional<DepthCalibration>& calibration() const { return calibration_; }
+  std::optional<DepthCalibration> calibration() const {
+    return revision_.calibration ? std::optional(*revision_.calibration) : std::nullopt;
+  }
   /// Seconds the mapper has been busy so far (any thread).
   double mapper_busy_s() const { return worker_->busy_s(); }
   /// Durations of tracking and mapping stages (after finish()).
@@ -130,12 +136,12 @@ class Session {
   Session(const SessionConfig& config, const PinholeCamera& camera, const SessionOptions& options,
           std::unique_ptr<tracker::Tracker> tracker);
   // The steps of a frame.
-  void correct_past();
-  void apply_last(const std::shared_ptr<const PastCorrection>& correction, PastCorrections& last);
-  void move_past(const PastCorrection& correction);
+  double revise_past();
+  void revise(const history::Update& update);
+  void revise_last(const std::optional<history::Update>& update);
   std::shared_ptr<const RgbdFrame> calibrated(const std::shared_ptr<const RgbdFrame>& raw) const;
   Vector6d last_velocity() const;
-  void estimate_past(const std::shared_ptr<const RgbdFrame>& raw,
+  void ask_back_ends(const std::shared_ptr<const RgbdFrame>& raw,
                      const std::shared_ptr<const RgbdFrame>& frame,
                      const tracker::TrackResult& result, FrameRecord& record);
   MapView wait_for_map();
@@ -149,6 +155,7 @@ class Session {
   void hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame,
                       const tracker::TrackResult& result, FrameRecord& record);
   void report_loss(const FrameRecord& record);
+  bool has_place(std::int64_t frame) const;
   bool comes_as_before(const FrameRecord& record, std::int64_t depth_print);
 
   SessionConfig config_;
@@ -157,12 +164,11 @@ class Session {
   std::unique_ptr<tracker::Tracker> tracker_;
   std::unique_ptr<MapWorker> worker_;
   // Null where the tracker cannot be corrected, or shall not:
-  std::unique_ptr<PastWorker> loops_, calibrator_;
-  const LoopEstimator* loop_estimator_ = nullptr;  // that of loops_
-  PastCorrections corrections_;                    // just before this frame
-  std::optional<DepthCalibration> calibration_;    // learned so far
+  std::unique_ptr<BackEndWorker> loops_, calibrator_;
+  const LoopBackEnd* loop_back_end_ = nullptr;  // that of loops_
+  history::Revision revision_;                  // views of a map that is known come first
   map::SnapshotPtr known_;  // the map that the camera is to find itself in; null: it makes its own
-  std::optional<std::size_t> found_at_;  // position of the first frame that was found there
+  std::optional<std::int64_t> found_at_;  // index of the first frame that was found there
   RecordLog records_;
   std::int64_t frames_fed_ = 0;
   std::size_t mapping_keyframes_ = 0;

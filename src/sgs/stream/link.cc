@@ -7,9 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
@@ -17,6 +15,7 @@
 #include <utility>
 
 #include "sgs/io/system_error.h"
+#include "sgs/stream/asio_entrance.h"
 
 namespace sgs::stream {
 namespace {
@@ -52,28 +51,6 @@ class TcpLink final : public Link {
   tcp::socket socket_;
 };
 
-/// One end of a pipe.
-class PipeLink final : public Link {
- public:
-  PipeLink(asio::io_context& context, int descriptor, std::string who)
-      : Link(std::move(who)), pipe_(context, descriptor) {}
-  void answer(const std::string&) override {}
-  void close() override {
-    error_code ignored;
-    pipe_.close(ignored);
-  }
-
- private:
-  void start_read() override {
-    pipe_.async_read_some(asio::buffer(buffer_), [this, self = shared_from_this()](
-                                                     const error_code& error, std::size_t bytes) {
-      came(error ? 0 : bytes);
-    });
-  }
-
-  asio::posix::stream_descriptor pipe_;
-};
-
 /// What is no pipe but a file never makes anybody wait.
 class FileLink final : public Link {
  public:
@@ -93,21 +70,6 @@ class FileLink final : public Link {
 
   asio::io_context& context_;
   int descriptor_;
-};
-
-/// What both kinds of entrance share.
-class AsioEntrance : public Entrance {
- public:
-  void run_until(Link::Clock::time_point until) override {
-    context_.restart();
-    context_.run_one_until(until);
-  }
-  void wake() override {
-    asio::post(context_, [] {});
-  }
-
- protected:
-  asio::io_context context_;
 };
 
 class TcpEntrance final : public AsioEntrance {
@@ -252,6 +214,7 @@ class PipeEntrance final : public AsioEntrance {
 }  // namespace
 
 Result<std::unique_ptr<Entrance>> Entrance::open(const Address& address) {
+  if (address.camera) return open_camera(*address.camera);
   if (!address.host.empty()) {
     auto entrance = std::make_unique<TcpEntrance>();
     SGS_RETURN_IF_ERROR(entrance->listen(address));

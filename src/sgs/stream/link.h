@@ -5,7 +5,9 @@
 #include <array>
 #include <chrono>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sgs/core/error.h"
@@ -38,6 +40,8 @@ class Link : public std::enable_shared_from_this<Link> {
   }
   /// A line for the other end; a pipe has none, and one who does not listen misses it.
   virtual void answer(const std::string& line) = 0;
+  /// Why a link that is closed ended, where the other end is a program of ours that says so.
+  virtual std::optional<Error> failure() { return std::nullopt; }
   /// Ends a read that goes on and the connection.
   virtual void close() = 0;
 
@@ -70,8 +74,10 @@ class Entrance {
   virtual std::string name() const = 0;
   /// Whether nobody can come after the first one: standard input.
   virtual bool ends_with_link() const = 0;
-  /// After a link was lost: lets the next sender in.
+  /// After a link was lost, or a guest turned away: lets the next sender in.
   virtual void open_again() = 0;
+  /// What a program of ours has said on the way, for people.
+  std::vector<std::string> take_notes() { return std::exchange(notes_, {}); }
   /// Handles what happens, and returns after the first thing that did, or at `until`.
   virtual void run_until(Link::Clock::time_point until) = 0;
   /// Ends a run_until(), from any thread.
@@ -82,6 +88,10 @@ class Entrance {
 
  protected:
   std::vector<std::shared_ptr<Link>> guests_;
+  std::vector<std::string> notes_;
 };
+
+/// Starts the program for a camera, and starts it again whenever it has ended.
+Result<std::unique_ptr<Entrance>> open_camera(const Address::Camera& camera);
 
 }  // namespace sgs::stream

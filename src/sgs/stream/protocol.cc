@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/stream/protocol.h"
 
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -15,9 +18,14 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::string_view kMagic = "SGS1";
-constexpr char kFrameMark = 'F';
+constexpr std::string_view kMagic = "SGS";  // and the version, a digit
+constexpr std::size_t kMagic_bytes = 4;
+constexpr int kNewestVersion = 2;
+constexpr char kFrameMark = 'F', kImuMark = 'I';
 constexpr std::size_t kLength_bytes = sizeof(std::uint32_t);
+constexpr std::size_t kNumbersOfSample = 7, kSample_bytes = kNumbersOfSample * sizeof(double);
+static_assert(std::endian::native ==
+              std::endian::little);  // samples lie in memory as they are sent
 constexpr const char* kHelp = "docs/stream.md describes the protocol";
 
 std::string length_bytes(std::size_t length) {
@@ -107,9 +115,34 @@ Result<LensCamera> camera_of(const Json& json, const char* key) {
   return lens;
 }
 
-Result<Hello> hello_of(const Json& json) {
+Status read_version_2(const Json& json, Hello& hello) {
+  constexpr std::string_view kDevice = "device";
+  hello.device_clock = json.value("clock", "") == kDevice;
+  hello.listens = json.value("listens", false);
+  if (json.contains("laser")) hello.laser = json.at("laser").get<bool>();
+  if (json.contains("imu")) {
+    const Json& imu = json.at("imu");
+    SGS_ASSIGN_OR_RETURN(hello.T_color_imu, pose_of(imu.at("color_from_imu"), "color_from_imu"));
+  }
+  return {};
+}
+
+/// A number that may be left out; what is none counts as left out.
+std::optional<double> number_if_any(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  if (found == json.end() || !found->is_number()) return std::nullopt;
+  const auto value = found->get<double>();
+  return std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+void add_if_any(Json& json, const char* key, const std::optional<double>& value) {
+  if (value) json[key] = *value;
+}
+
+Result<Hello> hello_of(const Json& json, int version) {
   constexpr std::size_t kLongestName = 100;
   Hello hello;
+  hello.version = version;
   hello.name = json.value("name", "stream").substr(0, kLongestName);
   SGS_ASSIGN_OR_RETURN(hello.color_camera, camera_of(json.at("camera"), "camera"));
   SGS_RETURN_IF_ERROR(read_word(json, "color", hello.color));
@@ -123,6 +156,7 @@ Result<Hello> hello_of(const Json& json) {
     SGS_ASSIGN_OR_RETURN(hello.T_color_depth,
                          pose_of(json.at("color_from_depth"), "color_from_depth"));
   }
+  if (version >= 2) SGS_RETURN_IF_ERROR(read_version_2(json, hello));
   return hello;
 }
 
@@ -138,8 +172,14 @@ std::string encode_hello(const Hello& hello) {
     json["depth_camera"] = camera_json(*hello.depth_camera);
     json["color_from_depth"] = pose_json(hello.T_color_depth);
   }
+  if (hello.version >= 2) {
+    if (hello.device_clock) json["clock"] = "device";
+    if (hello.listens) json["listens"] = true;
+    if (hello.laser) json["laser"] = *hello.laser;
+    if (hello.T_color_imu) json["imu"] = {{"color_from_imu", pose_json(*hello.T_color_imu)}};
+  }
   const std::string text = json.dump(-1, ' ', true, Json::error_handler_t::replace);
-  return std::string(kMagic) + length_bytes(text.size()) + text;
+  return std::string(kMagic) + std::to_string(hello.version) + length_bytes(text.size()) + text;
 }
 
 Result<std::string> encode_packet(const Packet& packet) {
@@ -154,14 +194,30 @@ Result<std::string> encode_packet(const Packet& packet) {
                {"depth_bytes", packet.depth.size()}};
   if (packet.depth_delay_s != 0) json["depth_t"] = packet.timestamp_s + packet.depth_delay_s;
   if (packet.given_T_world_camera) json["pose"] = pose_json(*packet.given_T_world_camera);
+  add_if_any(json, "exposure_s", packet.exposure_s);
+  add_if_any(json, "depth_exposure_s", packet.depth_exposure_s);
+  add_if_any(json, "gain", packet.gain);
+  add_if_any(json, "received_t", packet.received_s);
   const std::string text = json.dump();
   return kFrameMark + length_bytes(text.size()) + text + packet.color + packet.depth;
 }
 
-Result<Hello> parse_hello(std::string_view text) {
+std::string encode_imu(std::span<const InertialSample> samples) {
+  const std::size_t count = std::min(samples.size(), kLargestImu_bytes / kSample_bytes);
+  std::string bytes = kImuMark + length_bytes(count * kSample_bytes);
+  for (const InertialSample& sample : samples.first(count)) {
+    std::array<double, kNumbersOfSample> numbers{sample.timestamp_s};
+    std::ranges::copy(sample.angular_velocity_rad_s, numbers.begin() + 1);
+    std::ranges::copy(sample.acceleration_m_s2, numbers.begin() + 4);
+    bytes.append(reinterpret_cast<const char*>(numbers.data()), kSample_bytes);
+  }
+  return bytes;
+}
+
+Result<Hello> parse_hello(std::string_view text, int version) {
   SGS_ASSIGN_OR_RETURN(const Json json, dataset::parse_json(text, "the greeting"));
   return dataset::read_json("the greeting", "camera {width, height, fx, fy, cx, cy}, color, depth",
-                            [&] { return hello_of(json); });
+                            [&] { return hello_of(json, version); });
 }
 
 Status StreamParser::read_header(std::string_view text) {
@@ -170,6 +226,10 @@ Status StreamParser::read_header(std::string_view text) {
     packet_ = {};
     packet_.timestamp_s = json.at("t").get<double>();
     packet_.depth_delay_s = json.value("depth_t", packet_.timestamp_s) - packet_.timestamp_s;
+    packet_.exposure_s = number_if_any(json, "exposure_s");
+    packet_.depth_exposure_s = number_if_any(json, "depth_exposure_s");
+    packet_.gain = number_if_any(json, "gain");
+    packet_.received_s = number_if_any(json, "received_t");
     SGS_ASSIGN_OR_RETURN(color_bytes_, count_of(json, "color_bytes", kLargestImages_bytes));
     SGS_ASSIGN_OR_RETURN(depth_bytes_, count_of(json, "depth_bytes", kLargestImages_bytes));
     if (color_bytes_ + depth_bytes_ > kLargestImages_bytes) {
@@ -183,46 +243,61 @@ Status StreamParser::read_header(std::string_view text) {
   });
 }
 
+/// The length behind the mark of a part, once it is there.
+Result<std::optional<std::size_t>> StreamParser::length_of(const char* what,
+                                                           std::size_t largest) const {
+  if (buffer_.size() < 1 + kLength_bytes) return std::nullopt;
+  const std::size_t length = length_at(std::string_view(buffer_).substr(1));
+  if (length <= largest) return length;
+  return broken(fmt::format("{} of {} bytes; at most {} are allowed", what, length, largest));
+}
+
 Result<StreamParser::Part> StreamParser::next_hello() {
   const std::string_view seen = std::string_view(buffer_).substr(0, kMagic.size());
   if (seen != kMagic.substr(0, seen.size())) {
-    return broken("this is no stream of frames: it does not begin with SGS1");
+    return broken("this is no stream of frames: it does not begin with SGS1 or SGS2");
   }
-  const std::size_t json_at = kMagic.size() + kLength_bytes;
+  if (buffer_.size() < kMagic_bytes) return Part::kNone;
+  const int version = buffer_[kMagic.size()] - '0';
+  if (version < 1 || version > kNewestVersion) {
+    return broken("this is no stream of frames: it does not begin with SGS1 or SGS2");
+  }
+  const std::size_t json_at = kMagic_bytes + kLength_bytes;
   if (buffer_.size() < json_at) return Part::kNone;
-  const std::size_t length = length_at(std::string_view(buffer_).substr(kMagic.size()));
+  const std::size_t length = length_at(std::string_view(buffer_).substr(kMagic_bytes));
   if (length > kLargestJson_bytes) {
     return broken(
         fmt::format("a greeting of {} bytes; at most {} are allowed", length, kLargestJson_bytes));
   }
   if (buffer_.size() < json_at + length) return Part::kNone;
-  SGS_ASSIGN_OR_RETURN(hello_, parse_hello(std::string_view(buffer_).substr(json_at, length)));
+  SGS_ASSIGN_OR_RETURN(hello_,
+                       parse_hello(std::string_view(buffer_).substr(json_at, length), version));
   buffer_.erase(0, json_at + length);
   return Part::kHello;
 }
 
-Result<StreamParser::Part> StreamParser::next_frame() {
+Result<StreamParser::Part> StreamParser::next_part() {
   if (buffer_.empty()) return Part::kNone;
-  if (buffer_.front() == kEndMark.front()) {
+  const char mark = buffer_.front();
+  if (mark == kEndMark.front()) {
     ended_ = true;
     buffer_.clear();
     return Part::kEnd;
   }
-  if (buffer_.front() != kFrameMark) {
-    return broken(fmt::format("a part begins with byte {}, neither F nor E",
-                              static_cast<int>(static_cast<unsigned char>(buffer_.front()))));
-  }
-  const std::size_t json_at = 1 + kLength_bytes;
+  if (mark == kFrameMark) return next_frame();
+  if (mark == kImuMark && hello_->version >= 2) return next_imu();
+  return broken(fmt::format("a part begins with byte {}, neither F{} nor E",
+                            static_cast<int>(static_cast<unsigned char>(mark)),
+                            hello_->version >= 2 ? ", I" : ""));
+}
+
+Result<StreamParser::Part> StreamParser::next_frame() {
+  constexpr std::size_t kJsonAt = 1 + kLength_bytes;
   if (!images_at_) {
-    if (buffer_.size() < json_at) return Part::kNone;
-    const std::size_t length = length_at(std::string_view(buffer_).substr(1));
-    if (length > kLargestJson_bytes) {
-      return broken(fmt::format("a frame's header of {} bytes; at most {} are allowed", length,
-                                kLargestJson_bytes));
-    }
-    if (buffer_.size() < json_at + length) return Part::kNone;
-    SGS_RETURN_IF_ERROR(read_header(std::string_view(buffer_).substr(json_at, length)));
-    images_at_ = json_at + length;
+    SGS_ASSIGN_OR_RETURN(const auto length, length_of("a frame's header", kLargestJson_bytes));
+    if (!length || buffer_.size() < kJsonAt + *length) return Part::kNone;
+    SGS_RETURN_IF_ERROR(read_header(std::string_view(buffer_).substr(kJsonAt, *length)));
+    images_at_ = kJsonAt + *length;
   }
   const std::size_t end = *images_at_ + color_bytes_ + depth_bytes_;
   if (buffer_.size() < end) return Part::kNone;
@@ -233,10 +308,32 @@ Result<StreamParser::Part> StreamParser::next_frame() {
   return Part::kFrame;
 }
 
+/// Samples without a time are left out: there is nothing that they could be told apart by.
+Result<StreamParser::Part> StreamParser::next_imu() {
+  constexpr std::size_t kSamplesAt = 1 + kLength_bytes;
+  SGS_ASSIGN_OR_RETURN(const auto length, length_of("inertial samples", kLargestImu_bytes));
+  if (!length) return Part::kNone;
+  if (*length % kSample_bytes != 0) {
+    return broken(
+        fmt::format("inertial samples of {} bytes; each takes {}", *length, kSample_bytes));
+  }
+  if (buffer_.size() < kSamplesAt + *length) return Part::kNone;
+  imu_.clear();
+  for (std::size_t at = kSamplesAt; at < kSamplesAt + *length; at += kSample_bytes) {
+    std::array<double, kNumbersOfSample> numbers{};
+    std::memcpy(numbers.data(), buffer_.data() + at, kSample_bytes);
+    if (!std::isfinite(numbers[0])) continue;
+    imu_.push_back(
+        {numbers[0], {numbers[1], numbers[2], numbers[3]}, {numbers[4], numbers[5], numbers[6]}});
+  }
+  buffer_.erase(0, kSamplesAt + *length);
+  return Part::kImu;
+}
+
 Result<StreamParser::Part> StreamParser::next() {
   if (failure_) return tl::unexpected<Error>(*failure_);
   if (ended_) return Part::kEnd;
-  auto part = hello_ ? next_frame() : next_hello();
+  auto part = hello_ ? next_part() : next_hello();
   if (!part) failure_ = part.error();
   return part;
 }

@@ -194,6 +194,94 @@ TEST(EncodePacket, AFrameBeyondTheLimitIsNotSent) {
   EXPECT_THAT(encode_packet(packet).error().text(), HasSubstr("--max-width"));
 }
 
+/// A greeting of version 2 with everything.
+Hello camera_hello() {
+  Hello hello = sent_hello();
+  hello.version = 2;
+  hello.device_clock = hello.listens = true;
+  hello.laser = false;
+  hello.T_color_imu = SE3(so3_exp({0.1, 0, 0}), {0, 0, 0.01});
+  return hello;
+}
+
+TEST(Version2, SaysWhatACameraKnows) {
+  Packet packet = encode_frame(some_frame(), camera_hello()).value();
+  packet.exposure_s = 0.008;
+  packet.gain = 16;
+  packet.received_s = 1.5e9;
+  const std::array<InertialSample, 2> samples = {InertialSample{1, {1, 2, 3}},
+                                                 InertialSample{2, {}, {4, 5, 6}}};
+  StreamParser parser;
+  parser.push(encode_hello(camera_hello()) + encode_imu(samples) + encode_packet(packet).value() +
+              std::string(kEndMark));
+  ASSERT_EQ(parser.next().value(), Part::kHello);
+  const Hello& hello = parser.hello();
+  EXPECT_TRUE(hello.version == 2 && hello.device_clock && hello.listens);
+  EXPECT_EQ(hello.laser, false);
+  ASSERT_TRUE(hello.T_color_imu);
+  EXPECT_TRUE(hello.T_color_imu->R.isApprox(camera_hello().T_color_imu->R, 1e-14));
+  ASSERT_EQ(parser.next().value(), Part::kImu);
+  ASSERT_EQ(parser.imu().size(), 2u);
+  EXPECT_EQ(parser.imu()[0].angular_velocity_rad_s[2], 3);
+  EXPECT_TRUE(std::isnan(parser.imu()[0].acceleration_m_s2[0]));
+  EXPECT_EQ(parser.imu()[1].acceleration_m_s2[0], 4);
+  ASSERT_EQ(parser.next().value(), Part::kFrame);
+  EXPECT_EQ(parser.packet().exposure_s, 0.008);
+  EXPECT_EQ(parser.packet().gain, 16);
+  EXPECT_EQ(parser.packet().received_s, 1.5e9);
+  EXPECT_FALSE(parser.packet().depth_exposure_s);
+  EXPECT_EQ(parser.next().value(), Part::kEnd);
+}
+
+TEST(Version2, SamplesAreBoundedAndOfVersion2Only) {
+  const std::string hello = encode_hello(camera_hello());
+  EXPECT_THAT(error_of(hello + std::string("I\xff\xff\xff\xff", 5)),
+              HasSubstr("inertial samples of 4294967295 bytes"));
+  EXPECT_THAT(error_of(hello + std::string("I\x37\0\0\0", 5)), HasSubstr("each takes 56"));
+  EXPECT_THAT(error_of(encode_hello(sent_hello()) + encode_imu({})), HasSubstr("neither F nor E"));
+  EXPECT_EQ(error_of(hello + encode_imu({})), "no error");
+  const std::vector<InertialSample> many(5000);
+  EXPECT_EQ(error_of(hello + encode_imu(many)), "no error");
+  EXPECT_THAT(error_of("SGS3"), HasSubstr("SGS1 or SGS2"));
+  StreamParser parser;
+  const std::array<InertialSample, 1> timeless = {InertialSample{InertialSample::kNone}};
+  parser.push(hello + encode_imu(timeless));
+  ASSERT_EQ(parser.next().value(), Part::kHello);
+  ASSERT_EQ(parser.next().value(), Part::kImu);
+  EXPECT_TRUE(parser.imu().empty());
+}
+
+TEST(Version2, OddValuesAreErrorsOrLeftOut) {
+  const std::string camera = R"({"camera":{"width":12,"height":9,"fx":5,"fy":5,"cx":1,"cy":1})";
+  EXPECT_EQ(error_of(part("SGS2", camera + R"(,"clock":"sun"})")), "no error");
+  EXPECT_THAT(error_of(part("SGS2", camera + R"(,"clock":1})")), HasSubstr("type"));
+  EXPECT_THAT(error_of(part("SGS2", camera + R"(,"imu":{}})")), HasSubstr("color_from_imu"));
+  EXPECT_EQ(error_of(part("SGS1", camera + R"(,"imu":{}})")), "no error");
+  EXPECT_EQ(error_of(encode_hello(camera_hello()) +
+                     part("F", R"({"t":0,"color_bytes":0,"depth_bytes":0,"exposure_s":"x"})")),
+            "no error");
+}
+
+TEST(Address, OfACamera) {
+  EXPECT_TRUE(is_stream("camera:"));
+  EXPECT_FALSE(is_camera("live:camera:"));
+  const auto plain = parse_address("camera:");
+  ASSERT_TRUE(plain && plain->camera);
+  EXPECT_EQ(plain->camera->family + plain->camera->serial, "");
+  const auto whole = parse_address("camera:realsense:01A-3,size=848x480,lock=1.5,every=on");
+  ASSERT_TRUE(whole && whole->camera);
+  EXPECT_EQ(whole->camera->family, "realsense");
+  EXPECT_EQ(whole->camera->serial, "01A-3");
+  EXPECT_EQ(whole->camera->options, (std::vector<std::string>{"--size=848x480", "--every=on"}));
+  EXPECT_EQ(whole->camera->lock_exposure_after_s, 1.5);
+  EXPECT_TRUE(whole->camera->every_frame);
+  for (const char* bad :
+       {"camera::1", "camera:../x", "camera:a,b", "camera:a,=1", "camera:a,lock=x",
+        "camera:a,lock=-1", "camera:a,every=yes", "camera:a,b c=1"}) {
+    EXPECT_FALSE(parse_address(bad)) << bad;
+  }
+}
+
 TEST(Address, HasThreeForms) {
   EXPECT_TRUE(is_stream("live:-"));
   EXPECT_FALSE(is_stream("folder/live:-"));

@@ -16,6 +16,7 @@
 #include "sgs/dataset/frame_fit.h"
 #include "sgs/dataset/source_failure.h"
 #include "sgs/stream/frame_codec.h"
+#include "sgs/stream/inertial_store.h"
 #include "sgs/stream/link.h"
 
 namespace sgs::stream {
@@ -38,14 +39,21 @@ bool same_cameras(const Hello& a, const Hello& b) {
 
 class Receiver final : public StreamSource {
  public:
-  Receiver(std::unique_ptr<Entrance> entrance, const Patience& patience)
-      : entrance_(std::move(entrance)), patience_(patience) {}
+  Receiver(std::unique_ptr<Entrance> entrance, const Patience& patience,
+           const std::optional<Address::Camera>& camera)
+      : entrance_(std::move(entrance)),
+        patience_(patience),
+        is_camera_(camera.has_value()),
+        lock_after_s_(camera ? camera->lock_exposure_after_s : 0) {}
+  ~Receiver() override { tell_sender("stop"); }
 
   std::string name() const override { return hello_ ? hello_->name : "stream"; }
   PinholeCamera camera() const override { return hello_->color_camera.camera; }
   std::optional<std::int64_t> size() const override { return std::nullopt; }
   const Trajectory& ground_truth() const override { return no_truth_; }
   const Hello& hello() const override { return *hello_; }
+  dataset::ImuRecording imu() const override { return inertial_.recording(entrance_->name()); }
+  void watch(StreamWatcher& watcher) override { watcher_ = &watcher; }
   bool live() const override { return true; }
   void stop() override {
     stopped_ = true;
@@ -58,6 +66,7 @@ class Receiver final : public StreamSource {
     while (!hello_) {
       if (stopped_) return fail(ErrorCode::kInterrupted, "interrupted while waiting for a sender");
       if (ended_) return fail(ErrorCode::kInvalidFormat, *ended_);
+      if (first_failure_) return tl::unexpected<Error>(*first_failure_);
       if (patience_.first_s > 0 && seconds_since(gone_) > patience_.first_s) {
         return fail(ErrorCode::kNotFound,
                     fmt::format("{}: no sender within {:g} s{}", entrance_->name(),
@@ -66,7 +75,7 @@ class Receiver final : public StreamSource {
                     "ever)");
       }
       handle();
-      if (!hello_ && !ended_) entrance_->run_until(deadline());
+      if (!hello_ && !ended_ && !first_failure_) entrance_->run_until(deadline());
     }
     tell_of_little_seen();
     return {};
@@ -106,10 +115,13 @@ class Receiver final : public StreamSource {
     delivered_ = true;
     frame = RgbdFrame{};
     frame.index = index_++;
+    if (watcher_ != nullptr) watcher_->on_packet(*packet_);
     const double sent_s = packet_->timestamp_s;
+    if (std::exchange(new_clock_, false)) follow_on(sent_s);
     const double time_s = sent_s + moved_s_;
     frame.timestamp_s = time_s;
     frame.camera = camera();
+    const auto exposure_s = packet_->exposure_s;
     const Status decoded = decoder_->decode(std::move(*packet_), frame);
     packet_.reset();
     if (!decoded) {
@@ -126,11 +138,20 @@ class Receiver final : public StreamSource {
                ""};
       return dataset::FrameRead::kBadFrame;
     }
+    if (is_ahead(sent_s)) {
+      error = {ErrorCode::kInvalidFormat,
+               fmt::format("its stamp, {:.3f} s, is {:.3f} s in the future", time_s,
+                           time_s - expected_s()),
+               ""};
+      return dataset::FrameRead::kBadFrame;
+    }
     frame.timestamp_s = sent_s + moved_s_;
-    behind_ = 0;
+    behind_ = ahead_ = 0;
     in_time_ = true;
     last_time_s_ = frame.timestamp_s;
+    last_good_ = Clock::now();
     drop_implausible_delay(frame);
+    watch_exposure(frame.timestamp_s, exposure_s);
     return dataset::FrameRead::kOk;
   }
 
@@ -154,6 +175,62 @@ class Receiver final : public StreamSource {
     return true;
   }
 
+  /// The time of a frame that comes now, by the watch of this side.
+  double expected_s() const { return *last_time_s_ + seconds_since(last_good_); }
+
+  /// A camera's clock may stand elsewhere after it was plugged in again.
+  void follow_on(double sent_s) {
+    constexpr double kSame_s = 1;
+    if (!last_time_s_ || !hello_->device_clock || !std::isfinite(sent_s)) return;
+    const double off_s = sent_s + moved_s_ - expected_s();
+    if (std::abs(off_s) < kSame_s) return;
+    moved_s_ -= off_s;
+    say(
+        fmt::format("the camera's clock stands {:.3f} s off; its frames go on, moved to follow "
+                    "those before",
+                    off_s));
+  }
+
+  /// Whether a frame of a camera's clock is of the future: that is its sender's mistake, unless
+  /// several in a row are. Then the clock was set, and the frames are moved to follow the others.
+  bool is_ahead(double sent_s) {
+    constexpr double kMost_s = 10;
+    constexpr int kSure = 4;
+    if (!last_time_s_ || !hello_->device_clock) return false;
+    const double ahead_s = sent_s + moved_s_ - expected_s();
+    if (ahead_s < kMost_s) return false;
+    if (++ahead_ < kSure) return true;
+    moved_s_ -= ahead_s;
+    say(
+        fmt::format("the camera's clock was set forward by {:.3f} s; its frames go on, moved to "
+                    "follow those before",
+                    ahead_s));
+    return false;
+  }
+
+  void tell_sender(const std::string& line) {
+    if (sender_ && hello_->listens) sender_->answer(line);
+  }
+
+  /// Asks for a fixed exposure when it is time, and says once that it changes.
+  void watch_exposure(double time_s, const std::optional<double>& exposure_s) {
+    constexpr double kChange = 1.5, kMs = 1e3;
+    if (!sender_since_s_) sender_since_s_ = time_s;
+    if (lock_after_s_ > 0 && !locked_ && time_s - *sender_since_s_ >= lock_after_s_) {
+      locked_ = true;
+      tell_sender("lock_exposure");
+    }
+    if (!exposure_s || !(*exposure_s > 0) || told_of_exposure_) return;
+    if (!first_exposure_s_) first_exposure_s_ = exposure_s;
+    const double ratio = *exposure_s / *first_exposure_s_;
+    if (lock_after_s_ > 0 || (ratio < kChange && ratio > 1 / kChange)) return;
+    told_of_exposure_ = true;
+    say(
+        fmt::format("exposure went from {:.1f} to {:.1f} ms: the map is better with a fixed one "
+                    "(of a camera: `,lock=1` locks it after a second)",
+                    kMs * *first_exposure_s_, kMs * *exposure_s));
+  }
+
   /// Depth that is stamped by another clock is taken as of its colour's time.
   void drop_implausible_delay(RgbdFrame& frame) {
     constexpr double kMost_s = 0.1;  // no camera pairs images that are farther apart
@@ -169,6 +246,7 @@ class Receiver final : public StreamSource {
 
   /// Makes the most of what has come, and notices what has not.
   void handle() {
+    for (std::string& note : entrance_->take_notes()) say(std::move(note));
     take_in_guests();
     listen_to_sender();
     notice_silence();
@@ -212,7 +290,9 @@ class Receiver final : public StreamSource {
       return false;
     }
     if (guest.closed()) {
-      return refuse(guest, "it went away without a greeting");
+      const auto failure = guest.failure();
+      if (failure && !hello_) first_failure_ = failure;
+      return refuse(guest, failure ? failure->text() : "it went away without a greeting");
     }
     if (seconds_since(guest.since()) > patience_.greeting_s) {
       return refuse(guest, fmt::format("no greeting within {:g} s", patience_.greeting_s));
@@ -222,9 +302,14 @@ class Receiver final : public StreamSource {
   }
 
   bool refuse(Link& link, const std::string& reason) {
-    say(fmt::format("{} was refused: {}", link.who(), reason));
+    std::string what = fmt::format("{} was refused: {}", link.who(), reason);
+    if (is_camera_ && !hello_ && !first_failure_) {
+      first_failure_ = Error{ErrorCode::kInvalidFormat, what, ""};
+    }
+    if (what != std::exchange(last_refused_, what)) say(std::move(what));
     link.answer("refused " + reason);
     link.close();
+    if (hello_ && !sender_) entrance_->open_again();
     if (entrance_->ends_with_link()) ended_ = fmt::format("{}: {}", entrance_->name(), reason);
     return false;
   }
@@ -247,6 +332,7 @@ class Receiver final : public StreamSource {
       say(fmt::format("a sender is there again after {:.1f} s: {}", seconds_since(gone_),
                       guest.who()));
     }
+    last_refused_.clear();
     // The coding may differ from sender to sender.
     hello_ = hello;
     decoder_.emplace(hello);
@@ -254,13 +340,22 @@ class Receiver final : public StreamSource {
     sender_->answer("ok");
     stalled_ = false;
     in_time_ = false;
-    behind_ = 0;
+    behind_ = ahead_ = 0;
+    new_clock_ = true;
+    gave_frames_ = false;
+    locked_ = false;
+    sender_since_s_.reset();
     last_frame_ = Clock::now();
   }
 
   void listen_to_sender() {
     if (!sender_ || packet_) return;
-    const auto part = sender_->parser().next();
+    auto part = sender_->parser().next();
+    while (part && *part == StreamParser::Part::kImu) {
+      if (watcher_ != nullptr) watcher_->on_samples(sender_->parser().imu());
+      inertial_.add(sender_->parser().imu(), moved_s_, *hello_);
+      part = sender_->parser().next();
+    }
     if (!part) {
       sender_->answer("refused " + part.error().message);
       return lose_sender(
@@ -272,6 +367,7 @@ class Receiver final : public StreamSource {
         stalled_ = false;
       }
       last_frame_ = Clock::now();
+      gave_frames_ = true;
       packet_ = std::move(sender_->parser().packet());
       return;
     }
@@ -284,6 +380,9 @@ class Receiver final : public StreamSource {
     }
     if (sender_->closed()) {
       const bool whole = sender_->parser().between_parts();
+      if (const auto failure = sender_->failure()) {
+        return lose_sender(fmt::format("{}: {}", sender_->who(), failure->message));
+      }
       return lose_sender(
           fmt::format("{} went away {}", sender_->who(),
                       whole ? "without saying that it was done" : "in the middle of a frame"));
@@ -295,7 +394,8 @@ class Receiver final : public StreamSource {
     sender_->close();
     sender_.reset();
     stalled_ = false;
-    gone_ = Clock::now();
+    // A program that greets again and again and never sends a frame is as good as none.
+    if (gave_frames_ || !is_camera_) gone_ = Clock::now();
     if (entrance_->ends_with_link()) {
       ended_ = fmt::format("{}: {}", entrance_->name(), what);
       say(what);
@@ -322,6 +422,8 @@ class Receiver final : public StreamSource {
 
   std::unique_ptr<Entrance> entrance_;
   Patience patience_;
+  bool is_camera_;  // its program is started by this side
+  double lock_after_s_;
   Trajectory no_truth_;
   std::atomic<bool> stopped_{false};
   std::optional<Hello> hello_;
@@ -339,7 +441,16 @@ class Receiver final : public StreamSource {
   double last_behind_s_ = 0;  // the time of the last of them
   bool in_time_ = false;      // the sender that is connected was
   bool told_of_delay_ = false;
-  Clock::time_point asked_, last_frame_, gone_;
+  bool gave_frames_ = false;  // the sender that is connected, or was
+  bool new_clock_ = false;    // no frame of the sender that is connected has come yet
+  int ahead_ = 0;             // frames of the future in a row
+  std::optional<Error> first_failure_;
+  std::string last_refused_;
+  InertialStore inertial_;
+  StreamWatcher* watcher_ = nullptr;
+  bool locked_ = false, told_of_exposure_ = false;
+  std::optional<double> sender_since_s_, first_exposure_s_;
+  Clock::time_point asked_, last_frame_, gone_, last_good_;
 };
 
 }  // namespace
@@ -351,7 +462,7 @@ Result<std::unique_ptr<StreamSource>> open_stream(
     const std::function<void(const std::string&)>& announce, const std::stop_token& stop) {
   SGS_ASSIGN_OR_RETURN(auto entrance, Entrance::open(address));
   if (announce) announce(fmt::format("{}: waiting for a sender", entrance->name()));
-  auto receiver = std::make_unique<Receiver>(std::move(entrance), patience);
+  auto receiver = std::make_unique<Receiver>(std::move(entrance), patience, address.camera);
   const std::stop_callback wake(stop, [&] { receiver->stop(); });
   SGS_RETURN_IF_ERROR(receiver->wait_for_greeting());
   return receiver;

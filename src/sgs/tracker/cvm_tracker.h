@@ -15,7 +15,8 @@ class CvmTracker : public Tracker {
   CvmTracker(const MotionConfig& config, const SE3& T_world_first)
       : motion_(config, T_world_first) {}
 
-  TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr&) override {
+  TrackResult track(const RgbdFrame& frame, const history::Revision&,
+                    const map::SnapshotPtr&) override {
     TrackResult result;
     result.diagnostics.prior_source = PriorSource::kConstantVelocity;
     result.diagnostics.prior_active = true;
@@ -29,7 +30,7 @@ class CvmTracker : public Tracker {
       result.keyframe = first_;
       first_ = false;
     }
-    result.T_world_camera = motion_.pose();
+    result.T_odom_camera = motion_.pose();
     return result;
   }
   bool follows_map() const override { return false; }

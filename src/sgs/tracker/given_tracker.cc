@@ -33,16 +33,17 @@ bool GivenTracker::is_new_view(const RgbdFrame& frame, const SE3& T_world_camera
          step.t.norm() > config_.keyframe_translation * typical_depth(frame.depth);
 }
 
-TrackResult GivenTracker::track(const RgbdFrame& frame, const map::SnapshotPtr&) {
+TrackResult GivenTracker::track(const RgbdFrame& frame, const history::Revision&,
+                                const map::SnapshotPtr&) {
   TrackResult result;
   const auto& given = frame.given_T_world_camera;
   if (!given || !given->all_finite()) {
     result.status = TrackingStatus::kLost;
     result.lost_reason = given ? LostReason::kNotFinite : LostReason::kNoPose;
-    result.T_world_camera = T_world_last_;
+    result.T_odom_camera = T_world_last_;
     return result;
   }
-  result.T_world_camera = T_world_last_ = *given;
+  result.T_odom_camera = T_world_last_ = *given;
   result.keyframe = is_new_view(frame, *given);
   if (result.keyframe) T_world_keyframe_ = *given;
   return result;

@@ -16,7 +16,8 @@ class GivenTracker : public Tracker {
  public:
   explicit GivenTracker(const GivenConfig& config) : config_(config) {}
 
-  TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr&) override;
+  TrackResult track(const RgbdFrame& frame, const history::Revision&,
+                    const map::SnapshotPtr&) override;
   bool follows_map() const override { return false; }
   bool needs_video() const override { return false; }
   bool moves_keyframes() const override { return config_.refine; }

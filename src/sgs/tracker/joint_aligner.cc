@@ -71,20 +71,23 @@ JointAligner::JointAligner(const SpectralConfig& config, const PinholeCamera& ca
                            const SE3& T_local_world)
     : config_(config),
       afar_(weights_afar(config.degeneracy)),
+      past_(T_local_world),
       geometry_(config.geometry, camera, T_local_world),
       vision_(config.vision) {}
 
-void JointAligner::look_at(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) {
+void JointAligner::look_at(const RgbdFrame& frame, const history::Revision& revision,
+                           const map::SnapshotPtr& snapshot) {
   times_ = {};
+  past_.set_revision(revision);
   {
     const CpuTimer timer(times_.points);
-    geometry_.set_frame(frame, snapshot);
+    geometry_.set_frame(frame, past_, snapshot);
     surfaces_ = geometry_.surface_information(config_.degeneracy.noise_stride);
     observability_ = degeneracy::observe(surfaces_, config_.degeneracy, hysteresis_);
     planarity_ = planarity_of(geometry_.source());
   }
   const CpuTimer timer(times_.visual);
-  vision_.set_frame(frame);
+  vision_.set_frame(frame, past_);
 }
 
 LostReason JointAligner::check_frame() const { return check_points(source_points(), config_.loss); }
@@ -222,11 +225,6 @@ LostReason JointAligner::why_unseen(const Alignment& a) const {
     return LostReason::kTooFewPixels;
   }
   return a.picture->holds ? LostReason::kUnseenAxis : LostReason::kPoorPictureFit;
-}
-
-void JointAligner::correct(const PastCorrection& correction) {
-  vision_.correct(correction);
-  geometry_.correct(correction);
 }
 
 JointAligner::Extension JointAligner::extend(const Alignment& a, const Vector6d& readout) {

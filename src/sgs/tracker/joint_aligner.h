@@ -70,7 +70,9 @@ class JointAligner {
   JointAligner(const SpectralConfig& config, const PinholeCamera& camera, const SE3& T_local_world);
 
   /// Samples the frame, which must outlive its use, and tells which axes its own surfaces observe.
-  void look_at(const RgbdFrame& frame, const map::SnapshotPtr& snapshot);
+  /// Keyframes and targets follow `revision`, whose path has all frames that extend() took in.
+  void look_at(const RgbdFrame& frame, const history::Revision& revision,
+               const map::SnapshotPtr& snapshot);
   /// Where an alignment starts: where the camera is expected, or where it is looked for. From afar
   /// geometry turns the camera as much as it moves it.
   enum class From { kNear, kAfar };
@@ -98,9 +100,6 @@ class JointAligner {
   /// Learns how wide residuals of an accepted alignment's picture are.
   void learn_noise(const Alignment& a) { vision_.learn_noise(a.fit); }
 
-  /// Moves keyframes and targets (in local coordinates).
-  void correct(const PastCorrection& correction);
-
   bool has_map() const { return geometry_.has_targets() || vision_.keyframes() > 0; }
   /// Whether the frame shows enough depth to be registered: kNone or kTooFewPoints.
   LostReason check_frame() const;
@@ -109,6 +108,8 @@ class JointAligner {
   int source_points() const { return static_cast<int>(geometry_.source().points.size()); }
   const GeometricTerm& geometry() const { return geometry_; }
   const VisualTerm& vision() const { return vision_; }
+  /// As last looked at.
+  const LocalPast& past() const { return past_; }
   /// The camera is now where this keyframe of vision() is (VisualTerm::carry_to).
   void carry_to(std::size_t keyframe) { vision_.carry_to(keyframe); }
   const degeneracy::Observability& observability() const { return observability_; }
@@ -135,6 +136,7 @@ class JointAligner {
 
   SpectralConfig config_;
   degeneracy::DegeneracyConfig afar_;
+  LocalPast past_;
   GeometricTerm geometry_;
   VisualTerm vision_;
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "sgs/camera/compact_view.h"
@@ -10,6 +11,13 @@
 #include "sgs/registration/rolling_shutter.h"
 
 namespace sgs::tracker {
+
+/// Index under which the `number`-th view of a map stands in the path of those who have come to
+/// know it: before every frame of their own.
+inline std::int64_t known_view_index(std::size_t number) {
+  constexpr std::int64_t kFirst = -1'000'000'000;
+  return kFirst + static_cast<std::int64_t>(number);
+}
 
 /// A view of a finished map: what a camera saw from a place that is known.
 struct KnownView {

@@ -32,9 +32,11 @@ class LossPolicy {
     int min_pixels = 40;          ///< fewer are no picture
     int search_interval = 5;      ///< frames between two looks for the camera
     double deceived = 2.5;        ///< times the usual cost: a picture that has stopped fitting
+    double strange = 1.8;         ///< times the usual cost: the camera may have been carried off
     double elsewhere = 5;         ///< times the usual cost: a picture of something else
     double explained_cost = 1;    ///< a cost that noise explains is never too high
     double not_strange_cost = 2;  ///< beside surfaces and features: a picture that may be the place
+    double clearly_better = 0.5;  ///< of a cost: that of a place which is believed instead
     double enough_pixels = 0.2;   ///< of the usual ones: fewer fit anywhere
     int doubt_frames = 30;        ///< that a picture is held against a pose that is followed
     int patience_frames = 60;     ///< that it is held against the surfaces of a lost camera
@@ -49,6 +51,11 @@ class LossPolicy {
   /// What becomes of a frame that is followed: kTracking, it is accepted; kDoubting, that depends
   /// on accepts_doubted(), on searches() and, where neither helped, on loses().
   State follow(const Evidence& e);
+  /// Whether a frame that is accepted is so strange that the camera is looked for elsewhere, now
+  /// and then while that lasts: one that was carried off may find surfaces that fit by accident.
+  bool wonders(const Evidence& e) const;
+  /// Whether a place that features have found is believed instead of the one that is followed.
+  bool is_better(const Evidence& found, const Evidence& followed) const;
   /// Whether the picture is worth asking alone: it may confirm the pose.
   bool can_be_confirmed(const Evidence& e) const { return e.trusted && sees_enough(e); }
   /// Whether the camera is looked for among the keyframes.
@@ -82,12 +89,14 @@ class LossPolicy {
  private:
   bool fits(const Evidence& e, double times_usual) const;
   bool is_doubtful(const Evidence& e) const;
+  bool is_strange(const Evidence& e) const;
   bool sees_enough(const Evidence& e) const;
 
   Limits limits_;
   State state_ = State::kTracking;
   double usual_cost_ = 0, usual_pixels_ = 0;
   int doubted_frames_ = 0;       // in a row, while followed
+  int strange_frames_ = 0;       // in a row, while followed
   int contradicted_frames_ = 0;  // in a row, while lost
 };
 

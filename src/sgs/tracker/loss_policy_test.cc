@@ -222,5 +222,42 @@ TEST(LossPolicy, PlaceThatFeaturesFoundNeedsSurfacesAndAPictureThatMayBeIt) {
   EXPECT_TRUE(policy.is_found(e));
 }
 
+TEST(LossPolicy, APictureAboveWhatIsUsualHereIsNoPlaceThatWasFound) {
+  LossPolicy policy = experienced();
+  const LossPolicy::Limits limits;
+  EXPECT_TRUE(policy.is_found(picture(0.99 * limits.strange)));
+  EXPECT_FALSE(policy.is_found(picture(1.01 * limits.strange)));
+}
+
+TEST(LossPolicy, WondersAboutAStrangeFrameAtOnceAndThenNowAndThen) {
+  LossPolicy policy = experienced();
+  const LossPolicy::Limits limits;
+  EXPECT_EQ(policy.follow(picture(0.99 * limits.strange)), State::kTracking);
+  EXPECT_FALSE(policy.wonders(picture(0.99 * limits.strange)));
+  const Evidence strange = picture(1.01 * limits.strange);
+  int looks = 0;
+  for (int k = 0; k < 3 * limits.search_interval; ++k) {
+    EXPECT_EQ(policy.follow(strange), State::kTracking);
+    if (k == 0) {
+      EXPECT_TRUE(policy.wonders(strange));
+    }
+    looks += policy.wonders(strange);
+  }
+  EXPECT_EQ(looks, 3);
+  EXPECT_EQ(policy.follow(good()), State::kTracking);
+  EXPECT_EQ(policy.follow(strange), State::kTracking);
+  EXPECT_TRUE(policy.wonders(strange));  // it begins anew
+}
+
+TEST(LossPolicy, AnotherPlaceIsBelievedWhereItsPictureIsClearlyBetter) {
+  LossPolicy policy = experienced();
+  const Evidence strange = picture(2);
+  EXPECT_TRUE(policy.is_better(picture(0.9), strange));
+  EXPECT_FALSE(policy.is_better(picture(1.1), strange));
+  Evidence elsewhere = picture(0.9);
+  elsewhere.trusted = false;
+  EXPECT_FALSE(policy.is_better(elsewhere, strange));
+}
+
 }  // namespace
 }  // namespace sgs::tracker

@@ -48,7 +48,8 @@ OrbTracker::OrbTracker(const OrbTrackerConfig& config, const SE3& T_world_first)
       map_(config.visual_pose),
       motion_(config.motion, T_world_first) {}
 
-TrackResult OrbTracker::track(const RgbdFrame& frame, const map::SnapshotPtr&) {
+TrackResult OrbTracker::track(const RgbdFrame& frame, const history::Revision&,
+                              const map::SnapshotPtr&) {
   TrackResult result;
   Diagnostics& d = result.diagnostics;
   StepTimes times;
@@ -94,7 +95,7 @@ TrackResult OrbTracker::track(const RgbdFrame& frame, const map::SnapshotPtr&) {
   }
   if (result.status != TrackingStatus::kLost) previous_ = std::move(current);
   times.write_to(d);
-  result.T_world_camera = T.normalized();
+  result.T_odom_camera = T.normalized();
   return result;
 }
 

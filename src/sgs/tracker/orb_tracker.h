@@ -18,7 +18,8 @@ class OrbTracker : public Tracker {
  public:
   OrbTracker(const OrbTrackerConfig& config, const SE3& T_world_first);
 
-  TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) override;
+  TrackResult track(const RgbdFrame& frame, const history::Revision&,
+                    const map::SnapshotPtr& snapshot) override;
   bool follows_map() const override { return false; }
 
  private:

@@ -17,7 +17,7 @@ TrackerConfig orb_config() {
   return config;
 }
 
-double error_m(const TrackResult& r, int i) { return (r.T_world_camera.t - wall_pose(i).t).norm(); }
+double error_m(const TrackResult& r, int i) { return (r.T_odom_camera.t - wall_pose(i).t).norm(); }
 
 TEST(OrbTracker, StaysWithinAMillimetreOrTwoAlongATexturedWall) {
   const auto tracker = must_make(orb_config(), kWallCamera, wall_pose(0));
@@ -42,7 +42,7 @@ TEST(OrbTracker, DiesAtAWhiteWallAndFindsItselfWhenTextureReturns) {
     const TrackResult r = tracker->track(see_wall(wall_pose(i), i, false), nullptr);
     EXPECT_EQ(r.status, TrackingStatus::kLost);
     EXPECT_FALSE(r.keyframe);
-    EXPECT_EQ(r.T_world_camera.t, last.T_world_camera.t);
+    EXPECT_EQ(r.T_odom_camera.t, last.T_odom_camera.t);
   }
   // Far from where it was lost: only the search among keyframes can find it, within its interval.
   int found = -1;
@@ -51,7 +51,7 @@ TEST(OrbTracker, DiesAtAWhiteWallAndFindsItselfWhenTextureReturns) {
     const TrackResult r = tracker->track(see_wall(back, i), nullptr);
     if (r.status == TrackingStatus::kLost) continue;
     found = i;
-    EXPECT_LT((r.T_world_camera.t - back.t).norm(), 0.005);
+    EXPECT_LT((r.T_odom_camera.t - back.t).norm(), 0.005);
   }
   EXPECT_GE(found, 20);
   EXPECT_LE(found, 25);
@@ -61,7 +61,7 @@ TEST(OrbTracker, StartsWithTheFirstFrameThatHasFeatures) {
   const auto tracker = must_make(orb_config(), kWallCamera, wall_pose(0));
   const TrackResult blank = tracker->track(see_wall(wall_pose(0), 0, false), nullptr);
   EXPECT_EQ(blank.status, TrackingStatus::kLost);
-  EXPECT_EQ(blank.T_world_camera.t, wall_pose(0).t);
+  EXPECT_EQ(blank.T_odom_camera.t, wall_pose(0).t);
   const TrackResult r = tracker->track(see_wall(wall_pose(0), 1), nullptr);
   EXPECT_EQ(r.status, TrackingStatus::kOk);
   EXPECT_TRUE(r.keyframe);
@@ -72,7 +72,7 @@ TEST(OrbTracker, SameInputGivesTheSameBits) {
              b = must_make(orb_config(), kWallCamera, wall_pose(0));
   for (int i = 0; i < 8; ++i) {
     const RgbdFrame frame = see_wall(wall_pose(i), i);
-    EXPECT_EQ(a->track(frame, nullptr).T_world_camera.t, b->track(frame, nullptr).T_world_camera.t);
+    EXPECT_EQ(a->track(frame, nullptr).T_odom_camera.t, b->track(frame, nullptr).T_odom_camera.t);
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include <bit>
 
+#include "sgs/tracker/test_tracker.h"
 #include "sgs/tracker/textured_wall.h"
 
 namespace sgs::tracker {
@@ -20,12 +21,11 @@ struct PaperRun {
 
 PaperRun run_paper(const TrackerConfig& config, bool papered = true) {
   PaperRun run;
-  auto made = make_tracker(config, kWallCamera, wall_pose(0));
-  EXPECT_TRUE(made.has_value());
+  const auto tracker = must_make(config, kWallCamera, wall_pose(0));
   for (int i = 0; i < kWallFrames; ++i) {
-    run.results.push_back((*made)->track(see_wall(wall_pose(i), i, papered), nullptr));
+    run.results.push_back(tracker->track(see_wall(wall_pose(i), i, papered), nullptr));
   }
-  run.end_error_m = (run.results.back().T_world_camera.t - wall_pose(kWallFrames - 1).t).norm();
+  run.end_error_m = (run.results.back().T_odom_camera.t - wall_pose(kWallFrames - 1).t).norm();
   return run;
 }
 
@@ -70,8 +70,8 @@ TEST(PaperTracker, RejectedPriorStandsForNoMotion) {
   const PaperRun run = run_paper(config, false);
   EXPECT_EQ(run.results.back().diagnostics.prior_source, PriorSource::kZero);
   // Along the wall the pose is locked; off it the wall itself is still seen.
-  EXPECT_NEAR(run.results.back().T_world_camera.t.x(), 0, 0.02);
-  EXPECT_NEAR(run.results.back().T_world_camera.t.z(), wall_pose(kWallFrames - 1).t.z(), 0.01);
+  EXPECT_NEAR(run.results.back().T_odom_camera.t.x(), 0, 0.02);
+  EXPECT_NEAR(run.results.back().T_odom_camera.t.z(), wall_pose(kWallFrames - 1).t.z(), 0.01);
 }
 
 TEST(PaperTracker, PlanarityAloneCallsForThePrior) {
@@ -100,7 +100,7 @@ TEST(PaperTracker, AnUnreachableThresholdSwitchesThePriorOff) {
   const PaperRun a = run_paper(config), b = run_paper(gicp);
   for (std::size_t i = 0; i < a.results.size(); ++i) {
     EXPECT_FALSE(a.results[i].diagnostics.prior_active);
-    EXPECT_EQ(a.results[i].T_world_camera.t, b.results[i].T_world_camera.t);
+    EXPECT_EQ(a.results[i].T_odom_camera.t, b.results[i].T_odom_camera.t);
   }
 }
 
@@ -128,24 +128,24 @@ TEST(PaperTracker, AblationsChangeWhatTheySay) {
 }
 
 TEST(PaperTracker, HoldsThePoseWithoutDepth) {
-  auto made = make_tracker(paper_config(), kWallCamera, wall_pose(0));
+  const auto tracker = must_make(paper_config(), kWallCamera, wall_pose(0));
   SE3 last;
   for (int i = 0; i < 6; ++i)
-    last = (*made)->track(see_wall(wall_pose(i), i), nullptr).T_world_camera;
+    last = tracker->track(see_wall(wall_pose(i), i), nullptr).T_odom_camera;
   RgbdFrame dark = see_wall(wall_pose(6), 6);
   dark.depth.fill(0);
-  const TrackResult held = (*made)->track(dark, nullptr);
+  const TrackResult held = tracker->track(dark, nullptr);
   EXPECT_EQ(held.status, TrackingStatus::kLost);
   EXPECT_FALSE(held.keyframe);
-  EXPECT_EQ(held.T_world_camera.t, last.t);
-  EXPECT_NE((*made)->track(see_wall(wall_pose(7), 7), nullptr).status, TrackingStatus::kLost);
+  EXPECT_EQ(held.T_odom_camera.t, last.t);
+  EXPECT_NE(tracker->track(see_wall(wall_pose(7), 7), nullptr).status, TrackingStatus::kLost);
 }
 
 TEST(PaperTracker, SameInputGivesTheSameBits) {
   const PaperRun a = run_paper(paper_config()), b = run_paper(paper_config());
   for (std::size_t i = 0; i < a.results.size(); ++i) {
-    EXPECT_EQ(a.results[i].T_world_camera.t, b.results[i].T_world_camera.t);
-    EXPECT_EQ(a.results[i].T_world_camera.R, b.results[i].T_world_camera.R);
+    EXPECT_EQ(a.results[i].T_odom_camera.t, b.results[i].T_odom_camera.t);
+    EXPECT_EQ(a.results[i].T_odom_camera.R, b.results[i].T_odom_camera.R);
   }
 }
 

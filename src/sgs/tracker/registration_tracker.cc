@@ -13,13 +13,16 @@ RegistrationTracker::RegistrationTracker(const GicpConfig& config, const Pinhole
     : config_(config),
       geometry_(config.geometry, camera, T_world_first.inverse()),
       motion_(config.motion, SE3{}),
-      T_world_local_(T_world_first) {}
+      T_world_local_(T_world_first),
+      past_(T_world_first.inverse()) {}
 
-TrackResult RegistrationTracker::track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) {
+TrackResult RegistrationTracker::track(const RgbdFrame& frame, const history::Revision& revision,
+                                       const map::SnapshotPtr& snapshot) {
   times_ = {};
   {
     const CpuTimer timer(times_.points);
-    geometry_.set_frame(frame, snapshot);
+    past_.set_revision(revision);
+    geometry_.set_frame(frame, past_, snapshot);
   }
   look_at(frame);
 
@@ -48,7 +51,7 @@ TrackResult RegistrationTracker::track(const RgbdFrame& frame, const map::Snapsh
     const CpuTimer timer(times_.update);
     geometry_.insert_keyframe(T, result.motion);
   }
-  result.T_world_camera = (T_world_local_ * motion_.pose()).normalized();
+  result.T_odom_camera = (T_world_local_ * motion_.pose()).normalized();
   result.diagnostics = describe(r ? &*r : nullptr);
   return result;
 }

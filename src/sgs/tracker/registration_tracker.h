@@ -15,7 +15,8 @@ namespace sgs::tracker {
 /// little of it. A lost frame holds the last pose.
 class RegistrationTracker : public Tracker {
  public:
-  TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) final;
+  TrackResult track(const RgbdFrame& frame, const history::Revision& revision,
+                    const map::SnapshotPtr& snapshot) final;
   bool knows_depth_lag() const final { return true; }
   bool follows_map() const final { return geometry_.targets().follows_map(); }
 
@@ -54,6 +55,7 @@ class RegistrationTracker : public Tracker {
   Diagnostics describe(const Registration* r) const;
 
   SE3 T_world_local_;
+  LocalPast past_;
 };
 
 }  // namespace sgs::tracker

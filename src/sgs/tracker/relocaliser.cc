@@ -21,34 +21,22 @@ int kept_level(const PinholeCamera& camera) {
 
 }  // namespace
 
-void Relocaliser::add_keyframe(const RgbdFrame& frame, const SE3& T_local_camera) {
+void Relocaliser::add_keyframe(const RgbdFrame& frame, const history::CalibrationPtr& calibration) {
   if (static_cast<int>(keyframes_.size()) >= config_.memory.keyframes) keyframes_.pop_front();
-  keyframes_.push_back({CompactView(frame, kept_level(frame.camera)),
-                        frame.timestamp_s,
-                        ferns_.code(frame),
-                        T_local_camera,
-                        {}});
+  keyframes_.push_back(
+      {frame.index, CompactView(frame, kept_level(frame.camera)), calibration, ferns_.code(frame)});
 }
 
-void Relocaliser::correct(const PastCorrection& correction) {
-  for (Keyframe& k : keyframes_) {
-    k.T_local_camera = correction.corrected(k.T_local_camera, k.timestamp_s);
-    if (correction.depth) k.changes.push_back(correction.depth);
-  }
-}
-
-void Relocaliser::know(const KnownView& view, const RgbdFrame& frame, const SE3& T_local_camera) {
+void Relocaliser::know(const KnownView& view, const RgbdFrame& frame,
+                       const history::CalibrationPtr& calibration) {
   auto known = std::find_if(known_.begin(), known_.end(),
                             [&](const KnownViews& k) { return k.fern_seed == view.fern_seed; });
   if (known == known_.end()) {
     known_.push_back({view.fern_seed, features::Ferns(view.fern_seed), {}});
     known = known_.end() - 1;
   }
-  known->keyframes.push_back({CompactView(frame, kept_level(frame.camera)),
-                              view.timestamp_s,
-                              view.ferns,
-                              T_local_camera,
-                              {}});
+  known->keyframes.push_back(
+      {frame.index, CompactView(frame, kept_level(frame.camera)), calibration, view.ferns});
 }
 
 // The newest one, too: a camera that was lost for a moment is mostly still there.
@@ -73,7 +61,7 @@ std::vector<Relocaliser::Keyframe*> Relocaliser::most_alike(const RgbdFrame& fra
   return out;
 }
 
-std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame) {
+std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame, const LocalPast& past) {
   last_look_ = {};
   features::OrbConfig orb = config_.orb;
   orb.features = std::min(orb.features, config_.memory.features);
@@ -84,14 +72,17 @@ std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame) {
   features::VisualMap map(config_.pose);
   const std::vector<Keyframe*> compared = most_alike(frame);
   for (Keyframe* keyframe : compared) {
-    for (const auto& change : keyframe->changes) keyframe->view.change_depth(*change);
-    keyframe->changes.clear();
-    map.insert(extractor.extract(keyframe->view.frame()), keyframe->T_local_camera);
+    const history::CalibrationPtr& now = past.revision().calibration;
+    if (const auto change = history::depth_change(keyframe->calibration, now)) {
+      keyframe->view.change_depth(*change);
+      keyframe->calibration = now;
+    }
+    map.insert(extractor.extract(keyframe->view.frame()), past.at(keyframe->frame));
   }
   const features::VisualPose found = map.relocalise(current);
   if (!compared.empty()) {
     const auto best = static_cast<std::size_t>(std::max(found.keyframe, 0));
-    last_look_ = {found.matches, found.inliers, compared[best]->timestamp_s};
+    last_look_ = {found.matches, found.inliers, compared[best]->frame};
   }
   if (found.verdict != features::Verdict::kOk) return std::nullopt;
   return found.T_world_camera;

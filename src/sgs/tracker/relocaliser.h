@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "sgs/camera/compact_view.h"
-#include "sgs/camera/past_correction.h"
 #include "sgs/features/ferns.h"
 #include "sgs/tracker/known_view.h"
+#include "sgs/tracker/local_past.h"
 #include "sgs/tracker/tracker_config.h"
 
 namespace sgs::tracker {
@@ -26,30 +26,29 @@ class Relocaliser {
   explicit Relocaliser(const RelocaliserConfig& config) : config_(config) {}
 
   /// Remembers a view of a finished map for good; `frame` is what a camera like that of the frames
-  /// to come saw there.
-  void know(const KnownView& view, const RgbdFrame& frame, const SE3& T_local_camera);
-
-  /// Remembers a keyframe (what is needed of it is copied); the oldest makes room.
-  void add_keyframe(const RgbdFrame& frame, const SE3& T_local_camera);
-  /// Moves the remembered keyframes (in local coordinates).
-  void correct(const PastCorrection& correction);
-  /// Pose of a frame among the remembered keyframes, camera to local; empty when none fits.
-  std::optional<SE3> relocalise(const RgbdFrame& frame);
+  /// to come saw there, under the view's index in the path.
+  void know(const KnownView& view, const RgbdFrame& frame,
+            const history::CalibrationPtr& calibration);
+  /// Remembers a keyframe (what is needed of it is copied), its depth corrected by `calibration`;
+  /// the oldest makes room.
+  void add_keyframe(const RgbdFrame& frame, const history::CalibrationPtr& calibration);
+  /// Pose of a frame among the remembered keyframes, camera to local; empty when none fits. `past`
+  /// tells where those are.
+  std::optional<SE3> relocalise(const RgbdFrame& frame, const LocalPast& past);
 
   /// How near the last relocalise() came.
   struct Look {
     int matches = 0, inliers = 0;  ///< features alike, and those of them that agree on one pose
-    double view_time_s = 0;        ///< of the keyframe that is most alike
+    std::int64_t keyframe = 0;     ///< index of the one that is most alike
   };
   const Look& last_look() const { return last_look_; }
 
  private:
   struct Keyframe {
+    std::int64_t frame;  // its index
     CompactView view;
-    double timestamp_s;
+    history::CalibrationPtr calibration;  // of its depth
     features::FernCode ferns;
-    SE3 T_local_camera;
-    std::vector<std::shared_ptr<const DepthChange>> changes;  // of its depth, not yet made
   };
   /// Views of a map whose codes answer the same questions.
   struct KnownViews {

@@ -33,7 +33,8 @@ RenderTracker::RenderTracker(const RenderTrackerConfig& config, const PinholeCam
   config_.alignment = to_drawing(config.alignment);
 }
 
-TrackResult RenderTracker::track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) {
+TrackResult RenderTracker::track(const RgbdFrame& frame, const history::Revision&,
+                                 const map::SnapshotPtr& snapshot) {
   if (!reference_) return begin(frame);
   const bool has_map = snapshot && !snapshot->gaussians.empty();
   const SE3 T_start = motion_.predict(frame.timestamp_s);
@@ -80,7 +81,7 @@ Alignment RenderTracker::descend(const RgbdFrame& frame, const map::Snapshot& sn
 // The first frame is where the tracker was told it is; all it needs is depth.
 TrackResult RenderTracker::begin(const RgbdFrame& frame) {
   aligner_.emplace(config_.alignment, camera_, SE3{});
-  aligner_->look_at(frame, nullptr);
+  aligner_->look_at(frame, {}, nullptr);
   Alignment a;
   a.T_local_camera = motion_.pose();
   a.lost_reason = aligner_->check_frame();
@@ -105,10 +106,12 @@ void RenderTracker::draw(const map::Snapshot& snapshot, const SE3& T_world_camer
 // the world.
 Alignment RenderTracker::align(const RgbdFrame& frame, const SE3& T_world_start, Move move) {
   const SE3& T_world_local = reference_->T_world_camera;
-  aligner_.emplace(config_.alignment, camera_, T_world_local.inverse());
-  aligner_->look_at(reference_->frame, nullptr);
+  aligner_.emplace(config_.alignment, camera_, SE3{});
+  aligner_->look_at(reference_->frame, {}, nullptr);
   aligner_->extend(Alignment{}, Vector6d::Zero());
-  aligner_->look_at(frame, nullptr);
+  history::Revision reference_alone;
+  reference_alone.path.append({reference_->frame.index, reference_->frame.timestamp_s, SE3{}});
+  aligner_->look_at(frame, reference_alone, nullptr);
   Alignment a;
   a.lost_reason = aligner_->check_frame();
   const bool something_to_see = aligner_->has_map();
@@ -127,7 +130,7 @@ Alignment RenderTracker::align(const RgbdFrame& frame, const SE3& T_world_start,
 
 TrackResult RenderTracker::tracked(const Alignment& a) const {
   TrackResult result;
-  result.T_world_camera = a.T_local_camera;
+  result.T_odom_camera = a.T_local_camera;
   result.status =
       aligner_->observability().mask != 0 ? TrackingStatus::kDegenerate : TrackingStatus::kOk;
   const double min_overlap = config_.alignment.geometry.keyframe.min_overlap;
@@ -141,7 +144,7 @@ TrackResult RenderTracker::lost(const Alignment& a) {
   TrackResult result;
   result.status = TrackingStatus::kLost;
   result.lost_reason = a.lost_reason;
-  result.T_world_camera = motion_.pose();
+  result.T_odom_camera = motion_.pose();
   result.diagnostics = aligner_->describe(a);
   return result;
 }

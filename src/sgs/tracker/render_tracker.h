@@ -25,7 +25,8 @@ class RenderTracker : public Tracker {
   RenderTracker(const RenderTrackerConfig& config, const PinholeCamera& camera,
                 const SE3& T_world_first);
 
-  TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) override;
+  TrackResult track(const RgbdFrame& frame, const history::Revision&,
+                    const map::SnapshotPtr& snapshot) override;
   bool follows_map() const override { return true; }
   double least_mapping_steps() const override { return config_.rendering.mapping_steps; }
 

@@ -15,11 +15,11 @@ INSTANTIATE_TEST_SUITE_P(Method, RenderTracker,
                                          RenderMethod::kAligned),
                          [](const auto& method) { return to_string(method.param); });
 
-std::unique_ptr<Tracker> make_render_tracker(RenderMethod method) {
+std::unique_ptr<Odometry> make_render_tracker(RenderMethod method) {
   TrackerConfig config;
   config.type = TrackerType::kRender;
   config.rendering.method = method;
-  return *make_tracker(config, kWallCamera, wall_pose(0));
+  return must_make(config, kWallCamera, wall_pose(0));
 }
 
 TEST_P(RenderTracker, HoldsOnToTheDrawingOfAPaperedWall) {
@@ -29,7 +29,7 @@ TEST_P(RenderTracker, HoldsOnToTheDrawingOfAPaperedWall) {
   for (int i = 0; i < 12; ++i) {
     const TrackResult result = tracker->track(see_wall(wall_pose(i), i), i < 2 ? nullptr : map);
     ASSERT_NE(result.status, TrackingStatus::kLost) << i;
-    EXPECT_LT((result.T_world_camera.t - wall_pose(i).t).norm(), 0.01) << i;
+    EXPECT_LT((result.T_odom_camera.t - wall_pose(i).t).norm(), 0.01) << i;
     if (i == 0) continue;
     EXPECT_EQ(result.status, TrackingStatus::kDegenerate) << i;
     EXPECT_EQ(__builtin_popcount(result.diagnostics.degenerate_mask), 3) << i;
@@ -60,7 +60,7 @@ TEST_P(RenderTracker, GivesTheSameBitsAgain) {
   const auto map = wall_map();
   for (int i = 0; i < 5; ++i) {
     const RgbdFrame frame = see_wall(wall_pose(i), i);
-    EXPECT_EQ(a->track(frame, map).T_world_camera.t, b->track(frame, map).T_world_camera.t);
+    EXPECT_EQ(a->track(frame, map).T_odom_camera.t, b->track(frame, map).T_odom_camera.t);
   }
 }
 

@@ -55,10 +55,13 @@ SpectralTracker::SpectralTracker(const SpectralConfig& config, const PinholeCame
       readout_(config.readout),
       delay_(config.delay) {}
 
-TrackResult SpectralTracker::track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) {
+TrackResult SpectralTracker::track(const RgbdFrame& frame, const history::Revision& revision,
+                                   const map::SnapshotPtr& snapshot) {
   const double t = frame.timestamp_s;
+  const history::Revision before = aligner_.past().revision();
+  aligner_.look_at(frame, revision, snapshot);
+  if (before.number() != revision.number()) follow(before.calibration);
   depth_delay_s_ = frame.depth_delay_s + delay_.delay_s();
-  aligner_.look_at(frame, snapshot);
   const Alignment alignment = !is_in_map()                ? look_for_place(frame)
                               : !aligner_.has_map()       ? start_map()
                               : motion_.frames_held() > 0 ? find_camera(frame)
@@ -67,6 +70,7 @@ TrackResult SpectralTracker::track(const RgbdFrame& frame, const map::SnapshotPt
   const Vector6d rate = motion_.rate_to(alignment.T_local_camera, t);
   if (motion_.frames_held() == 0 && !policy_.in_doubt()) learn_from(alignment, rate);
   motion_.accept(alignment.T_local_camera, t);
+  trusted_frame_ = frame.index;
   const Vector6d readout = frame_readout(alignment.fit.readout());
   // What geometry alone says just after the picture stopped fitting is not built upon.
   const bool keyframe = !policy_.in_doubt() && extend_map(frame, alignment, readout, rate);
@@ -105,12 +109,19 @@ Alignment SpectralTracker::follow_camera(double timestamp_s) {
 Alignment SpectralTracker::follow_unless_elsewhere(const RgbdFrame& frame) {
   Alignment followed = follow_camera(frame.timestamp_s);
   const Evidence evidence = evidence_of(followed);
-  if (policy_.follow(evidence) == LossPolicy::State::kTracking) return followed;
+  if (policy_.follow(evidence) == LossPolicy::State::kTracking) {
+    if (!policy_.wonders(evidence)) return followed;
+    const auto is_better = [&](const Alignment& found) {
+      return policy_.is_better(evidence_of(found), evidence);
+    };
+    return relocalised(frame, is_better).value_or(followed);
+  }
   if (policy_.can_be_confirmed(evidence) && picture_of_this_place(followed, frame.timestamp_s)) {
     return followed;
   }
   if (policy_.searches(evidence)) {
-    if (const auto elsewhere = relocalised(frame)) return *elsewhere;
+    const auto is_right = [&](const Alignment& found) { return is_found(found); };
+    if (const auto elsewhere = relocalised(frame, is_right)) return *elsewhere;
   }
   if (policy_.loses(evidence)) followed.lost_reason = LostReason::kPoorPictureFit;
   return followed;
@@ -131,21 +142,23 @@ Alignment SpectralTracker::find_camera(const RgbdFrame& frame) {
   }
   if (carried_on.trusted()) carried_on.lost_reason = LostReason::kPoorPictureFit;
   if (!policy_.searches_lost(motion_.frames_held())) return carried_on;
-  return relocalised(frame).value_or(carried_on);
+  const auto is_right = [&](const Alignment& found) { return is_found(found); };
+  return relocalised(frame, is_right).value_or(carried_on);
 }
 
 // A view becomes what a frame becomes that was tracked to its place; and its picture teaches what
 // pictures cost here.
-void SpectralTracker::know(const KnownView& view) {
+void SpectralTracker::know(const KnownView& view, const history::Revision& revision) {
   if (!search_) {
     search_.emplace();
     search_->needed_inliers = config_.relocaliser.pose.relocalisation_min_inliers;
   }
-  const RgbdFrame frame = seen_from(view, camera_);
+  RgbdFrame frame = seen_from(view, camera_);
+  frame.index = revision.path.back().frame;
+  relocaliser_.know(view, frame, revision.calibration);
+  aligner_.look_at(frame, revision, nullptr);
   Alignment a;
-  a.T_local_camera = T_world_local_.inverse() * view.T_world_camera;
-  relocaliser_.know(view, frame, a.T_local_camera);
-  aligner_.look_at(frame, nullptr);
+  a.T_local_camera = aligner_.past().at(frame.index);
   if (aligner_.has_map()) {
     aligner_.carry_to(aligner_.vision().nearest_keyframe(a.T_local_camera));
     a = aligner_.measure(a.T_local_camera, known_readout(view.motion));
@@ -162,8 +175,10 @@ void SpectralTracker::know(const KnownView& view) {
 // A camera that has not found itself in its map could be anywhere: it is not carried on.
 Alignment SpectralTracker::look_for_place(const RgbdFrame& frame) {
   if (aligner_.check_frame() == LostReason::kNone) {
-    auto found = relocalised(frame);
-    note_look(frame.timestamp_s);
+    const double t = frame.timestamp_s;
+    const auto is_right = [&](const Alignment& place) { return is_first_place(place, t); };
+    const auto found = relocalised(frame, is_right);
+    note_look(t);
     if (found) {
       search_->found = true;
       return *found;
@@ -185,14 +200,14 @@ void SpectralTracker::note_look(double timestamp_s) {
   best.best_inliers = look.inliers;
   best.best_matches = look.matches;
   best.best_frame_s = timestamp_s;
-  best.best_view_s = look.view_time_s;
+  const auto* view = aligner_.past().revision().path.find(look.keyframe);
+  best.best_view_s = view != nullptr ? view->timestamp_s : 0;
 }
 
-// Whether a place that features have found is right. Of a map that the camera has not been seen in
-// yet surfaces and picture have to say so both, and a second frame has to see itself next to it.
-bool SpectralTracker::is_right(const Alignment& a, double timestamp_s) {
+// Whether a place that features have found is right in a map that the camera has not been seen in
+// yet: surfaces and picture have to say so both, and a second frame has to see itself next to it.
+bool SpectralTracker::is_first_place(const Alignment& a, double timestamp_s) {
   const Evidence evidence = evidence_of(a);
-  if (is_in_map()) return policy_.is_found(evidence);
   if (!policy_.is_found(evidence) || !evidence.explained_by_surfaces || !evidence.picture_holds) {
     ++search_->refused;
     return false;
@@ -227,13 +242,14 @@ std::optional<Alignment> SpectralTracker::picture_of_this_place(const Alignment&
   return picture;
 }
 
-// From where the keyframes say that the camera is; empty where they do not know, or where neither
-// its picture nor features and surfaces together say the same.
-std::optional<Alignment> SpectralTracker::relocalised(const RgbdFrame& frame) {
+// From where the keyframes say that the camera is; empty where they do not know, or where what is
+// seen there is not believed.
+std::optional<Alignment> SpectralTracker::relocalised(
+    const RgbdFrame& frame, const std::function<bool(const Alignment&)>& is_believed) {
   std::optional<SE3> found;
   {
     const CpuTimer timer(aligner_.times().visual);
-    found = relocaliser_.relocalise(frame);
+    found = relocaliser_.relocalise(frame, aligner_.past());
   }
   if (!found) return std::nullopt;
   // The jump is what relocalisation is for: judge the alignment as a motion from there.
@@ -242,7 +258,7 @@ std::optional<Alignment> SpectralTracker::relocalised(const RgbdFrame& frame) {
   const std::size_t last = aligner_.vision().newest_keyframe();
   aligner_.carry_to(aligner_.vision().nearest_keyframe(*found));
   Alignment a = align(*found, frame.timestamp_s, motion, JointAligner::From::kAfar);
-  if (!is_right(a, frame.timestamp_s)) {
+  if (!is_believed(a)) {
     aligner_.carry_to(last);
     return std::nullopt;
   }
@@ -311,26 +327,26 @@ bool SpectralTracker::extend_map(const RgbdFrame& frame, const Alignment& a,
   const CpuTimer timer(aligner_.times().update);
   const auto extended = aligner_.extend(a, readout);
   if (extended.keyframe) {
-    relocaliser_.add_keyframe(frame, a.T_local_camera);
+    relocaliser_.add_keyframe(frame, aligner_.past().revision().calibration);
     readout_.add_keyframe(aligner_.vision().newest_keyframe(), rate.head<3>(), readout.head<3>());
   }
   return extended.targets;
 }
 
-void SpectralTracker::correct(const PastCorrection& correction) {
-  const PastCorrection local = correction.in_frame(T_world_local_.inverse());
-  aligner_.correct(local);
-  if (const auto& depth = correction.depth) {
-    delay_.shift(depth->delay_s(), depth->after().delay_sigma_s);
+// Goes on from where the last frames are believed to be now, the last trusted one and the last one.
+void SpectralTracker::follow(const history::CalibrationPtr& before) {
+  const LocalPast& past = aligner_.past();
+  if (const auto change = history::depth_change(before, past.revision().calibration)) {
+    delay_.shift(change->delay_s(), change->after().delay_sigma_s);
   }
-  relocaliser_.correct(local);
-  motion_.correct(local.corrected(motion_.pose(), motion_.timestamp_s()));
-  T_bridge_ = local.corrected(T_bridge_, motion_.timestamp_s());
+  if (!trusted_frame_) return;
+  motion_.correct(past.at(*trusted_frame_));
+  T_bridge_ = past.at(past.revision().path.back().frame);
 }
 
 TrackResult SpectralTracker::tracked(const Alignment& alignment) const {
   TrackResult result;
-  result.T_world_camera = (T_world_local_ * alignment.T_local_camera).normalized();
+  result.T_odom_camera = (T_world_local_ * alignment.T_local_camera).normalized();
   result.status =
       aligner_.observability().mask != 0 ? TrackingStatus::kDegenerate : TrackingStatus::kOk;
   result.information = alignment.information();
@@ -360,7 +376,7 @@ TrackResult SpectralTracker::lost(const Alignment& alignment, double timestamp_s
   TrackResult result;
   result.status = TrackingStatus::kLost;
   result.lost_reason = alignment.lost_reason;
-  result.T_world_camera = (T_world_local_ * T_bridge_).normalized();
+  result.T_odom_camera = (T_world_local_ * T_bridge_).normalized();
   result.diagnostics = aligner_.describe(alignment);
   return result;
 }

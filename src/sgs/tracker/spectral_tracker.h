@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "sgs/tracker/delay_estimator.h"
@@ -24,22 +25,24 @@ class SpectralTracker : public Tracker {
   SpectralTracker(const SpectralConfig& config, const PinholeCamera& camera,
                   const SE3& T_world_first);
 
-  TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) override;
+  TrackResult track(const RgbdFrame& frame, const history::Revision& revision,
+                    const map::SnapshotPtr& snapshot) override;
   bool follows_map() const override { return aligner_.geometry().targets().follows_map(); }
   bool knows_depth_lag() const override { return true; }
-  void correct(const PastCorrection& correction) override;
   bool finds_itself() const override { return true; }
-  void know(const KnownView& view) override;
+  void know(const KnownView& view, const history::Revision& revision) override;
   const PlaceSearch* place_search() const override { return search_ ? &*search_ : nullptr; }
 
  private:
   // The steps of a frame.
+  void follow(const history::CalibrationPtr& before);
   Alignment start_map() const;
   Alignment follow_camera(double timestamp_s);
   Alignment follow_unless_elsewhere(const RgbdFrame& frame);
   Alignment find_camera(const RgbdFrame& frame);
   Alignment look_for_place(const RgbdFrame& frame);
-  std::optional<Alignment> relocalised(const RgbdFrame& frame);
+  std::optional<Alignment> relocalised(const RgbdFrame& frame,
+                                       const std::function<bool(const Alignment&)>& is_believed);
   void learn_from(const Alignment& alignment, const Vector6d& rate);
   bool extend_map(const RgbdFrame& frame, const Alignment& alignment, const Vector6d& readout,
                   const Vector6d& rate);
@@ -54,7 +57,8 @@ class SpectralTracker : public Tracker {
   bool fits_badly(const Alignment& a) const;
   Evidence evidence_of(const Alignment& a) const;
   bool is_in_map() const { return !search_ || search_->found; }
-  bool is_right(const Alignment& a, double timestamp_s);
+  bool is_found(const Alignment& a) const { return policy_.is_found(evidence_of(a)); }
+  bool is_first_place(const Alignment& a, double timestamp_s);
   void note_look(double timestamp_s);
   Vector6d frame_readout(const Vector6d& readout) const;
 
@@ -64,7 +68,8 @@ class SpectralTracker : public Tracker {
   JointAligner aligner_;
   Relocaliser relocaliser_;
   LossPolicy policy_;
-  MotionModel motion_;  // camera to local
+  MotionModel motion_;                         // camera to local
+  std::optional<std::int64_t> trusted_frame_;  // index of the last one that was not lost
   ReadoutEstimator readout_;
   DelayEstimator delay_;
   double depth_delay_s_ = 0;  // of the frame that is tracked, with what was learned of it

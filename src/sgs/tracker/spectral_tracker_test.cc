@@ -24,7 +24,7 @@ WallRun run_wall(const TrackerConfig& config, int frames, const SE3& T_shift = {
   for (int i = 0; i < frames; ++i) {
     run.results.push_back(tracker->track(see_wall(wall_pose(i), i), nullptr));
     const TrackResult& r = run.results.back();
-    run.worst_m = std::max(run.worst_m, distance_m(r.T_world_camera, T_shift * wall_pose(i)));
+    run.worst_m = std::max(run.worst_m, distance_m(r.T_odom_camera, T_shift * wall_pose(i)));
     run.lost += r.status == TrackingStatus::kLost ? 1 : 0;
   }
   return run;
@@ -68,7 +68,7 @@ double error_with_depth_later_by(double delay_s, double known_delay_s, bool lear
     frame.depth_delay_s = known_delay_s;
     const TrackResult result = tracker->track(frame, nullptr);
     EXPECT_NE(result.status, TrackingStatus::kLost) << i;
-    const double error = distance_m(result.T_world_camera, swinging(i / 30.0));
+    const double error = distance_m(result.T_odom_camera, swinging(i / 30.0));
     squares += error * error / kFrames;
   }
   return std::sqrt(squares);
@@ -88,7 +88,7 @@ TEST(SpectralTracker, DoesNotDependOnTheWorldOrigin) {
   for (std::size_t i = 0; i < here.results.size(); ++i) {
     EXPECT_EQ(here.results[i].diagnostics.degenerate_mask,
               there.results[i].diagnostics.degenerate_mask);
-    EXPECT_LT(distance_m(shift * here.results[i].T_world_camera, there.results[i].T_world_camera),
+    EXPECT_LT(distance_m(shift * here.results[i].T_odom_camera, there.results[i].T_odom_camera),
               1e-6);
   }
 }
@@ -96,8 +96,8 @@ TEST(SpectralTracker, DoesNotDependOnTheWorldOrigin) {
 TEST(SpectralTracker, GivesTheSameBitsAgain) {
   const WallRun a = run_wall({}, 10), b = run_wall({}, 10);
   for (std::size_t i = 0; i < a.results.size(); ++i) {
-    EXPECT_EQ(a.results[i].T_world_camera.t, b.results[i].T_world_camera.t);
-    EXPECT_EQ(a.results[i].T_world_camera.R, b.results[i].T_world_camera.R);
+    EXPECT_EQ(a.results[i].T_odom_camera.t, b.results[i].T_odom_camera.t);
+    EXPECT_EQ(a.results[i].T_odom_camera.R, b.results[i].T_odom_camera.R);
   }
 }
 
@@ -110,15 +110,32 @@ TEST(SpectralTracker, SaysLostBeforeABarePlaneAndComesBack) {
   for (int i = 12; i < 42; ++i) {
     const auto r = tracker->track(see_wall(wall_pose(11), i, false), nullptr);
     lost += r.status == TrackingStatus::kLost ? 1 : 0;
-    EXPECT_LT(distance_m(r.T_world_camera, wall_pose(11)), 0.15) << i;
-    last = r.T_world_camera;
+    EXPECT_LT(distance_m(r.T_odom_camera, wall_pose(11)), 0.15) << i;
+    last = r.T_odom_camera;
   }
   EXPECT_GE(lost, 29);
   // Features return: tracking is back within half a second, where it was.
   TrackResult r;
   for (int i = 42; i < 57; ++i) r = tracker->track(see_wall(wall_pose(i - 31), i), nullptr);
   EXPECT_NE(r.status, TrackingStatus::kLost);
-  EXPECT_LT(distance_m(r.T_world_camera, wall_pose(25)), 0.015);
+  EXPECT_LT(distance_m(r.T_odom_camera, wall_pose(25)), 0.015);
+}
+
+// After its first frame, and later: keyframes, targets and the motion are where the path has them.
+TEST(SpectralTracker, GoesOnWhereARevisionPutsIt) {
+  const SE3 shift(so3_exp({0.02, 0.3, -0.1}), {1, -2, 0.5});
+  for (const int frames : {1, 12}) {
+    const auto tracker = must_make({}, kWallCamera, wall_pose(0));
+    for (int i = 0; i < frames; ++i) tracker->track(see_wall(wall_pose(i), i), nullptr);
+    const history::Path::Entry last = tracker->revision().path.back();
+    const SE3& T = last.T_odom_camera;
+    tracker->revise({PoseCorrection({{last.timestamp_s, T, shift * T}})});
+    for (int i = frames; i < frames + 3; ++i) {
+      const TrackResult r = tracker->track(see_wall(wall_pose(i), i), nullptr);
+      EXPECT_NE(r.status, TrackingStatus::kLost) << i;
+      EXPECT_LT(distance_m(r.T_odom_camera, shift * wall_pose(i)), 0.01) << i;
+    }
+  }
 }
 
 TEST(SpectralTracker, NeverJumps) {
@@ -128,7 +145,7 @@ TEST(SpectralTracker, NeverJumps) {
   elsewhere.t.x() += 3;
   const auto r = tracker->track(see_wall(elsewhere, 5), nullptr);
   EXPECT_EQ(r.status, TrackingStatus::kLost);
-  EXPECT_LT(distance_m(r.T_world_camera, wall_pose(5)), 0.1);
+  EXPECT_LT(distance_m(r.T_odom_camera, wall_pose(5)), 0.1);
 }
 
 TEST(SpectralTracker, WaitsForDepth) {
@@ -159,7 +176,7 @@ TEST(SpectralTracker, FollowsThePictureWhereDepthFails) {
     if (i >= 5) frame.depth.fill(0);
     const TrackResult result = tracker->track(frame, nullptr);
     EXPECT_NE(result.status, TrackingStatus::kLost) << i;
-    EXPECT_LT(distance_m(result.T_world_camera, wall_pose(i)), 0.01) << i;
+    EXPECT_LT(distance_m(result.T_odom_camera, wall_pose(i)), 0.01) << i;
   }
 }
 
@@ -176,7 +193,7 @@ TEST(SpectralTracker, SurfacesAreNotBelievedAgainstThePicture) {
   EXPECT_EQ(lost, 30);
   const TrackResult back = tracker->track(see_wall(wall_pose(9), 40), nullptr);
   EXPECT_NE(back.status, TrackingStatus::kLost);
-  EXPECT_LT(distance_m(back.T_world_camera, wall_pose(9)), 0.01);
+  EXPECT_LT(distance_m(back.T_odom_camera, wall_pose(9)), 0.01);
 }
 
 // From far off most of what was near can still be seen, too small to be aligned to: the frame in
@@ -194,7 +211,7 @@ TEST(SpectralTracker, CarriedBackToTheWallItIsAlignedToWhatItSawThere) {
   const SE3 back = before_wall(0.82);
   const TrackResult found = tracker->track(see_wall(back, kAway), nullptr);
   EXPECT_NE(found.status, TrackingStatus::kLost);
-  EXPECT_LT(distance_m(found.T_world_camera, back), 0.005);
+  EXPECT_LT(distance_m(found.T_odom_camera, back), 0.005);
   const TrackResult next = tracker->track(see_wall(back, kAway + 1), nullptr);
   EXPECT_GT(found.diagnostics.visual_inliers, 0.9 * next.diagnostics.visual_inliers);
   EXPECT_LT(found.diagnostics.visual_cost, 1.05 * next.diagnostics.visual_cost);
@@ -211,7 +228,7 @@ TEST(SpectralTracker, SurvivesBrightnessChanges) {
     }
     const auto r = tracker->track(frame, nullptr);
     EXPECT_NE(r.status, TrackingStatus::kLost) << i;
-    EXPECT_LT(distance_m(r.T_world_camera, wall_pose(i)), 0.01) << i;
+    EXPECT_LT(distance_m(r.T_odom_camera, wall_pose(i)), 0.01) << i;
   }
 }
 
@@ -226,7 +243,7 @@ KnownView view_of_wall(int index) {
   return view;
 }
 
-std::unique_ptr<Tracker> tracker_that_knows_the_wall() {
+std::unique_ptr<Odometry> tracker_that_knows_the_wall() {
   auto tracker = must_make(TrackerConfig(), kWallCamera, SE3{});
   EXPECT_EQ(tracker->place_search(), nullptr);
   for (int i = 0; i < 40; i += 4) tracker->know(view_of_wall(i));
@@ -244,7 +261,7 @@ TEST(SpectralTracker, FindsItselfInAMapThatItIsGivenAndGoesOnThere) {
       ++lost;
       continue;
     }
-    EXPECT_LT(distance_m(r.T_world_camera, wall_pose(i)), 0.01) << i;
+    EXPECT_LT(distance_m(r.T_odom_camera, wall_pose(i)), 0.01) << i;
   }
   EXPECT_GE(lost, 1) << "one frame alone is not believed";
   EXPECT_LE(lost, 5);

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "sgs/core/random.h"
-#include "sgs/tracker/tracker.h"
+#include "sgs/tracker/odometry.h"
 
 namespace sgs::tracker {
 
@@ -26,11 +26,13 @@ class DriftingTracker : public Tracker {
   };
 
   DriftingTracker(std::unique_ptr<Tracker> tracker, const Drift& drift, std::uint64_t seed)
-      : tracker_(std::move(tracker)), drift_(drift), random_(seed) {}
+      : odometry_(std::move(tracker)), drift_(drift), random_(seed) {}
 
-  TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) override {
-    TrackResult result = tracker_->track(frame, snapshot);
-    const SE3 T = result.T_world_camera;
+  TrackResult track(const RgbdFrame& frame, const history::Revision& revision,
+                    const map::SnapshotPtr& snapshot) override {
+    TrackResult result = odometry_.track(frame, snapshot);
+    if (!revision.path.empty()) drifted_ = revision.path.back().T_odom_camera;
+    const SE3 T = result.T_odom_camera;
     if (!last_) {
       drifted_ = T;
     } else {
@@ -40,14 +42,10 @@ class DriftingTracker : public Tracker {
       drifted_ = (drifted_ * motion * SE3::exp(step(motion.t.norm()))).normalized();
     }
     last_ = T;
-    timestamp_s_ = frame.timestamp_s;
-    result.T_world_camera = drifted_;
+    result.T_odom_camera = drifted_;
     return result;
   }
-  bool follows_map() const override { return tracker_->follows_map(); }
-  void correct(const PastCorrection& correction) override {
-    drifted_ = correction.corrected(drifted_, timestamp_s_);
-  }
+  bool follows_map() const override { return odometry_.follows_map(); }
 
  private:
   double normal() {
@@ -64,12 +62,11 @@ class DriftingTracker : public Tracker {
     return xi;
   }
 
-  std::unique_ptr<Tracker> tracker_;
+  Odometry odometry_;  // its path has not drifted
   Drift drift_;
   SplitMix64 random_;
   std::optional<SE3> last_;
   SE3 drifted_;
-  double timestamp_s_ = 0;
 };
 
 }  // namespace sgs::tracker

@@ -78,7 +78,7 @@ struct Diagnostics {
 struct TrackResult {
   /// The pose that was found; of a lost frame the last one, or that carried on for a moment at
   /// constant velocity (`spectral`).
-  SE3 T_world_camera;
+  SE3 T_odom_camera;
   TrackingStatus status = TrackingStatus::kOk;
   LostReason lost_reason = LostReason::kNone;  ///< anything else exactly where status is kLost
   bool keyframe = false;  ///< the tracker extended its own target map with this frame

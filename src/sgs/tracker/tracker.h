@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
-#include "sgs/camera/past_correction.h"
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/core/error.h"
+#include "sgs/history/revision.h"
 #include "sgs/map/gaussian.h"
 #include "sgs/tracker/known_view.h"
 #include "sgs/tracker/track_result.h"
@@ -23,9 +23,13 @@ struct TrackerConfig;  // tracker/tracker_config.h
 class Tracker {
  public:
   virtual ~Tracker() = default;
-  /// `snapshot` is the newest map state the schedule allows this frame to see; null before the
-  /// first one exists. Frames must come in time order.
-  virtual TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) = 0;
+  /// `revision`: what is believed of the past; its path has all frames before this one. Where it is
+  /// another one than that of the frame before, what is remembered moves, and tracking goes on from
+  /// there. Only poses whose results carry TrackResult::information are revised. `snapshot`: the
+  /// newest map state the schedule allows this frame to see; null before the first one exists.
+  /// Frames must come in the order of their times and indices.
+  virtual TrackResult track(const RgbdFrame& frame, const history::Revision& revision,
+                            const map::SnapshotPtr& snapshot) = 0;
   /// True when poses are relative to the (moving) Gaussians of the snapshots; false when the
   /// tracker keeps target points of its own that refinement of keyframes does not move.
   virtual bool follows_map() const = 0;
@@ -42,16 +46,14 @@ class Tracker {
   /// Whether depth may lag behind colour (RgbdFrame::depth_delay_s): else track() is given frames
   /// of one time.
   virtual bool knows_depth_lag() const { return false; }
-  /// Moves everything that is remembered of the past as `correction` (of poses that track() has
-  /// returned) tells, and goes on from there. Only those are corrected whose results carry
-  /// TrackResult::information.
-  virtual void correct(const PastCorrection& /*correction*/) {}
 
   /// Whether the tracker can be given a finished map by know().
   virtual bool finds_itself() const { return false; }
   /// Takes in a view of a finished map, before the first frame. From the first one on the camera is
-  /// somewhere in that world: frames are lost (kNotInMap) until it has found itself there.
-  virtual void know(const KnownView& /*view*/) {}
+  /// somewhere in that world: frames are lost (kNotInMap) until it has found itself there. The path
+  /// of `revision` ends with this view, after those that were taken in before, and that of every
+  /// later revision begins with all of them; depths of the view are as its calibration has them.
+  virtual void know(const KnownView& /*view*/, const history::Revision& /*revision*/) {}
   /// What became of that; null where there is no map to be found in.
   virtual const PlaceSearch* place_search() const { return nullptr; }
 };

@@ -150,21 +150,20 @@ TEST(Board, AFrameNumberThatNoCameraGivesFillsNoMemory) {
 }
 
 TEST(SessionFeed, PosesFollowTheRefinementOfTheNewestKeyframe) {
-  std::deque<slam::FrameBrief> frames;
+  history::Path path;
   for (int i = 0; i < 3; ++i) {
-    frames.push_back({10 + i, 0, SE3(Eigen::Matrix3d::Identity(), {1. * i, 0, 0}), false, true});
+    path.append({10 + i, 0, SE3(Eigen::Matrix3d::Identity(), {1. * i, 0, 0})});
   }
-  slam::FrameRecord newest;
-  newest.T_odom_camera = frames.back().T_odom_camera;
+  const SE3 newest = path.back().T_odom_camera;
   auto map = std::make_shared<map::Snapshot>();
-  EXPECT_EQ(pose_in_map(newest, frames, nullptr).t.x(), 2);
-  EXPECT_EQ(pose_in_map(newest, frames, map).t.x(), 2);
+  EXPECT_EQ(pose_in_map(newest, path, nullptr).t.x(), 2);
+  EXPECT_EQ(pose_in_map(newest, path, map).t.x(), 2);
   map->keyframe_frames = {11};
   map->T_world_keyframe = {SE3(so3_exp({0, 0, 0.1}), {5, 0, 0})};
-  const SE3 moved = pose_in_map(newest, frames, map);
+  const SE3 moved = pose_in_map(newest, path, map);
   EXPECT_LT((moved.t - Eigen::Vector3d(5 + std::cos(0.1), std::sin(0.1), 0)).norm(), 1e-12);
   map->keyframe_frames = {99};  // unknown
-  EXPECT_EQ(pose_in_map(newest, frames, map).t.x(), 2);
+  EXPECT_EQ(pose_in_map(newest, path, map).t.x(), 2);
 }
 
 }  // namespace

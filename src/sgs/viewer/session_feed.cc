@@ -2,21 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/viewer/session_feed.h"
 
-#include <algorithm>
-
 #include "sgs/core/stopwatch.h"
 
 namespace sgs::viewer {
 
-SE3 pose_in_map(const slam::FrameRecord& record, const std::deque<slam::FrameBrief>& frames,
+SE3 pose_in_map(const SE3& T_odom_camera, const history::Path& path,
                 const map::SnapshotPtr& snapshot) {
-  if (!snapshot || snapshot->keyframe_frames.empty()) return record.T_odom_camera;
-  const std::int64_t frame = snapshot->keyframe_frames.back();
-  const auto it = std::lower_bound(
-      frames.begin(), frames.end(), frame,
-      [](const slam::FrameBrief& f, std::int64_t index) { return f.index < index; });
-  if (it == frames.end() || it->index != frame || it->bad) return record.T_odom_camera;
-  return snapshot->T_world_keyframe.back() * it->T_odom_camera.inverse() * record.T_odom_camera;
+  if (!snapshot || snapshot->keyframe_frames.empty()) return T_odom_camera;
+  const history::Path::Entry* newest = path.find(snapshot->keyframe_frames.back());
+  if (newest == nullptr) return T_odom_camera;
+  return snapshot->T_world_keyframe.back() * newest->T_odom_camera.inverse() * T_odom_camera;
 }
 
 FrameUpdate SessionFeed::update(slam::Session& session, const dataset::FeedItem& item,
@@ -25,7 +20,7 @@ FrameUpdate SessionFeed::update(slam::Session& session, const dataset::FeedItem&
   update.record = record;
   update.map = session.snapshot();
   update.frame = item.frame;
-  update.T_world_camera = pose_in_map(record, session.records().briefs(), update.map);
+  update.T_world_camera = pose_in_map(record.T_online_camera, session.revision().path, update.map);
   if (const auto& truth = item.frame->truth_T_world_camera) {
     if (!T_world_truth_) T_world_truth_ = update.T_world_camera * truth->inverse();
     update.truth = *T_world_truth_ * *truth;

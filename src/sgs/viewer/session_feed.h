@@ -27,7 +27,7 @@ class SessionFeed {
 
 /// Carries a tracked pose into the refined map by the correction of its newest keyframe (what
 /// PoseCorrection does behind its last pose).
-SE3 pose_in_map(const slam::FrameRecord& record, const std::deque<slam::FrameBrief>& frames,
+SE3 pose_in_map(const SE3& T_odom_camera, const history::Path& path,
                 const map::SnapshotPtr& snapshot);
 
 }  // namespace sgs::viewer

@@ -18,7 +18,8 @@ tl::unexpected<sgs::Error> bad_argument(std::string message, std::string remedy)
 }  // namespace
 
 Camera to_api(const PinholeCamera& camera) {
-  return {camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, {}};
+  return {camera.width, camera.height, camera.fx, camera.fy,
+          camera.cx,    camera.cy,     {},        Lens::kBrown};
 }
 
 Pose to_api(const SE3& T) {
@@ -51,13 +52,16 @@ Result<LensCamera> from_api(const Camera& camera) {
         fmt::format("sizes are {} to {} pixels, focal lengths positive", kSmallestSide_px,
                     kLargestSide_px));
   }
-  const auto distortion = Distortion::from_coefficients(camera.distortion);
+  const bool fisheye = camera.lens == Lens::kFisheye;
+  const auto distortion = Distortion::from_coefficients(
+      camera.distortion, fisheye ? LensModel::kFisheye : LensModel::kBrown);
   bool finite = distortion.has_value();
   for (const double k : camera.distortion) finite = finite && std::isfinite(k);
   if (!finite) {
     return bad_argument(
         fmt::format("{} distortion coefficients cannot be used", camera.distortion.size()),
-        "give 0, 4, 5 or 8 finite ones in OpenCV's order k1 k2 p1 p2 k3 k4 k5 k6");
+        fisheye ? "give 0 or 4 finite ones of a fisheye, k1 k2 k3 k4"
+                : "give 0, 4, 5 or 8 finite ones in OpenCV's order k1 k2 p1 p2 k3 k4 k5 k6");
   }
   lens.distortion = *distortion;
   return lens;

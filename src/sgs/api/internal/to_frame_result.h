@@ -7,6 +7,7 @@
 
 namespace sgs::api::internal {
 
-FrameResult to_frame_result(const slam::FrameRecord& record);
+/// `T_odom_camera`: where the camera was, as known now.
+FrameResult to_frame_result(const slam::FrameRecord& record, const SE3& T_odom_camera);
 
 }  // namespace sgs::api::internal

@@ -58,6 +58,28 @@ bool is_registered(const Bag& bag, const BagTopics& topics) {
   return !is_sdk_topic(topic) && (named_as_registered(topic) || one_frame);
 }
 
+/// Says where another topic has another lens for the same frame. That of depth is compared where
+/// depth is brought to colour.
+void warn_of_other_infos(const Bag& bag, const BagTopics& topics, const FoundLens& believed,
+                         std::vector<std::string>& warnings) {
+  const bag::CameraInfoMessage& info = believed.source.info;
+  const std::string& topic = topic_of(bag, believed.source.channel);
+  const ImageSize size{believed.lens.camera.width, believed.lens.camera.height};
+  for (const std::size_t channel : camera_infos_of(bag, info.header.frame_id)) {
+    if (channel == believed.source.channel || channel == topics.depth_info) continue;
+    std::vector<std::string> unsaid;
+    const auto usual = usual_camera_info(bag, channel);
+    if (!usual || usual->info.width != info.width || usual->info.height != info.height) continue;
+    const auto other = lens_of(usual->info, topic,
+                               is_rectified(topic_of(bag, topics.color.channel)), size, unsaid);
+    if (!other || same_lens(*other, believed.lens)) continue;
+    warnings.push_back(fmt::format(
+        "{} and {} give frame {} different lenses; {} is believed, --topics color_info={} takes "
+        "the other",
+        topic, topic_of(bag, channel), info.header.frame_id, topic, topic_of(bag, channel)));
+  }
+}
+
 Status color_camera(const Bag& bag, const BagTopics& topics, const OpenOptions& options,
                     BagCameras& found) {
   const std::string& topic = topic_of(bag, topics.color.channel);
@@ -73,12 +95,16 @@ Status color_camera(const Bag& bag, const BagTopics& topics, const OpenOptions& 
                 "give the calibration of pictures of this size");
   }
   Error error{ErrorCode::kNotFound,
-              fmt::format("{}: no camera info beside it, so its calibration is not known", topic),
+              fmt::format("{}: no camera info beside it, so its calibration is not known; camera "
+                          "infos: {}",
+                          topic, camera_info_topics(bag)),
               "give --camera fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]], or --topics "
               "color_info=/TOPIC"};
   if (topics.color_info) {
     auto lens = read_lens(bag, *topics.color_info, topics.color, found.warnings);
     if (lens) {
+      const bool chosen = options.topics.find("color_info=") != std::string::npos;
+      if (!chosen) warn_of_other_infos(bag, topics, *lens, found.warnings);
       found.color = lens->lens;
       found.color_info = std::move(lens->source);
       found.color_source = topic_of(bag, *topics.color_info);
@@ -277,7 +303,9 @@ Status depth_camera(const Bag& bag, const BagTopics& topics, const OpenOptions& 
   if (!topics.depth_info) {
     return fail(
         ErrorCode::kNotFound,
-        fmt::format("{}: no camera info beside it, so depth cannot be registered to colour", topic),
+        fmt::format("{}: no camera info beside it, so depth cannot be registered to colour; camera "
+                    "infos: {}",
+                    topic, camera_info_topics(bag)),
         "give --topics depth_info=/TOPIC, or record an aligned depth topic");
   }
   std::vector<std::string> warnings;

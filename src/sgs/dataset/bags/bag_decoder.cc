@@ -143,8 +143,8 @@ BagDecoder::Mode& BagDecoder::mode_of(const LensCamera& color,
   }
   if (!modes_.empty()) {
     log().warn(
-        "the cameras change their mode: colour {}, depth {}; such frames are brought to the "
-        "camera of the others, {}",
+        "the cameras change their mode: colour is {} now, depth {}; all frames are brought to the "
+        "camera of the most, {}",
         size_in_words(lens_size(color)), size_in_words(depth_size),
         size_in_words(lens_size(cameras_.color)));
   }

@@ -57,12 +57,19 @@ Result<LensCamera> whole_lens(const bag::CameraInfoMessage& info, const std::str
                               bool rectified, std::vector<std::string>& warnings) {
   const auto& K = info.K;
   const auto& P = info.P;
-  const bool has_K = K[0] > 0 && K[4] > 0, has_P = P[0] > 0 && P[5] > 0;
+  // Drivers without a calibration write zeros or the unit matrix.
+  constexpr double kNoFocalLength_px = 2;
+  const auto filled_in = [](double fx, double fy) {
+    return fx > kNoFocalLength_px && fy > kNoFocalLength_px;
+  };
+  const bool has_K = filled_in(K[0], K[4]), has_P = filled_in(P[0], P[5]);
   LensCamera lens;
   if (!has_K && !has_P) {
     return fail(
         ErrorCode::kNotFound,
-        fmt::format("{}: neither K nor P is filled in: the camera was not calibrated", topic),
+        fmt::format("{}: neither K nor P is filled in (zeros, or the unit matrix): the camera was "
+                    "not calibrated",
+                    topic),
         fmt::format("{}, or name another topic: --topics color_info=/TOPIC", kGiveCamera));
   }
   if (has_P && (rectified || !has_K)) {

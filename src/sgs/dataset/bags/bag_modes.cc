@@ -3,6 +3,7 @@
 #include "sgs/dataset/bags/bag_modes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -10,9 +11,20 @@
 #include "sgs/dataset/sdk_calibration.h"
 
 namespace sgs::dataset {
+namespace {
+
+/// Numbers as they were written: NaN, too, is the same each time.
+template <class Numbers>
+bool same_numbers(const Numbers& a, const Numbers& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); });
+}
+
+}  // namespace
 
 bool same_camera_info(const bag::CameraInfoMessage& a, const bag::CameraInfoMessage& b) {
-  return a.width == b.width && a.height == b.height && a.K == b.K && a.P == b.P && a.D == b.D &&
+  return a.width == b.width && a.height == b.height && same_numbers(a.K, b.K) &&
+         same_numbers(a.P, b.P) && same_numbers(a.D, b.D) &&
          a.distortion_model == b.distortion_model && a.binning_x == b.binning_x &&
          a.binning_y == b.binning_y && a.roi_x == b.roi_x && a.roi_y == b.roi_y &&
          a.roi_width == b.roi_width && a.roi_height == b.roi_height;

@@ -26,7 +26,8 @@ Error late(std::int64_t time_ns) {
   return {
       ErrorCode::kInvalidFormat,
       fmt::format("the image at {:.6f} s does not come after the one before it", seconds(time_ns)),
-      "where all stamps are so, `--stamps received` takes the recorder's times"};
+      "recorded twice, it is no loss; where stamps stand still, `--stamps received` takes the "
+      "recorder's times"};
 }
 
 }  // namespace

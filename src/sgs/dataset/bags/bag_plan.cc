@@ -88,20 +88,28 @@ void find_sizes(const bag::Bag& bag, BagTopics& topics) {
   fill(topics.depth, [&](const bag::Message& m) { return pictures.depth(m); });
 }
 
-/// Where the order of bytes that depth is marked with makes noise of it, the other one is taken.
-void check_byte_order(const bag::Bag& bag, const BagTopics& topics, BagCameras& cameras) {
-  if (topics.depth.compressed) return;
-  const bag::Channel& about = bag.channels()[topics.depth.channel];
-  const auto message = first_readable(bag, topics.depth.channel, [&](const bag::Message& m) {
-    return bag::read_image(m, about.encoding).has_value();
-  });
-  if (!message) return;
-  const auto image = bag::read_image(*message, about.encoding);
-  if (!image || !bag::byte_order_contradicts(*image)) return;
-  cameras.unit.other_byte_order = true;
-  cameras.warnings.push_back(fmt::format(
-      "{}: is_bigendian is {}, but depth is smooth only the other way round, which is taken",
-      about.topic, image->big_endian ? 1 : 0));
+/// Names what messages of images say of their bytes and what is not so. Where the order of bytes
+/// that depth is marked with makes noise of it, the other one is taken.
+void check_bytes(const bag::Bag& bag, const BagTopics& topics, BagCameras& cameras) {
+  for (const ImageTopic* images : {&topics.color, &topics.depth}) {
+    if (images->compressed) continue;
+    const bag::Channel& about = bag.channels()[images->channel];
+    const auto message = first_readable(bag, images->channel, [&](const bag::Message& m) {
+      return bag::read_image(m, about.encoding).has_value();
+    });
+    if (!message) continue;
+    const auto image = bag::read_image(*message, about.encoding);
+    if (image && bag::row_length_contradicts(*image)) {
+      cameras.warnings.push_back(fmt::format(
+          "{}: step says rows of {} bytes, the data have {} for each; rows without gaps are taken",
+          about.topic, image->step, image->data.size() / image->height));
+    }
+    if (!image || images != &topics.depth || !bag::byte_order_contradicts(*image)) continue;
+    cameras.unit.other_byte_order = true;
+    cameras.warnings.push_back(fmt::format(
+        "{}: is_bigendian is {}, but depth is smooth only the other way round, which is taken",
+        about.topic, image->big_endian ? 1 : 0));
+  }
 }
 
 /// Judges one pair; `has_depth` says whether it can be judged at all.
@@ -184,7 +192,7 @@ Result<BagPlan> plan_bag(const bag::Bag& bag, const fs::path& path, const OpenOp
   }
   const Calibration whole{camera, plan.cameras.color.distortion, 1};
   SGS_RETURN_IF_ERROR(io::check_calibration(whole, plan.cameras.color_source));
-  check_byte_order(bag, plan.topics, plan.cameras);
+  check_bytes(bag, plan.topics, plan.cameras);
   SGS_ASSIGN_OR_RETURN(plan.clock, choose_clock(bag, plan.topics, options.stamps));
   SGS_RETURN_IF_ERROR(probe_bag(bag, plan));
   return plan;

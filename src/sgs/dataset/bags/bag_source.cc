@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "sgs/bag/bag.h"
@@ -19,6 +20,7 @@
 #include "sgs/dataset/frame_fit.h"
 #include "sgs/dataset/frame_list.h"
 #include "sgs/dataset/prefetch.h"
+#include "sgs/dataset/time_unit.h"
 #include "sgs/io/calibration_io.h"
 
 namespace sgs::dataset {
@@ -57,6 +59,7 @@ class BagSource : public FrameSource {
       frame = RgbdFrame{};
       frame.index = position_++ - plan_.first;
       frame.timestamp_s = seconds_of(event.time_ns);
+      tell_gap(frame.timestamp_s);
       frame.depth_delay_s = seconds_of(event.depth_delay_ns);
       frame.camera = camera();
       // Ground truth has the times of the clock before it was set back.
@@ -78,6 +81,14 @@ class BagSource : public FrameSource {
   }
 
  private:
+  /// Says once where the clock was set ahead.
+  void tell_gap(double time_s) {
+    const auto before_s = std::exchange(last_time_s_, time_s);
+    if (before_s && is_no_pause(time_s - *before_s) && !std::exchange(gap_told_, true)) {
+      log().warn("{}: {}", plan_.name, clock_set_ahead(*before_s, time_s));
+    }
+  }
+
   void report_leftovers() {
     if (std::exchange(reported_, true)) return;
     const auto say = [&](std::size_t count, const char* what) {
@@ -98,6 +109,8 @@ class BagSource : public FrameSource {
   BagPairs pairs_;
   std::int64_t position_ = 0;
   bool reported_ = false;
+  std::optional<double> last_time_s_;
+  bool gap_told_ = false;
 };
 
 /// How many pairs there are at most; 0 = not known.
@@ -144,6 +157,7 @@ void describe_plan(const bag::Bag& bag, const BagPlan& plan, const OpenOptions& 
     info.warnings.insert(info.warnings.end(), warnings->begin(), warnings->end());
   }
   if (!options.depth_scale) warn_of_doubtful_unit(plan.median_depth_m, info.warnings);
+  warn_of_doubtful_centre(plan.cameras.color.camera, plan.cameras.color_source, info.warnings);
 }
 
 Result<Sequence> open_bag_as_sequence(std::unique_ptr<bag::Bag> bag, const fs::path& path,

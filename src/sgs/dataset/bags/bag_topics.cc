@@ -155,6 +155,17 @@ tl::unexpected<Error> none_of(const Bag& bag, const std::vector<ImageTopic>& all
                 "record colour and depth as sensor_msgs/Image or CompressedImage (JPEG, PNG); "
                 "videos (H.264, theora) and point clouds are not read");
   }
+  std::string named_depth;
+  for (const ImageTopic& image : all) {
+    if (image.kind == Kind::kOther && has(io::lower_case(name_of(bag, image)), "depth")) {
+      named_depth = fmt::format("; {} holds pictures for people ({}), no distances",
+                                name_of(bag, image), image.encoding);
+    }
+  }
+  if (what == std::string_view("depth") && !named_depth.empty()) {
+    return fail(ErrorCode::kInvalidArgument, message + named_depth,
+                "record depth as 16UC1 or 32FC1, as its camera delivers it");
+  }
   return fail(ErrorCode::kInvalidArgument, message,
               fmt::format("choose with {}; if none of these is {}, record that topic, too",
                           kTopicsForm, what));
@@ -226,14 +237,11 @@ Result<ImageTopic> named_image(const Bag& bag, const std::vector<ImageTopic>& al
 Result<std::size_t> named_info(const Bag& bag, const std::string& topic) {
   const auto found = find_channel(bag, topic, {kCameraInfoType});
   if (found) return *found;
-  std::string there;
-  for (const bag::Channel& channel : bag.channels()) {
-    if (channel.type == kCameraInfoType) there += (there.empty() ? "" : ", ") + channel.topic;
-  }
+  const std::string there = camera_info_topics(bag);
   return fail(ErrorCode::kInvalidArgument,
               fmt::format("--topics: there is no {} with the name '{}'; there are: {}",
-                          kCameraInfoType, topic, there.empty() ? "none" : there),
-              there.empty() ? "give --camera fx,fy,cx,cy" : "name one of these");
+                          kCameraInfoType, topic, there),
+              there == "none" ? "give --camera fx,fy,cx,cy" : "name one of these");
 }
 
 /// The camera info beside an image topic, or where an SDK puts it.
@@ -246,19 +254,10 @@ std::optional<std::size_t> info_beside(const Bag& bag, const std::string& image_
   return sdk_info_channel(bag, base);
 }
 
-/// The only camera info of a recording, where it names the frame of these images.
+/// The camera info that names the frame of these images, if only one does.
 std::optional<std::size_t> only_info_of(const Bag& bag, const std::string& frame_id) {
-  std::optional<std::size_t> found;
-  for (std::size_t i = 0; i < bag.channels().size(); ++i) {
-    if (bag.channels()[i].type != kCameraInfoType) continue;
-    if (found) return std::nullopt;
-    found = i;
-  }
-  if (!found || frame_id.empty()) return std::nullopt;
-  const auto message = first_message(bag, *found);
-  if (!message || !*message) return std::nullopt;
-  const auto header = bag::read_header(**message, bag.channels()[*found].encoding);
-  return header && header->frame_id == frame_id ? found : std::nullopt;
+  const auto all = camera_infos_of(bag, frame_id);
+  return all.size() == 1 ? std::optional(all.front()) : std::nullopt;
 }
 
 }  // namespace
@@ -285,6 +284,27 @@ std::optional<bag::Message> first_readable(const Bag& bag, std::size_t channel,
   return std::nullopt;
 }
 
+std::vector<std::size_t> camera_infos_of(const Bag& bag, const std::string& frame_id) {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < bag.channels().size() && !frame_id.empty(); ++i) {
+    const bag::Channel& channel = bag.channels()[i];
+    if (channel.type != kCameraInfoType) continue;
+    const auto message = first_message(bag, i);
+    if (!message || !*message) continue;
+    const auto header = bag::read_header(**message, channel.encoding);
+    if (header && header->frame_id == frame_id) found.push_back(i);
+  }
+  return found;
+}
+
+std::string camera_info_topics(const Bag& bag) {
+  std::string there;
+  for (const bag::Channel& channel : bag.channels()) {
+    if (channel.type == kCameraInfoType) there += (there.empty() ? "" : ", ") + channel.topic;
+  }
+  return there.empty() ? "none" : there;
+}
+
 std::optional<std::size_t> find_channel(const Bag& bag, const std::string& topic,
                                         const std::vector<std::string>& types) {
   for (std::size_t i = 0; i < bag.channels().size(); ++i) {
@@ -309,6 +329,9 @@ Result<BagTopics> choose_topics(const Bag& bag, const std::string& option) {
   topics.depth_info = info_beside(bag, name_of(bag, topics.depth));
   if (!topics.color_info && !topics.depth_info) {
     topics.color_info = only_info_of(bag, topics.color.frame_id);
+    if (topics.depth.frame_id != topics.color.frame_id) {
+      topics.depth_info = only_info_of(bag, topics.depth.frame_id);
+    }
   }
   if (!named.color_info.empty()) {
     SGS_ASSIGN_OR_RETURN(topics.color_info, named_info(bag, named.color_info));

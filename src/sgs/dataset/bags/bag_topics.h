@@ -51,6 +51,12 @@ std::optional<bag::Message> first_readable(const bag::Bag& bag, std::size_t chan
 std::optional<std::size_t> find_channel(const bag::Bag& bag, const std::string& topic,
                                         const std::vector<std::string>& types);
 
+/// The channels of camera infos whose first message names a frame; none for an empty name.
+std::vector<std::size_t> camera_infos_of(const bag::Bag& bag, const std::string& frame_id);
+
+/// The topics of all camera infos, for messages; "none" where there are none.
+std::string camera_info_topics(const bag::Bag& bag);
+
 /// Whether a depth topic's name says that it is registered to colour.
 bool named_as_registered(const std::string& topic);
 

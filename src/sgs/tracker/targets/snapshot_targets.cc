@@ -104,7 +104,8 @@ void SnapshotTargets::set_target(std::size_t target, const map::Gaussian& g,
   cloud_.covariances[target] = axes * values.asDiagonal() * axes.transpose();
 }
 
-void SnapshotTargets::update(const map::SnapshotPtr& snapshot) {
+void SnapshotTargets::update(const LocalPast& past, const map::SnapshotPtr& snapshot) {
+  before_.follow(past);
   if (!snapshot || snapshot->gaussians.empty()) return;
   if (has_snapshot_ && snapshot->version == version_) return;
   SGS_CHECK(snapshot->anchors.size() == snapshot->gaussians.size(), "anchors without Gaussians");

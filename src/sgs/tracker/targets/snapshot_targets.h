@@ -19,14 +19,13 @@ class SnapshotTargets : public TargetMap {
   SnapshotTargets(const GeometryConfig& config, const SE3& T_local_world,
                   const TrackablePoints::Spacing& spacing);
 
-  void update(const map::SnapshotPtr& snapshot) override;
+  /// The Gaussians come revised with the next snapshot.
+  void update(const LocalPast& past, const map::SnapshotPtr& snapshot) override;
   void insert(const registration::SourceCloud& source, const Observer& keyframe,
               const registration::CorrespondenceSearch* search) override;
   void remove_in(const registration::FreeSpace& space, const SE3& T_local_camera) override {
     before_.remove_in(space, T_local_camera);
   }
-  /// The Gaussians come corrected with the next snapshot.
-  void correct(const PastCorrection& correction) override { before_.correct(correction); }
   const registration::TargetCloud& cloud() const override;
   bool wants_keyframes() const override { return !has_snapshot_; }
   bool follows_map() const override { return true; }

@@ -11,7 +11,7 @@ namespace {
 class GridTargets : public TargetMap {
  public:
   explicit GridTargets(const TrackablePoints::Spacing& spacing) : points_(spacing) {}
-  void update(const map::SnapshotPtr&) override {}
+  void update(const LocalPast& past, const map::SnapshotPtr&) override { points_.follow(past); }
   void insert(const registration::SourceCloud& source, const Observer& keyframe,
               const registration::CorrespondenceSearch* search) override {
     points_.insert(source, keyframe, search);
@@ -19,7 +19,6 @@ class GridTargets : public TargetMap {
   void remove_in(const registration::FreeSpace& space, const SE3& T_local_camera) override {
     points_.remove_in(space, T_local_camera);
   }
-  void correct(const PastCorrection& correction) override { points_.correct(correction); }
   const registration::TargetCloud& cloud() const override { return points_.cloud(); }
   bool wants_keyframes() const override { return true; }
   bool follows_map() const override { return false; }

@@ -16,16 +16,15 @@ namespace sgs::tracker {
 class TargetMap {
  public:
   virtual ~TargetMap() = default;
-  /// Takes over the state of the Gaussian map; null before the first one exists.
-  virtual void update(const map::SnapshotPtr& snapshot) = 0;
+  /// The tracker's own targets follow what is believed of the past; others take over the state of
+  /// the Gaussian map, null before the first one exists.
+  virtual void update(const LocalPast& past, const map::SnapshotPtr& snapshot) = 0;
   /// Extends the targets by a tracking keyframe, if they are the tracker's own. `search` is
   /// prepared for this frame, or null for the first one.
   virtual void insert(const registration::SourceCloud& source, const Observer& keyframe,
                       const registration::CorrespondenceSearch* search) = 0;
   /// Removes those of the tracker's own targets that a camera at `T_local_camera` looks through.
   virtual void remove_in(const registration::FreeSpace& space, const SE3& T_local_camera) = 0;
-  /// Moves the tracker's own targets with the keyframes that saw them.
-  virtual void correct(const PastCorrection& correction) = 0;
   /// Whether insert() does anything now.
   virtual bool wants_keyframes() const = 0;
   virtual const registration::TargetCloud& cloud() const = 0;

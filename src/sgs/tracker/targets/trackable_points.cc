@@ -45,8 +45,9 @@ int TrackablePoints::insert(const registration::SourceCloud& source, const Obser
     cloud_.points.push_back({R * p.point + t, R * p.normal, p.variance_m2});
     if (with_ellipses) cloud_.covariances.push_back(R * source.covariances[i] * R.transpose());
   }
-  keyframes_.push_back({keyframe.timestamp_s, T_local_camera, keyframe.velocity,
-                        path_to(T_local_camera), begin, cloud_.points.size()});
+  keyframes_.push_back(
+      {keyframe.frame, keyframe.velocity, path_to(T_local_camera), begin, cloud_.points.size()});
+  past_.set_tracked(keyframe.frame, T_local_camera);
   const std::size_t added = cloud_.points.size() - begin;
   alive_ += static_cast<std::size_t>(
       std::count_if(cloud_.points.end() - static_cast<std::ptrdiff_t>(added), cloud_.points.end(),
@@ -60,7 +61,7 @@ int TrackablePoints::insert(const registration::SourceCloud& source, const Obser
 double TrackablePoints::path_to(const SE3& T_local_camera) const {
   if (keyframes_.empty()) return 0;
   const Keyframe& last = keyframes_.back();
-  return last.path_m + (T_local_camera.t - last.T_local_camera.t).norm();
+  return last.path_m + (T_local_camera.t - past_.at(last.frame).t).norm();
 }
 
 int TrackablePoints::remove_in(const registration::FreeSpace& space, const SE3& T_local_camera) {
@@ -95,13 +96,12 @@ void TrackablePoints::remove(std::size_t point) {
 }
 
 void TrackablePoints::remove_farthest(const Eigen::Vector3d& camera_position) {
-  std::vector<std::size_t> order(keyframes_.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return (keyframes_[a].T_local_camera.t - camera_position).squaredNorm() >
-           (keyframes_[b].T_local_camera.t - camera_position).squaredNorm();
-  });
-  for (const std::size_t k : order) {
+  std::vector<std::pair<double, std::size_t>> order;  // the farthest first
+  for (std::size_t k = 0; k < keyframes_.size(); ++k) {
+    order.emplace_back(-(past_.at(keyframes_[k].frame).t - camera_position).squaredNorm(), k);
+  }
+  std::sort(order.begin(), order.end());
+  for (const auto& [distance, k] : order) {
     if (alive_ <= most_points_ - most_points_ / 4) break;
     for (std::size_t i = keyframes_[k].begin; i < keyframes_[k].end; ++i) {
       if (cloud_.points[i].alive()) remove(i);
@@ -130,13 +130,23 @@ void TrackablePoints::forget_removed() {
   ++cloud_.layout;
 }
 
-void TrackablePoints::move_keyframe(int keyframe, const SE3& T_local_camera) {
-  SGS_CHECK(keyframe >= 0 && keyframe < keyframes(), "no such keyframe");
-  Keyframe& k = keyframes_[static_cast<std::size_t>(keyframe)];
-  const SE3 motion = T_local_camera * k.T_local_camera.inverse();
-  const Eigen::Matrix3f R = motion.R.cast<float>();
-  const Eigen::Vector3f t = motion.t.cast<float>();
-  for (std::size_t i = k.begin; i < k.end; ++i) {
+void TrackablePoints::follow(const LocalPast& past) {
+  const LocalPast before = std::exchange(past_, past);
+  const history::Revision &then = before.revision(), &now = past.revision();
+  if (then.number() == now.number()) return;
+  const auto change = history::depth_change(then.calibration, now.calibration);
+  for (const Keyframe& keyframe : keyframes_) {
+    const SE3 T_before = before.at(keyframe.frame);
+    if (change) change_depth(keyframe, T_before, *change);
+    move(keyframe, past.at(keyframe.frame) * T_before.inverse());
+  }
+  ++cloud_.moves;
+}
+
+void TrackablePoints::move(const Keyframe& keyframe, const SE3& T_now_before) {
+  const Eigen::Matrix3f R = T_now_before.R.cast<float>();
+  const Eigen::Vector3f t = T_now_before.t.cast<float>();
+  for (std::size_t i = keyframe.begin; i < keyframe.end; ++i) {
     registration::TargetPoint& p = cloud_.points[i];
     p.point = R * p.point + t;
     p.normal = R * p.normal;
@@ -144,27 +154,18 @@ void TrackablePoints::move_keyframe(int keyframe, const SE3& T_local_camera) {
       cloud_.covariances[i] = R * cloud_.covariances[i] * R.transpose();
     }
   }
-  ++cloud_.moves;
-  k.T_local_camera = T_local_camera;
 }
 
-void TrackablePoints::change_depth(const Keyframe& keyframe, const DepthChange& change) {
-  const Eigen::Matrix3f R = keyframe.T_local_camera.R.cast<float>();
-  const Eigen::Vector3f t = keyframe.T_local_camera.t.cast<float>();
+void TrackablePoints::change_depth(const Keyframe& keyframe, const SE3& T_local_camera,
+                                   const DepthChange& change) {
+  const Eigen::Matrix3f R = T_local_camera.R.cast<float>();
+  const Eigen::Vector3f t = T_local_camera.t.cast<float>();
   for (std::size_t i = keyframe.begin; i < keyframe.end; ++i) {
     registration::TargetPoint& p = cloud_.points[i];
     Eigen::Vector3f point = R.transpose() * (p.point - t), normal = R.transpose() * p.normal;
     change.apply(point, normal, keyframe.velocity);
     p.point = R * point + t;
     p.normal = R * normal;
-  }
-}
-
-void TrackablePoints::correct(const PastCorrection& correction) {
-  for (int k = 0; k < keyframes(); ++k) {
-    const Keyframe& keyframe = keyframes_[static_cast<std::size_t>(k)];
-    if (correction.depth) change_depth(keyframe, *correction.depth);
-    move_keyframe(k, correction.corrected(keyframe.T_local_camera, keyframe.timestamp_s));
   }
 }
 

@@ -5,24 +5,23 @@
 #include <cstdint>
 #include <vector>
 
-#include "sgs/camera/past_correction.h"
-#include "sgs/geometry/se3.h"
 #include "sgs/registration/correspondence_search.h"
 #include "sgs/registration/free_space.h"
 #include "sgs/registration/target_blocks.h"
+#include "sgs/tracker/local_past.h"
 
 namespace sgs::tracker {
 
 /// A keyframe that saw target points.
 struct Observer {
-  double timestamp_s = 0;
+  std::int64_t frame = 0;  ///< its index
   SE3 T_local_camera;
   Vector6d velocity = Vector6d::Zero();  ///< camera twist per second
 };
 
 /// Target points the tracker keeps itself: a sparse surfel map on the sampling grid. Each point
-/// belongs to the keyframe that saw it and is stored relative to it, so that it can follow when the
-/// keyframe's pose is refined. Points are never averaged: that gains nothing for tracking
+/// belongs to the keyframe that saw it and follows when that lies elsewhere or its depth is known
+/// better. Points are never averaged: that gains nothing for tracking
 /// (docs/method.md, section 7).
 class TrackablePoints {
  public:
@@ -48,11 +47,10 @@ class TrackablePoints {
   /// the frame by what the depth camera errs, and holds the pose all the same; what is further
   /// differs by the drift since. Returns how many there were.
   int remove_in(const registration::FreeSpace& space, const SE3& T_local_camera);
-  /// Moves keyframe number `keyframe` (in order of insertion) and its points to `T_local_camera`.
-  void move_keyframe(int keyframe, const SE3& T_local_camera);
-
-  /// Moves all of them, and their points along their rays where depth is known better now.
-  void correct(const PastCorrection& correction);
+  /// What is believed of the past now: comes before the first keyframe and with every frame, the
+  /// keyframes so far in its path. Points move with the keyframes that saw them, and along their
+  /// rays where depth is another.
+  void follow(const LocalPast& past);
 
   /// Points that have not been removed.
   std::size_t alive() const { return alive_; }
@@ -61,14 +59,14 @@ class TrackablePoints {
 
  private:
   struct Keyframe {
-    double timestamp_s;
-    SE3 T_local_camera;
+    std::int64_t frame;
     Vector6d velocity;
     double path_m;           // of the keyframes before it
     std::size_t begin, end;  // of its points
   };
 
-  void change_depth(const Keyframe& keyframe, const DepthChange& change);
+  void move(const Keyframe& keyframe, const SE3& T_now_before);
+  void change_depth(const Keyframe& keyframe, const SE3& T_local_camera, const DepthChange& change);
   void remove(std::size_t point);
   void remove_farthest(const Eigen::Vector3d& camera_position);
   void forget_removed();
@@ -78,6 +76,7 @@ class TrackablePoints {
   Spacing spacing_;
   std::size_t most_points_;
   std::size_t alive_ = 0;
+  LocalPast past_;
   std::vector<Keyframe> keyframes_;
   registration::TargetCloud cloud_;
   registration::TargetBlocks blocks_;

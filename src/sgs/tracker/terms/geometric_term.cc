@@ -55,11 +55,12 @@ GeometricTerm::GeometricTerm(const GeometryConfig& config, const PinholeCamera& 
   target_sampler_ = make_sampler(target_points, camera, needs_ellipses(config));
 }
 
-void GeometricTerm::set_frame(const RgbdFrame& frame, const map::SnapshotPtr& snapshot) {
+void GeometricTerm::set_frame(const RgbdFrame& frame, const LocalPast& past,
+                              const map::SnapshotPtr& snapshot) {
   source_sampler_->sample(frame.depth, source_);
-  targets_->update(snapshot);
+  targets_->update(past, snapshot);
   depth_ = &frame.depth;
-  timestamp_s_ = frame.timestamp_s;
+  frame_ = frame.index;
   prepared_ = false;
   T_searched_.reset();
   motion_ = {};
@@ -168,7 +169,7 @@ void GeometricTerm::insert_keyframe(const SE3& T_local_camera, const FrameMotion
     targets_->remove_in(registration::FreeSpace(keyframe_source_, camera_, config_.target.step_px),
                         T_local_camera);
   }
-  targets_->insert(keyframe_source_, {timestamp_s_, T_local_camera, motion.velocity},
+  targets_->insert(keyframe_source_, {frame_, T_local_camera, motion.velocity},
                    prepared_ ? search_.get() : nullptr);
 }
 

@@ -25,8 +25,9 @@ class GeometricTerm {
   GeometricTerm(const GeometryConfig& config, const PinholeCamera& camera,
                 const SE3& T_local_world);
 
-  /// Samples the frame's points and takes over the newest state of the Gaussian map.
-  void set_frame(const RgbdFrame& frame, const map::SnapshotPtr& snapshot);
+  /// Samples the frame's points; targets follow what is believed of the past, and take over the
+  /// newest state of the Gaussian map.
+  void set_frame(const RgbdFrame& frame, const LocalPast& past, const map::SnapshotPtr& snapshot);
   /// Corrects the frame's points for how the camera moved while they were measured; replaces the
   /// motion given before.
   void set_motion(const registration::FrameMotion& motion);
@@ -58,9 +59,6 @@ class GeometricTerm {
   /// its points are corrected for.
   void insert_keyframe(const SE3& T_local_camera, const registration::FrameMotion& motion = {});
 
-  /// Moves the tracker's own targets (in local coordinates).
-  void correct(const PastCorrection& correction) { targets_->correct(correction); }
-
   const registration::SourceCloud& source() const { return source_; }
   /// The plane fitted around a pixel of the frame (never one with the paper's sampling, which fits
   /// none), as the camera saw it when it saw the colour, if it moved by `lag` (twist) since.
@@ -80,8 +78,8 @@ class GeometricTerm {
   registration::GeometricCost coarse_cost_;
   registration::SourceCloud coarse_source_;  // every n-th point of source_, made on demand
   const DepthImage* depth_ = nullptr;        // of the current frame
-  double timestamp_s_ = 0;
-  registration::FrameMotion motion_;  // that its points are corrected for
+  std::int64_t frame_ = 0;                   // its index
+  registration::FrameMotion motion_;         // that its points are corrected for
   SE3 T_reference_local_;
   std::optional<SE3> T_searched_;  // pose of the last full search with these points
   bool prepared_ = false;

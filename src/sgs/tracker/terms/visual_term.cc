@@ -25,7 +25,11 @@ constexpr int kEnoughPixels = 100;
 
 }  // namespace
 
-void VisualTerm::set_frame(const RgbdFrame& frame) {
+void VisualTerm::set_frame(const RgbdFrame& frame, const LocalPast& past) {
+  if (past.revision().number() != past_.revision().number()) {
+    for (Keyframe& k : keyframes_) k.contradictions = 0;
+  }
+  past_ = past;
   pyramid_.build(frame.color, frame.camera, config_.photometric.levels, frame.seen.get());
   levels_ = pyramid_.levels();
   noise_.resize(static_cast<std::size_t>(levels_), 1.0);
@@ -33,9 +37,8 @@ void VisualTerm::set_frame(const RgbdFrame& frame) {
 }
 
 double VisualTerm::view_distance(const Keyframe& keyframe, const SE3& T_local_camera) const {
-  return registration::view_distance(
-      pyramid_.level(0).camera, keyframe.mean_depth_m,
-      keyframe.reference.T_world_keyframe().inverse() * T_local_camera);
+  return registration::view_distance(pyramid_.level(0).camera, keyframe.mean_depth_m,
+                                     past_.at(keyframe.frame).inverse() * T_local_camera);
 }
 
 VisualTerm::Fit VisualTerm::start(const SE3& T_local_predicted) {
@@ -43,7 +46,7 @@ VisualTerm::Fit VisualTerm::start(const SE3& T_local_predicted) {
   fit.term_ = this;
   if (keyframes_.empty()) return fit;
   const auto add = [&](std::size_t index) {
-    catch_up(keyframes_[index]);
+    place(keyframes_[index]);
     fit.references_.push_back({index, {}, {}});
   };
   add(newest_);
@@ -170,7 +173,7 @@ VisualTerm::Fit::ReadoutMeasurement VisualTerm::Fit::measured_readout(
 
 // Within `share` of the limits that make a new keyframe.
 bool VisualTerm::is_near(const Keyframe& keyframe, const SE3& T_local_camera, double share) const {
-  const SE3 T = keyframe.reference.T_world_keyframe().inverse() * T_local_camera;
+  const SE3 T = past_.at(keyframe.frame).inverse() * T_local_camera;
   return T.t.norm() < share * config_.keyframes.keyframe_translation * keyframe.mean_depth_m &&
          T.angle() < share * config_.keyframes.keyframe_rotation_deg * std::numbers::pi / 180;
 }
@@ -193,30 +196,23 @@ void VisualTerm::insert_keyframe(const SE3& T_local_camera, const Fit& fit, cons
     return;
   }
   const double depth_m = registration::mean_depth(frame_->depth, config_.photometric.max_depth_m);
-  keyframes_.push_back({registration::PhotometricReference(pyramid_, frame_->depth, T_local_camera,
+  keyframes_.push_back({frame_->index,
+                        registration::PhotometricReference(pyramid_, frame_->depth, T_local_camera,
                                                            config_.photometric, surface,
                                                            registration::ReadoutMotion(readout)),
-                        depth_m > 0 ? depth_m : kDefaultDepth_m,
-                        frame_->timestamp_s,
-                        velocity,
-                        {},
-                        0});
+                        past_.revision().calibration, depth_m > 0 ? depth_m : kDefaultDepth_m,
+                        velocity});
   newest_ = keyframes_.size() - 1;
 }
 
-void VisualTerm::correct(const PastCorrection& correction) {
-  for (Keyframe& k : keyframes_) {
-    k.reference.set_pose(correction.corrected(k.reference.T_world_keyframe(), k.timestamp_s));
-    if (correction.depth) k.changes.push_back(correction.depth);
-    k.contradictions = 0;
-  }
-}
-
-void VisualTerm::catch_up(Keyframe& keyframe) {
-  for (const auto& change : keyframe.changes) {
+// Where and as it is believed to be now.
+void VisualTerm::place(Keyframe& keyframe) const {
+  keyframe.reference.set_pose(past_.at(keyframe.frame));
+  const history::CalibrationPtr& now = past_.revision().calibration;
+  if (const auto change = history::depth_change(keyframe.calibration, now)) {
     keyframe.reference.change_depth(*change, keyframe.velocity);
+    keyframe.calibration = now;
   }
-  keyframe.changes.clear();
 }
 
 }  // namespace sgs::tracker

@@ -5,11 +5,11 @@
 #include <memory>
 #include <vector>
 
-#include "sgs/camera/past_correction.h"
 #include "sgs/camera/pyramid.h"
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/degeneracy/fusion.h"
 #include "sgs/registration/photometric.h"
+#include "sgs/tracker/local_past.h"
 #include "sgs/tracker/readout_estimator.h"
 #include "sgs/tracker/tracker_config.h"
 
@@ -25,7 +25,9 @@ class VisualTerm {
   explicit VisualTerm(const VisionConfig& config) : config_(config) {}
 
   /// Builds the pyramid of a frame; keeps a reference to its depth, which must outlive its use.
-  void set_frame(const RgbdFrame& frame);
+  /// `past` tells where the keyframes so far are; what is known better of their depth reaches each
+  /// when it is next aligned to: a frame that all of them waited for would be late.
+  void set_frame(const RgbdFrame& frame, const LocalPast& past);
   int levels() const { return levels_; }
 
   class Fit;
@@ -34,7 +36,7 @@ class VisualTerm {
 
   /// Learns from an accepted fit which keyframes contradict the newest one: one that has for some
   /// frames fitted far worse lies elsewhere, since the camera has drifted on its way back to it.
-  /// It is left out until the past is corrected.
+  /// It is left out until the next revision.
   void compare_references(const Fit& fit);
   /// Learns from an accepted fit how wide residuals are at each level.
   void learn_noise(const Fit& fit);
@@ -45,9 +47,6 @@ class VisualTerm {
   /// `readout`: camera twist over its readout, `velocity`: per second.
   void insert_keyframe(const SE3& T_local_camera, const Fit& fit, const Vector6d& readout,
                        const Vector6d& velocity, const registration::SurfaceLookup& surface);
-  /// Moves the keyframes (in local coordinates). Depth that is known better reaches each when it is
-  /// next aligned to: a frame that all of them waited for would be late.
-  void correct(const PastCorrection& correction);
   int keyframes() const { return static_cast<int>(keyframes_.size()); }
   /// Number of the keyframe the camera was last at.
   std::size_t newest_keyframe() const { return newest_; }
@@ -60,19 +59,19 @@ class VisualTerm {
 
  private:
   struct Keyframe {
-    registration::PhotometricReference reference;
+    std::int64_t frame;                            // its index
+    registration::PhotometricReference reference;  // placed and calibrated where it is aligned to
+    history::CalibrationPtr calibration;           // of its depth
     double mean_depth_m;
-    double timestamp_s;
-    Vector6d velocity;  // camera twist per second
-    /// What is known better of its depth since it was last aligned to.
-    std::vector<std::shared_ptr<const DepthChange>> changes;
+    Vector6d velocity;       // camera twist per second
     int contradictions = 0;  // frames in a row that fitted it far worse than the newest one
   };
-  static void catch_up(Keyframe& keyframe);
+  void place(Keyframe& keyframe) const;
   double view_distance(const Keyframe& keyframe, const SE3& T_local_camera) const;
   bool is_near(const Keyframe& keyframe, const SE3& T_local_camera, double share) const;
 
   VisionConfig config_;
+  LocalPast past_;
   std::vector<double> noise_;  // of each level, in units of config_.photometric.sigma_at()
   int noise_frames_ = 0;       // that it was learned from
   GrayPyramid pyramid_;

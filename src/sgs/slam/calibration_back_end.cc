@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/slam/calibration_estimator.h"
+#include "sgs/slam/calibration_back_end.h"
 
 #include <cmath>
 #include <utility>
@@ -9,20 +9,23 @@
 
 namespace sgs::slam {
 
-std::shared_ptr<const PastCorrection> CalibrationEstimator::add(
-    const std::shared_ptr<const RgbdFrame>& frame, const tracker::TrackResult& result) {
+std::optional<history::Update> CalibrationBackEnd::add(
+    const std::shared_ptr<const RgbdFrame>& frame, const tracker::TrackResult& result,
+    const history::Revision& revision) {
   if (std::isfinite(result.diagnostics.readout_s)) readout_s_ = result.diagnostics.readout_s;
   // `frame` is as measured: beyond its stamp there is what was calibrated and what the tracker
   // adds.
   const double delay_s = result.motion.depth_delay_s - frame->depth_delay_s;
-  const bool tracked = result.status != tracker::TrackingStatus::kLost && result.information;
-  return told(calibration_.add(frame, tracked ? std::optional(result.T_world_camera) : std::nullopt,
-                               readout_s_, delay_s));
+  if (result.status == tracker::TrackingStatus::kLost || !result.information) {
+    calibration_.note_gap();
+    return std::nullopt;
+  }
+  return told(calibration_.add(frame, revision, readout_s_, delay_s));
 }
 
-std::shared_ptr<const PastCorrection> CalibrationEstimator::told(
+std::optional<history::Update> CalibrationBackEnd::told(
     std::optional<backend::LearnedCalibration> learned) {
-  if (!learned) return nullptr;
+  if (!learned) return std::nullopt;
   const DepthCalibration& c = learned->estimate.calibration;
   log().info(
       "the depth camera was calibrated from {} keyframes: offset {:+.5f} /m in the mean "
@@ -33,7 +36,7 @@ std::shared_ptr<const PastCorrection> CalibrationEstimator::told(
       learned->estimate.shape_rms_per_m, c.shift_px.x(), c.shift_px.y(), c.shift_sigma_px.x(),
       c.shift_sigma_px.y(), 1e3 * c.delay_s, 1e3 * c.delay_sigma_s, learned->estimate.noise.grey,
       learned->estimate.noise.depth);
-  return std::make_shared<const PastCorrection>(std::move(learned->correction));
+  return std::move(learned->update);
 }
 
 }  // namespace sgs::slam

@@ -3,22 +3,23 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "sgs/loops/loop_closer.h"
-#include "sgs/slam/past_estimator.h"
+#include "sgs/slam/back_end.h"
 #include "sgs/slam/session_config.h"
 
 namespace sgs::slam {
 
 /// Closes loops. Frames come with their depth corrected.
-class LoopEstimator final : public PastEstimator {
+class LoopBackEnd final : public BackEnd {
  public:
-  explicit LoopEstimator(const SessionConfig& config)
+  explicit LoopBackEnd(const SessionConfig& config)
       : closer_(config.loops, config.tracker, config.seed) {}
 
-  std::shared_ptr<const PastCorrection> add(const std::shared_ptr<const RgbdFrame>& frame,
-                                            const tracker::TrackResult& result) override;
-  void note_applied(const PastCorrection& correction) override { closer_.note_applied(correction); }
+  std::optional<history::Update> add(const std::shared_ptr<const RgbdFrame>& frame,
+                                     const tracker::TrackResult& result,
+                                     const history::Revision& revision) override;
   /// Loops in the graph.
   int found() const override { return static_cast<int>(closer_.skeleton().loops().size()); }
 

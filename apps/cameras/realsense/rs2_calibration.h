@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rs2_abi.h"
+#include "sgs/core/error.h"
+#include "sgs/geometry/se3.h"
+#include "sgs/stream/protocol.h"
+
+// What the library says of its cameras, in our words.
+namespace sgs::cameras::rs2 {
+
+/// A camera with its lens. Inverse and modified Brown-Conrady are taken for Brown-Conrady, as of
+/// bags, with a note; f-theta with coefficients is an error.
+Result<LensCamera> lens_of(const rs2_intrinsics& intrinsics, const char* which,
+                           std::vector<std::string>& notes);
+
+/// Rotations of the library are of single precision.
+SE3 transform_of(const rs2_extrinsics& extrinsics);
+
+/// Raw units per metre; the library says metres per unit in single precision.
+double units_per_metre(float unit_m);
+
+/// Leaves the depth camera out of a greeting where it is the colour camera.
+void leave_out_equal_cameras(stream::Hello& hello);
+
+}  // namespace sgs::cameras::rs2

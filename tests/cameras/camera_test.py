@@ -1,0 +1,605 @@
+# SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+# SPDX-License-Identifier: Apache-2.0
+"""`sgs run camera:` with a fake of librealsense2, and with programs for cameras that misbehave.
+
+Usage: camera_test.py SGS RENDER_RIG FAKE FAKE_WITHOUT_A_FUNCTION NO_SDK [unittest arguments]
+"""
+import json
+import os
+import pathlib
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import textwrap
+import time
+import unittest
+
+import numpy as np
+from skimage.io import imread
+
+SGS, RIG, FAKE, MISSING, NO_SDK = (pathlib.Path(sys.argv.pop(1)).resolve() for _ in range(5))
+PROGRAM = SGS.parent / "sgs-camera-realsense"
+FRAMES = 12
+TIMEOUT = 240
+FIRST_S, STEP_S = 1000, 1 / 32
+TRACK = ("--set", "mapper.iterations_per_frame=0", "--no-eval")
+
+
+def rows(path):
+    lines = path.read_text().splitlines()
+    return [line.split() for line in lines if line and not line.startswith("#")]
+
+
+class Recorded:
+    """One camera's folder of the rig."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        values = [float(value) for value in rows(folder / "camera.txt")[0]]
+        self.fx, self.fy, self.cx, self.cy = values[:4]
+        self.width, self.height = int(values[4]), int(values[5])
+        read = lambda name: [imread(folder / row[1]) for row in rows(folder / name)]
+        self.colors, self.depths = read("rgb.txt"), read("depth.txt")
+        self.times = [float(row[0]) for row in rows(folder / "rgb.txt")]
+
+    def written(self):
+        """A camera as the fake reads it: size, focal lengths, centre, lens model, coefficients."""
+        return f"{self.width} {self.height} {self.fx} {self.fy} {self.cx} {self.cy} 2 0 0 0 0 0\n"
+
+    def json(self):
+        keys = ("width", "height", "fx", "fy", "cx", "cy")
+        return {key: getattr(self, key) for key in keys}
+
+
+def write_scene(path, color, depth, T_color_depth=((1, 0, 0, 0, 1, 0, 0, 0, 1), (0, 0, 0))):
+    with open(path, "wb") as file:
+        numbers = " ".join(f"{value:.9g}" for part in T_color_depth for value in part)
+        head = f"{color.written()}{depth.written()}{numbers}\n0.001 {len(color.times)}\n"
+        file.write(head.encode())
+        for t, image, raw in zip(color.times, color.colors, depth.depths):
+            file.write(struct.pack("<d", t * 1000) + image.tobytes() + raw.astype("<u2").tobytes())
+
+
+def parts_of(stream):
+    """What a program has sent, as docs/stream.md describes it: greeting, frames, samples."""
+    assert stream[:4] == b"SGS2", stream[:20]
+    at, frames, samples = 4, [], []
+
+    def text():
+        nonlocal at
+        (length,) = struct.unpack_from("<I", stream, at)
+        at += 4 + length
+        return stream[at - length : at]
+
+    greeting = json.loads(text())
+    while stream[at : at + 1] != b"E":
+        mark, at = stream[at : at + 1], at + 1
+        if mark == b"I":
+            samples += struct.iter_unpack("<7d", text())
+            continue
+        assert mark == b"F", (mark, at)
+        head = json.loads(text())
+        head["color"] = stream[at : at + head["color_bytes"]]
+        at += head["color_bytes"] + head["depth_bytes"]
+        frames.append(head)
+    return greeting, frames, np.array(samples)
+
+
+class CameraTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        if hasattr(CameraTest, "shared"):
+            return
+        CameraTest.shared = pathlib.Path(tempfile.mkdtemp(prefix="sgs-camera-"))
+        unittest.addModuleCleanup(shutil.rmtree, cls.shared, ignore_errors=True)
+        subprocess.run([RIG, cls.shared / "rig", str(FRAMES)], check=True)
+        CameraTest.color = Recorded(cls.shared / "rig/color")
+        CameraTest.depth = Recorded(cls.shared / "rig/depth")
+        CameraTest.aligned = cls.shared / "aligned"
+        write_scene(cls.aligned, cls.color, cls.color)
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="case-", dir=self.shared))
+        self.state = self.folder / "state"
+        self.state.mkdir()
+        self.run_folder = self.folder / "run"
+        self.environment = {
+            **{key: value for key, value in os.environ.items() if "RS2" not in key},
+            "SGS_REALSENSE_LIBRARY": str(FAKE),
+            "FAKE_RS2_SCENE": str(self.aligned),
+            "FAKE_RS2_STATE": str(self.state),
+        }
+
+    def rewind(self):
+        """The fake begins its scene again."""
+        for entry in self.state.iterdir():
+            entry.unlink()
+
+    def fake(self, **variants):
+        for name, value in variants.items():
+            self.environment["FAKE_RS2_" + name.upper()] = str(value)
+
+    def done(self, *command, code=0):
+        done = subprocess.run(
+            [str(word) for word in command],
+            capture_output=True,
+            text=True,
+            timeout=TIMEOUT,
+            cwd=self.folder,
+            env=self.environment,
+        )
+        self.assertEqual(done.returncode, code, done.stderr + done.stdout)
+        return done
+
+    def run_camera(self, *options, source=f"camera:realsense,every=on,frames={FRAMES}", code=0):
+        command = (SGS, "run", source, "-o", self.run_folder, *options)
+        return self.done(*command, code=code).stderr
+
+    def sent(self, *options):
+        """What the program sends by itself, and says."""
+        done = subprocess.run(
+            [PROGRAM, "--every=on", *options],
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            timeout=TIMEOUT,
+            env=self.environment,
+        )
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return (*parts_of(done.stdout), done.stderr.decode())
+
+    def refused(self, *words, source="camera:realsense", code=1):
+        said = self.run_camera("--quiet", source=source, code=code)
+        for word in words:
+            self.assertIn(word, said)
+        return said
+
+    def until_played(self, process):
+        """Ctrl-C when the fake has nothing left; all that the run said."""
+        until = time.monotonic() + TIMEOUT
+        while not (self.state / "next").exists() or self.played() < FRAMES:
+            self.assertIsNone(process.poll(), "the run ended")
+            self.assertLess(time.monotonic(), until)
+            time.sleep(0.05)
+        time.sleep(1)  # the last frames are on their way
+        process.send_signal(signal.SIGINT)
+        said = process.communicate(timeout=TIMEOUT)[1].decode()
+        self.assertEqual(process.returncode, 130, said)
+        return said
+
+    def played(self):
+        text = (self.state / "next").read_text()
+        return int(text) if text else 0
+
+    def begin(self, source="camera:realsense,every=on", *options):
+        process = subprocess.Popen(
+            [SGS, "run", source, "-o", self.run_folder, *TRACK, *options],
+            cwd=self.folder,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            env=self.environment,
+        )
+        self.addCleanup(process.stderr.close)
+        self.addCleanup(process.kill)
+        return process
+
+    def tracked(self):
+        return len(rows(self.run_folder / "trajectory.txt"))
+
+
+class Frames(CameraTest):
+    """What a camera delivers arrives as it was delivered."""
+
+    def assert_same_run(self, source):
+        reference = self.folder / "reference"
+        self.done(SGS, "run", source, "-o", reference, "--no-eval", "--quiet")
+        for name in "trajectory.txt", "map.ply":
+            mine, theirs = ((f / name).read_bytes() for f in (self.run_folder, reference))
+            self.assertEqual(mine, theirs, name)
+
+    def test_the_same_scene_from_a_folder(self):
+        self.run_camera("--no-eval", "--quiet")
+        self.assert_same_run(self.color.folder)
+
+    def test_the_only_camera_there_is(self):
+        self.run_camera(*TRACK, source=f"camera:,every=on,frames={FRAMES}")
+        self.assertEqual(self.tracked(), FRAMES)
+
+    def test_depth_that_is_not_registered(self):
+        values = [float(value) for value in (self.shared / "rig/rig.txt").read_text().split()]
+        x, y, z, w = np.array(values[3:])
+        R = np.array(
+            [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+            ]
+        )
+        scene = self.folder / "scene"
+        write_scene(scene, self.color, self.depth, (R.T.ravel(), values[:3]))
+        self.fake(scene=scene)
+        greeting = self.sent("--frames=1")[0]
+        np.testing.assert_allclose(greeting["color_from_depth"], values, atol=1e-6)
+        self.rewind()
+        self.run_camera("--no-eval", "--quiet")
+        # The same frames of a sender of version 1.
+        head = dict(camera=self.color.json(), depth_camera=self.depth.json(), depth="u16")
+        text = json.dumps({**head, "color_from_depth": greeting["color_from_depth"]}).encode()
+        stream = b"SGS1" + struct.pack("<I", len(text)) + text
+        for t, color, depth in zip(self.color.times, self.color.colors, self.depth.depths):
+            data = color.tobytes(), depth.astype("<u2").tobytes()
+            text = json.dumps(dict(t=t, color_bytes=len(data[0]), depth_bytes=len(data[1])))
+            stream += b"F" + struct.pack("<I", len(text)) + text.encode() + b"".join(data)
+        (self.folder / "stream").write_bytes(stream + b"E")
+        self.assert_same_run(f"live:{self.folder / 'stream'}")
+
+    def test_what_is_sent(self):
+        greeting, frames, samples, said = self.sent(f"--frames={FRAMES}")
+        self.assertEqual((greeting["depth"], greeting["depth_scale"]), ("u16", 1000))
+        self.assertEqual((greeting["clock"], greeting["laser"]), ("device", True))
+        self.assertNotIn("depth_camera", greeting)
+        self.assertEqual([frame["t"] for frame in frames], self.color.times)
+        self.assertEqual(frames[0]["color"], self.color.colors[0].tobytes(), "warm-up left out")
+        for frame in frames:
+            self.assertAlmostEqual(frame["exposure_s"], 0.008)
+            self.assertAlmostEqual(frame["depth_exposure_s"], 0.008)
+            self.assertEqual(frame["gain"], 16)
+            self.assertLess(abs(frame["received_t"] - time.time()), 600)
+        self.assertEqual(len(samples), 0)
+        self.assertNotIn("error", said)
+
+    def test_stamps_are_those_of_the_middle_of_the_exposure(self):
+        self.fake(shift_us=4000)
+        frames = self.sent("--frames=3")[1]
+        mine = [frame["t"] for frame in frames]
+        np.testing.assert_allclose(mine, np.array(self.color.times[:3]) - 0.004, atol=1e-9)
+
+    def test_inertial_samples(self):
+        for accel, gyro in ((63, 200), (250, 400)):
+            self.rewind()
+            self.fake(imu=f"{accel},{gyro}")
+            greeting, _, samples, _ = self.sent(f"--frames={FRAMES}")
+            self.assertEqual(greeting["imu"]["color_from_imu"], [0, 0, 0, 0, 0, 0, 1])
+            seconds = FRAMES * STEP_S
+            felt, turned = (samples[~np.isnan(samples[:, i])] for i in (4, 1))
+            self.assertLessEqual(abs(len(felt) - accel * seconds), 2)
+            self.assertLessEqual(abs(len(turned) - gyro * seconds), 2)
+            np.testing.assert_allclose(felt[:, 4:], [[0, -9.81, 0]] * len(felt), atol=1e-5)
+            self.assertTrue((np.diff(felt[:, 0]) > 0).all())
+            self.assertFalse(np.isnan(turned[:, 1:4]).any())
+        self.rewind()
+        self.assertEqual(self.sent("--imu=off", "--frames=3")[2].size, 0)
+
+    def test_what_was_recorded_has_the_samples_too(self):
+        self.fake(imu="200,400")
+        self.run_camera("--no-eval", "--quiet", "--record", "kept")
+        felt = np.array(rows(self.folder / "kept/accelerometer.txt"), float)
+        self.assertGreater(len(felt), 5)
+        np.testing.assert_allclose(felt[:, 1:], [[0, 9.81, 0]] * len(felt), atol=1e-4)
+        reference = self.folder / "reference"
+        self.done(SGS, "run", "kept", "-o", reference, "--no-eval", "--quiet")
+        mine, theirs = ((f / "trajectory.txt").read_text() for f in (self.run_folder, reference))
+        self.assertEqual(mine, theirs)
+        again = json.loads((self.folder / "reference/metrics.json").read_text())
+        mine = json.loads((self.run_folder / "metrics.json").read_text())
+        self.assertEqual(mine["upright"], again["upright"])
+
+    def test_depth_at_half_the_rate(self):
+        self.fake(depth_every=2)
+        frames = self.sent(f"--frames={FRAMES // 2}")[1]
+        self.assertEqual([frame["t"] for frame in frames], self.color.times[::2])
+
+    def test_a_clock_that_wraps(self):
+        self.fake(clock="wrap")
+        _, frames, _, said = self.sent(f"--frames={FRAMES}")
+        times = [frame["t"] for frame in frames]
+        np.testing.assert_allclose(np.diff(times), STEP_S, atol=1e-6)
+        self.assertNotIn("note", said)
+
+    def test_a_clock_that_is_set(self):
+        for clock in "jump", "back":
+            self.rewind()
+            self.fake(clock=clock)
+            _, frames, _, said = self.sent(f"--frames={FRAMES}")
+            steps = np.diff([frame["t"] for frame in frames])
+            self.assertTrue((steps > 0).all() and (steps < 1).all(), steps)
+            self.assertIn("clock jumped by", said)
+
+    def test_a_clock_that_drifts(self):
+        self.fake(clock="drift")
+        self.run_camera(*TRACK, "--quiet")
+        self.assertEqual(self.tracked(), FRAMES)
+
+    def test_older_and_newer_libraries(self):
+        for version, text in ((23100, "2.31.0"), (29907, "2.99.7")):
+            self.rewind()
+            self.fake(version=version)
+            self.assertEqual(len(self.sent("--frames=2")[1]), 2)
+            self.assertIn(text, self.done(SGS, "info", "--cameras").stdout)
+
+    def test_exposure_is_locked_when_it_is_asked_for(self):
+        self.fake(rate=20)
+        self.run_camera(*TRACK, source=f"camera:realsense,lock=0.05,every=on,frames={FRAMES}")
+        options = (self.state / "options").read_text()
+        self.assertIn("2 Enable Auto Exposure 0\n2 Exposure 1\n", options)
+        self.assertIn("exposure and white balance are locked", self.log())
+
+    def log(self):
+        return (self.run_folder / "log.txt").read_text()
+
+    def test_what_a_camera_is_like(self):
+        self.fake(imu="200,400", rate=32, clock="drift")
+        command = (SGS, "camera-test", f"camera:realsense,frames={FRAMES}")
+        lines = json.loads(self.done(*command, "--json").stdout)
+        values = {line["key"]: line.get("value") for line in lines}
+        self.assertEqual((values["frames"], values["unit"], values["gaps"]), (FRAMES, 1000, 0))
+        self.assertAlmostEqual(values["rate"], 32, delta=0.1)
+        self.assertAlmostEqual(values["felt"], 9.81, delta=0.01)
+        self.assertAlmostEqual(values["accelerometer"], 200, delta=5)
+        self.assertAlmostEqual(values["gyroscope"], 400, delta=5)
+        self.assertGreater(values["pixels with depth"], 0.5)
+        self.rewind()
+        self.assertIn("in the pixels of colour", self.done(*command).stdout)
+
+    def test_at_the_cameras_rate(self):
+        self.fake(rate=10)
+        self.run_camera("--no-eval", "--quiet", source=f"camera:realsense,frames={FRAMES}")
+        metrics = json.loads((self.run_folder / "metrics.json").read_text())
+        self.assertEqual(self.tracked() + metrics["frames_dropped"], FRAMES)
+
+
+class Trouble(CameraTest):
+    """What goes wrong is one sentence with a remedy; what can be gone on with goes on."""
+
+    def library(self, path):
+        self.environment["SGS_REALSENSE_LIBRARY"] = str(path)
+
+    def test_libraries_that_are_none(self):
+        self.library("/nonexistent/librealsense2.so")
+        self.refused("/nonexistent/librealsense2.so cannot be opened", "name the file")
+        self.library(NO_SDK)
+        self.refused("is no librealsense2")
+        self.library(MISSING)
+        self.refused("lacks the function rs2_extract_frame", "version 2.56.0")
+        self.library(FAKE)
+        for version, text in ((23000, "2.30.0"), (30100, "3.1.0")):
+            self.fake(version=version)
+            self.refused(f"has version {text}; needed is 2.31")
+
+    def test_no_library(self):
+        del self.environment["SGS_REALSENSE_LIBRARY"]
+        if "is not installed" not in self.done(SGS, "info", "--cameras").stdout:
+            self.skipTest("a librealsense2 is installed here")
+        self.refused("librealsense2 is not installed", "SGS_REALSENSE_LIBRARY")
+        self.refused("no camera was found", "librealsense2 is not installed", source="camera:")
+
+    def test_a_library_in_the_loaders_path_the_newest_first(self):
+        del self.environment["SGS_REALSENSE_LIBRARY"]
+        for version in "2.9", "2.50", "2.50.1":
+            shutil.copy(FAKE, self.folder / f"librealsense2.so.{version}")
+        self.environment["LD_LIBRARY_PATH"] = str(self.folder)
+        self.assertIn("librealsense2.so.2.50.1 ", self.done(SGS, "info", "--cameras").stdout)
+
+    def test_cameras_that_cannot_be_used(self):
+        self.fake(devices="none")
+        self.refused("no RealSense camera is plugged in", "USB 3")
+        self.refused("no camera was found", source="camera:")
+        self.fake(devices="11,22")
+        self.refused("camera:realsense:11; camera:realsense:22", source="camera:", code=2)
+        self.refused("serial number 33", "there is 11, 22", source="camera:realsense:33")
+        self.fake(fail="xioctl(VIDIOC_S_FMT) failed Last Error: Device or resource busy")
+        self.refused("used by another program", "fuser")
+        self.fake(fail="failed to open usb interface: 0, error: RS2_USB_STATUS_ACCESS")
+        self.refused("no permission", "60-sgs-cameras.rules")
+        self.fake(fail="Couldn't resolve requests")
+        self.refused("no such mode", "size=848x480", code=2)
+
+    def test_usb_2(self):
+        self.fake(usb="2.1")
+        self.refused("connected by USB 2.1, too slow for 640x480 at 30 Hz", "size=480x270,fps=15")
+        source = f"camera:realsense,size=480x270,fps=15,every=on,frames={FRAMES}"
+        self.assertIn("USB 2.1", self.run_camera(*TRACK, source=source))
+        self.assertEqual(self.tracked(), FRAMES)
+
+    def test_old_firmware_is_worth_a_word(self):
+        self.fake(firmware="5.10.0.0")
+        self.assertIn("recommends 5.16.0.1", self.run_camera(*TRACK))
+
+    def test_names_and_options_that_are_none(self):
+        for source, text in (
+            ("camera:nonsense", "there is camera:realsense"),
+            ("camera:realsense,nonsense", "'nonsense' is no KEY=VALUE"),
+            ("camera:realsense,nonsense=1", "nonsense"),
+            ("camera:realsense,size=big", "is no size"),
+            ("camera:realsense,fps=0", "fps"),
+            ("camera:realsense,every=maybe", "every"),
+            ("camera::serial", "family"),
+        ):
+            self.refused(text, source=source, code=2)
+        said = self.run_camera("--frames", "0:3", code=2)
+        self.assertIn("does not apply", said)
+
+    def test_what_is_there(self):
+        text = self.done(SGS, "info", "--cameras").stdout
+        self.assertIn("camera:realsense:0123  Fake RealSense D435", text)
+        family = json.loads(self.done(SGS, "info", "--cameras", "--json").stdout)[0]
+        self.assertEqual(family["devices"][0]["input"], "camera:realsense:0123")
+        self.fake(devices="none")
+        self.assertIn("no RealSense camera", self.done(SGS, "info", "--cameras").stdout)
+
+    def test_unplugged_and_plugged_in_again(self):
+        self.fake(unplug=6, rate=60)
+        said = self.until_played(self.begin())
+        self.assertIn("the camera was unplugged", said)
+        self.assertIn("a sender is there again", said)
+        self.assertEqual(self.tracked(), FRAMES)
+        times = np.array(rows(self.run_folder / "trajectory.txt"), float)[:, 0]
+        self.assertTrue((np.diff(times) > 0).all())
+        self.assert_no_program_is_left()
+
+    def test_a_clock_that_stands_elsewhere_afterwards(self):
+        self.fake(unplug=7, rate=60, clock="back")
+        said = self.until_played(self.begin())
+        self.assertIn("moved to follow those before", said)
+        self.assertEqual(self.tracked(), FRAMES)
+
+    def test_a_library_that_crashes(self):
+        self.fake(crash=6, rate=60)
+        said = self.until_played(self.begin())
+        self.assertIn("ended by signal 11", said)
+        self.assertEqual(self.tracked(), FRAMES)
+
+    def test_a_camera_that_falls_silent(self):
+        self.fake(stall=6, rate=60)
+        said = self.until_played(self.begin())
+        self.assertIn("has given no image for 6 s", said)
+        self.assertEqual(self.tracked(), FRAMES)
+
+    def test_unplugged_for_good(self):
+        self.fake(unplug=6, rate=60)
+        process = self.begin("camera:realsense,every=on", "--wait", "1")
+        said = process.communicate(timeout=TIMEOUT)[1].decode()
+        self.assertEqual(process.returncode, 1, said)
+        self.assertIn("no sender for 1 s", said)
+        self.assertEqual(self.tracked(), 6)
+
+    def assert_no_program_is_left(self):
+        mine = f"FAKE_RS2_STATE={self.state}".encode()
+        for process in pathlib.Path("/proc").glob("[0-9]*"):
+            try:
+                left = mine in (process / "environ").read_bytes()
+            except OSError:
+                continue
+            self.assertFalse(left, process)
+
+
+class Programs(CameraTest):
+    """Programs for cameras that others wrote badly."""
+
+    HEAD = """\
+        #!/usr/bin/python3
+        import json, struct, sys, time
+        if "--list" in sys.argv:
+            print(json.dumps(dict(library="own", devices=[dict(name="x", serial="1")])))
+            sys.exit()
+        out = sys.stdout.buffer
+        def part(mark, head, *data):
+            text = json.dumps(head).encode()
+            out.write(mark + struct.pack("<I", len(text)) + text + b"".join(data))
+            out.flush()
+        camera = dict(width=64, height=48, fx=60, fy=60, cx=31.5, cy=23.5)
+        def greet():
+            part(b"SGS2", dict(camera=camera, depth="u16", clock="device", listens=True))
+        def frame(t):
+            color, depth = bytes(range(256)) * 36, struct.pack("<H", 2000) * (64 * 48)
+            part(b"F", dict(t=t, color_bytes=len(color), depth_bytes=len(depth)), color, depth)
+        """
+
+    def program(self, body):
+        path = self.folder / "sgs-camera-own"
+        path.write_text(textwrap.dedent(self.HEAD) + textwrap.dedent(body))
+        path.chmod(0o755)
+        self.environment["SGS_CAMERA_PROGRAMS"] = str(self.folder)
+
+    def run_own(self, *options, code=0):
+        return self.run_camera(*TRACK, *options, source="camera:own,every=on", code=code)
+
+    def frames(self):
+        return len((self.run_folder / "frames.csv").read_text().splitlines()) - 1
+
+    def test_one_that_behaves(self):
+        self.program("greet()\nfor i in range(6): frame(i / 30)\nout.write(b'E')")
+        self.run_own(code=3)  # a grey wall is no place
+        self.assertEqual(self.frames(), 6)
+        self.assertIn("own", self.done(SGS, "info", "--cameras").stdout)
+
+    def test_death_before_the_greeting(self):
+        self.program(
+            "print('error: the lens cap is on\\nremedy: take it off', file=sys.stderr)\nsys.exit(1)"
+        )
+        said = self.run_own(code=1)
+        self.assertIn("the lens cap is on", said)
+        self.assertIn("take it off", said)
+        self.program("import os\nos.abort()")
+        self.assertIn("ended by signal 6", self.run_own(code=1))
+
+    def test_what_it_sends_is_no_stream(self):
+        self.program("while True: out.write(b'x' * 65536)")
+        self.assertIn("does not begin with SGS1", self.run_own("--wait", "1", code=1))
+
+    def test_sizes_that_are_lies(self):
+        self.program(
+            "greet()\npart(b'F', dict(t=0, color_bytes=2**40, depth_bytes=0))\ntime.sleep(60)"
+        )
+        said = self.run_own("--wait", "1", code=1)
+        self.assertIn("color_bytes", said)
+
+    def test_samples_and_notes_without_end(self):
+        self.program(
+            """\
+            greet()
+            for i in range(3): frame(i / 30)
+            sample = struct.pack("<7d", 0, *[0] * 6)
+            for i in range(2000):
+                print("note: " + "x" * 5000, file=sys.stderr)
+                out.write(b"I" + struct.pack("<I", len(sample) * 100) + sample * 100)
+            for i in range(3, 6): frame(i / 30)
+            out.write(b"E")
+            """
+        )
+        said = self.run_own(code=3)
+        self.assertEqual(self.frames(), 6)
+        self.assertIn("says more; it is left out", said)
+        self.assertLess(len(said), 100000)
+
+    def test_stamps_of_the_future(self):
+        self.program(
+            """\
+            greet()
+            for t in (0, 1, 2, 3e9, 3, 4, 5, 1e5, 1e5 + 1, 1e5 + 2, 1e5 + 3, 1e5 + 4): frame(t / 30)
+            out.write(b"E")
+            """
+        )
+        said = self.run_own(code=3)
+        self.assertIn("in the future", said)
+        self.assertIn("set forward", said)
+        table = [
+            line.split(",") for line in (self.run_folder / "frames.csv").read_text().splitlines()
+        ]
+        bad = [row[2] for row in table[1:]].count("bad")
+        self.assertEqual((len(table) - 1, bad), (12, 4))
+
+    def test_one_that_does_not_stop(self):
+        self.program(
+            """\
+            import signal
+            signal.signal(signal.SIGPIPE, signal.SIG_IGN)
+            greet()
+            i = 0
+            while True:
+                try:
+                    frame(i / 30)
+                except OSError:
+                    pass
+                i += 1
+                time.sleep(0.03)
+            """
+        )
+        process = self.begin("camera:own,every=on")
+        while not (self.run_folder / "state.toml").exists():
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        said = process.communicate(timeout=TIMEOUT)[1].decode()
+        self.assertEqual(process.returncode, 130, said)
+
+    def test_an_answer_that_is_none(self):
+        self.program("")
+        path = self.folder / "sgs-camera-own"
+        path.write_text("#!/bin/sh\necho nonsense\n")
+        self.assertIn("does not say what is plugged in", self.done(SGS, "info", "--cameras").stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
