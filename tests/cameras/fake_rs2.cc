@@ -19,6 +19,7 @@
 //   FAKE_RS2_SHIFT_US  from the middle of the exposure to the stamp
 //   FAKE_RS2_IMU       rates of accelerometer and gyroscope, "200,400"
 //   FAKE_RS2_UNPLUG, FAKE_RS2_CRASH, FAKE_RS2_STALL  after so many frames of the scene, once
+//   FAKE_RS2_AWAY_S    seconds until an unplugged camera is plugged in again, 2
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -167,10 +168,10 @@ double seconds() {
 }
 
 bool unplugged() {
-  constexpr double kAway_s = 2;
+  const auto away_s = static_cast<double>(number_of("FAKE_RS2_AWAY_S", 2));
   std::ifstream file(state("unplugged"));
   double since = 0;
-  return (file >> since) && seconds() < since + kAway_s;
+  return (file >> since) && seconds() < since + away_s;
 }
 
 void set_error(rs2_error** error, const std::string& message) {

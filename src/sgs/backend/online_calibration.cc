@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sgs/backend/metre.h"
+#include "sgs/backend/sure_calibration.h"
 #include "sgs/core/log.h"
 
 namespace sgs::backend {
@@ -73,11 +74,12 @@ std::optional<LearnedCalibration> OnlineCalibration::add(
   readout_s_ = readout_s;
   tracked_delay_s_ = tracked_delay_s;
   const bool in_flight = revision.calibrations < versions_;
-  if (in_flight || archive_.keyframes().size() < next_) return std::nullopt;
-  auto learned = learn(revision);
+  if (in_flight || asks_witnesses_ || archive_.keyframes().size() < next_) return std::nullopt;
+  auto learned = learn(attempt(revision.path), revision);
   const auto enough = static_cast<std::size_t>(enough_keyframes());
   const bool sure = learned && learned->estimate.calibration.mean_sigma_per_m < kSure_per_m;
-  done_ = contradicted_ || sure || next_ >= enough;
+  asks_witnesses_ = next_ >= enough && versions_ == 0 && !contradicted_;
+  done_ = contradicted_ || sure || (next_ >= enough && !asks_witnesses_);
   next_ = std::min(next_ + next_ / 2, enough);
   if (done_) archive_ = KeyframeArchive({});
   return learned;
@@ -90,11 +92,15 @@ int OnlineCalibration::enough_keyframes() const {
 }
 
 std::optional<LearnedCalibration> OnlineCalibration::finish(const history::Revision& revision) {
-  const std::size_t used = last_ ? static_cast<std::size_t>(last_->keyframes) : 0;
   const bool in_flight = revision.calibrations < versions_;
-  if (done_ || in_flight || archive_.keyframes().size() < used + used / 8 + 1) return std::nullopt;
+  if (done_ || in_flight) return std::nullopt;
   done_ = true;
-  return learn(revision);
+  const std::size_t used = last_ ? static_cast<std::size_t>(last_->keyframes) : 0;
+  if (!asks_witnesses_ && archive_.keyframes().size() >= used + used / 8 + 1) {
+    if (auto learned = learn(attempt(revision.path), revision)) return learned;
+  }
+  if (versions_ > 0 || contradicted_) return std::nullopt;
+  return learn(by_witnesses(revision.path), revision);
 }
 
 // What this attempt says, where the last one has said the same.
@@ -115,6 +121,17 @@ std::optional<DepthEstimate> OnlineCalibration::attempt(const history::Path& pat
   return std::nullopt;
 }
 
+// Where no attempt was sure of itself, the parts of the whole recording are asked, as where it is
+// calibrated on its own. At the end only: a change of depth and path on the way disturbs what comes
+// after it, more than one of the first metres does.
+std::optional<DepthEstimate> OnlineCalibration::by_witnesses(const history::Path& path) const {
+  DepthEstimate sure = calibrate_surely(archive_.keyframes(), path, readout_s_, config_);
+  sure.tracked_delay_s = tracked_delay_s_;
+  if (sure.why_not.empty() && sure.useful()) return sure;
+  if (!sure.refused.empty()) log().info("no calibration is learned: {}", sure.refused);
+  return std::nullopt;
+}
+
 // Says so once.
 bool OnlineCalibration::is_contradiction(const DepthEstimate& estimate, double scale) {
   std::vector<std::string> warnings = estimate.warnings();
@@ -129,8 +146,8 @@ bool OnlineCalibration::is_contradiction(const DepthEstimate& estimate, double s
   return contradicted_;
 }
 
-std::optional<LearnedCalibration> OnlineCalibration::learn(const history::Revision& revision) {
-  auto estimate = attempt(revision.path);
+std::optional<LearnedCalibration> OnlineCalibration::learn(std::optional<DepthEstimate> estimate,
+                                                           const history::Revision& revision) {
   if (!estimate) return std::nullopt;
   auto calibration = std::make_shared<const DepthCalibration>(estimate->calibration);
   const auto change = history::depth_change(revision.calibration, calibration);

@@ -26,8 +26,9 @@ bool confirms(const DepthCalibration& later, const DepthCalibration& earlier);
 /// sure, until there are half of config.calibration.keyframes and something was learned, or until
 /// there are all of them. Only what two attempts in a row say alike is believed: a recording that
 /// the model does not describe (two cameras with a wrong registration, say) is told something else
-/// by each stretch of it. What changes nothing that matters is not told. A pure function of what it
-/// is given, in order: deterministic, one thread.
+/// by each stretch of it. Where no attempt was sure of itself, the whole recording is asked once
+/// more at its end (sure_calibration.h). What changes nothing that matters is not told. A pure
+/// function of what it is given, in order: deterministic, one thread.
 ///
 /// What add() returns changes the path that it was given. The caller makes a revision of it when
 /// it suits; until one comes there is no other.
@@ -55,7 +56,9 @@ class OnlineCalibration {
   int enough_keyframes() const;
   std::optional<DepthEstimate> attempt(const history::Path& path);
   bool is_contradiction(const DepthEstimate& estimate, double scale);
-  std::optional<LearnedCalibration> learn(const history::Revision& revision);
+  std::optional<DepthEstimate> by_witnesses(const history::Path& path) const;
+  std::optional<LearnedCalibration> learn(std::optional<DepthEstimate> estimate,
+                                          const history::Revision& revision);
 
   CalibrationConfig config_;
   KeyframeArchive archive_;
@@ -64,7 +67,8 @@ class OnlineCalibration {
   std::size_t next_;                   // keyframes that make the next attempt
   std::optional<DepthEstimate> last_;  // of the last attempt
   bool done_ = false, contradicted_ = false;
-  double scale_ = 1;  // of the path, by all corrections together
+  bool asks_witnesses_ = false;  // there will be no other attempt before the end
+  double scale_ = 1;             // of the path, by all corrections together
   int versions_ = 0;
 };
 

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+
 #include "sgs/backend/test_room.h"
 
 namespace sgs::backend {
@@ -39,6 +41,33 @@ std::vector<Lesson> lessons(const TestRoom& room, double scale = 1) {
   }
   EXPECT_EQ(calibration.versions(), static_cast<int>(out.size()));
   return out;
+}
+
+/// What is learned at the end of so few views that there was one attempt, which nothing confirmed.
+std::optional<LearnedCalibration> last_lesson(const TestRoom& room, double scale = 1) {
+  constexpr int kFrames = 11;
+  OnlineCalibration calibration(quick_config());
+  history::Revision now;
+  for (int k = 0; k < kFrames; ++k) {
+    now.path.append({k, k / 30.0, TestRoom::tracked_pose(k, scale)});
+    EXPECT_FALSE(calibration.add(room.view(k), now, 0));
+  }
+  auto learned = calibration.finish(now);
+  EXPECT_EQ(calibration.versions(), learned ? 1 : 0);
+  EXPECT_FALSE(calibration.finish(now)) << "asked twice";
+  return learned;
+}
+
+TEST(OnlineCalibration, WhatNoAttemptWasSureOfIsAskedAtTheEnd) {
+  TestRoom room;
+  room.distort = [](double, double, double q) { return q - 0.006; };
+  const auto learned = last_lesson(room);
+  ASSERT_TRUE(learned);
+  EXPECT_NEAR(learned->estimate.calibration.mean_offset_per_m(), 0.006, 1e-3);
+  EXPECT_GE(learned->update.poses.poses().size(), 8u);
+  EXPECT_FALSE(last_lesson({})) << "a camera that is right";
+  room.distort = [](double, double, double q) { return q - 0.03; };
+  EXPECT_FALSE(last_lesson(room, 1.06)) << "another metre";
 }
 
 TEST(OnlineCalibration, LearnsWhileItGoesOn) {

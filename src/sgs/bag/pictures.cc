@@ -67,8 +67,8 @@ bool has_colour_behind(const ColorEncoding& encoding) {
 }
 
 /// The bytes from one row of `pixel_bytes` per pixel to the next: those that the message says, or
-/// those of a row without gaps, where that is far too short and only these fit the data. Nothing is allocated on the word of
-/// a header that does not fit them at all.
+/// those of a row without gaps, where that is far too short and only these fit the data. Nothing is
+/// allocated on the word of a header that does not fit them at all.
 Result<std::size_t> row_step(const ImageMessage& image, std::uint64_t pixel_bytes) {
   const std::uint64_t row = pixel_bytes * image.width;
   const bool some = image.width > 0 && image.height > 0 &&

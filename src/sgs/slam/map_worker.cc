@@ -62,7 +62,7 @@ void MapWorker::process(const MapJob& job) {
       keyframes_.push_back(keyframe);
     }
   }
-  if (mode_ != WorkerMode::kLive) {
+  if (mode_ != WorkerMode::kLive || job.is_turn) {
     budget_ += config_.mapper.iterations_per_frame * job.frames;
     const int count = static_cast<int>(budget_);
     budget_ -= count;
@@ -114,7 +114,8 @@ void MapWorker::submit(MapJob job) {
   worker_.rethrow_failure();
   const int number = job.revision.number();
   const bool is_revised = std::exchange(submitted_revision_, number) != number;
-  if (mode_ == WorkerMode::kLive && !job.keyframe && !is_revised) return;
+  const bool is_work = job.keyframe || is_revised || job.is_turn;
+  if (mode_ == WorkerMode::kLive && !is_work) return;
   worker_.submit({.job = std::move(job)});
 }
 

@@ -23,7 +23,8 @@ namespace sgs::slam {
 struct MapJob {
   std::shared_ptr<const RgbdFrame> keyframe;  ///< null when the frame is no mapping keyframe
   history::Revision revision;                 ///< its path has the frame
-  double frames = 1;  ///< of a video that this one stands for: its steps are so many times more
+  double frames = 1;     ///< of a video that this one stands for: its steps are so many times more
+  bool is_turn = false;  ///< a keyframe's turn once more, after the last one: steps live, too
 };
 
 /// Map state that one frame may see.

@@ -6,6 +6,8 @@
 
 #include <thread>
 
+#include "sgs/mapper/test_wall_scene.h"
+
 namespace sgs::slam {
 namespace {
 
@@ -29,6 +31,29 @@ TEST(MapWorker, LeavesACoreWhereItsThreadsFillThemAll) {
 TEST(MapWorker, HasNoCoreToLeaveWhenItWorksInline) {
   const auto cores = static_cast<int>(std::thread::hardware_concurrency());
   EXPECT_FALSE(leaves_core(WorkerMode::kInline, cores + 1));
+}
+
+// What a last change of depth has moved is learnt again also where steps are made as time allows:
+// nobody waits for them any more then.
+TEST(MapWorker, AKeyframesTurnAfterTheLastFrameIsTakenLive) {
+  constexpr int kTurns = 3, kSteps = 40;
+  auto config = make_session_config("default");
+  ASSERT_TRUE(config);
+  config->mapper.iterations_per_frame = kSteps;
+  const auto frame = mapper::wall_frame(mapper::small_camera(), SE3{});
+  history::Revision revision;
+  revision.path.append({frame->index, frame->timestamp_s, SE3{}});
+  for (const bool is_turn : {false, true}) {
+    MapWorker worker(*config, frame->camera, false, WorkerMode::kLive, 1);
+    worker.submit({frame, revision});
+    for (int k = 0; k < kTurns; ++k) worker.submit({nullptr, revision, 1, is_turn});
+    worker.finish();
+    if (is_turn) {
+      EXPECT_GE(worker.iterations(), kTurns * kSteps);
+    } else {
+      EXPECT_LT(worker.iterations(), kTurns * kSteps) << "frames without a keyframe are no work";
+    }
+  }
 }
 
 }  // namespace

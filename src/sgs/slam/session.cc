@@ -344,9 +344,12 @@ void Session::finish() {
 void Session::revise_last(const std::optional<history::Update>& update) {
   if (!update) return;
   revise(*update);
-  // Where depth has changed, each keyframe's turn comes once more.
-  const std::size_t jobs = update->calibration ? 1 + mapping_keyframes_ : 1;
-  for (std::size_t k = 0; k < jobs; ++k) worker_->submit({nullptr, revision_});
+  worker_->submit({nullptr, revision_});
+  if (!update->calibration) return;
+  // Each keyframe's turn once more, with its new depth.
+  for (std::size_t k = 0; k < mapping_keyframes_; ++k) {
+    worker_->submit({nullptr, revision_, 1, true});
+  }
 }
 
 std::optional<loops::LoopCounts> Session::loop_counts() const {

@@ -333,13 +333,14 @@ struct Points : TrackablePoints {
     follow();
     return added;
   }
-  /// With this many metres more for the last keyframe, and the others between.
+  /// With this many metres more for the last keyframe; the others stay.
   void move_last(double x_m) {
-    const history::Path::Entry first = now.path[0], last = now.path.back();
+    const history::Path::Entry last = now.path.back();
     const SE3 shift(Eigen::Matrix3d::Identity(), {x_m, 0, 0});
     std::vector<MovedPose> moved;
     if (now.path.size() > 1) {
-      moved.push_back({first.timestamp_s, first.T_odom_camera, first.T_odom_camera});
+      const history::Path::Entry before = now.path[now.path.size() - 2];
+      moved.push_back({before.timestamp_s, before.T_odom_camera, before.T_odom_camera});
     }
     moved.push_back({last.timestamp_s, last.T_odom_camera, shift * last.T_odom_camera});
     now = history::revised(now, {PoseCorrection(moved)});

@@ -21,6 +21,8 @@ export class PictureLayer {
   private asked = new Map<number, PerspectiveCamera>();
   private asked_at_ms = 0;
   private timer = 0;
+  /// How often what was asked for was forgotten: a picture decoded meanwhile is not shown.
+  private resets = 0;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -38,6 +40,8 @@ export class PictureLayer {
   reset(): void {
     window.clearTimeout(this.timer);
     this.timer = 0;
+    this.resets++;
+    this.wanted = false;
     this.asked.clear();
     this.shown = 0;
     this.shown_camera = null;
@@ -47,7 +51,12 @@ export class PictureLayer {
     const asked = this.asked.get(picture.sequence);
     if (!asked) return;
     for (const seq of this.asked.keys()) if (seq <= picture.sequence) this.asked.delete(seq);
+    const resets = this.resets;
     const bitmap = await createImageBitmap(new Blob([picture.jpeg], { type: "image/jpeg" }));
+    if (this.resets !== resets) {
+      bitmap.close();
+      return;
+    }
     if (this.canvas.width !== bitmap.width) this.canvas.width = bitmap.width;
     if (this.canvas.height !== bitmap.height) this.canvas.height = bitmap.height;
     this.canvas.getContext("2d")?.drawImage(bitmap, 0, 0);
