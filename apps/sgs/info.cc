@@ -7,12 +7,14 @@
 #include <optional>
 
 #include "commands.h"
+#include "info_map.h"
 #include "input_options.h"
 #include "sgs/core/print.h"
 #include "sgs/dataset/bags/bag_source.h"
 #include "sgs/dataset/imu.h"
 #include "sgs/eval/metrics.h"
 #include "sgs/input/input.h"
+#include "sgs/mapfile/map_file.h"
 #include "sgs/runfolder/run_config.h"
 #include "sgs/slam/frame_record.h"
 #include "sgs/stream/camera_program.h"
@@ -240,9 +242,11 @@ int print_sequence(const InfoOptions& options) {
 
 void add_info(CLI::App& app, Action& action) {
   auto options = std::make_shared<InfoOptions>();
-  auto* sub = app.add_subcommand("info", "Describe a sequence, the parameters or the scenes");
+  auto* sub =
+      app.add_subcommand("info", "Describe a sequence, a map, the parameters or the scenes");
   add_input_argument(*sub, options->input,
-                     "Sequence folder, bag (or the files of one), or synth:NAME[:LEVEL]");
+                     "Sequence folder, bag (or the files of one), synth:NAME[:LEVEL], or a "
+                     "map (RUN/map.sgsmap)");
   add_recording_options(*sub, options->input);
   sub->add_option("--preset", options->preset, "default, paper or quality (with --config)");
   sub->add_flag("--config", options->config, "Print the parameters as TOML");
@@ -268,6 +272,9 @@ void add_info(CLI::App& app, Action& action) {
         return report(
             {ErrorCode::kInvalidArgument, "nothing to describe",
              "give a sequence folder, --cameras, --config, --columns, --metrics or --scenes"});
+      }
+      if (mapfile::looks_like_map(options->input.input)) {
+        return print_map(options->input.input, options->json);
       }
       return print_sequence(*options);
     };

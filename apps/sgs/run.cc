@@ -57,6 +57,10 @@ int exit_code_of(const run::WholeRun& whole, const run::RunFolder& folder) {
   // A viewer that was kept open ends with Ctrl-C, too: that is no interruption of the run.
   const auto& rendering = whole.scores.rendering;
   if (result.stopped || (rendering && rendering->cancelled)) return kExitInterrupted;
+  if (!result.not_found.empty()) {
+    say("sgs: {}\n", result.not_found);
+    return kExitLost;
+  }
   if (!result.too_few.empty()) {
     say("sgs: {}\n", result.too_few);
     return kExitLost;
@@ -91,11 +95,11 @@ int run_and_report(const RunCommand& command, const run::RunConfig& config, run:
 }
 
 /// Options that decide what a run computes, and where: not to be given again with --resume.
-constexpr std::array<const char*, 23> kFixedByRun = {
+constexpr std::array<const char*, 24> kFixedByRun = {
     "INPUT",         "--output",     "--preset",      "--config",      "--set",    "--tracker",
     "--frames",      "--camera",     "--depth-scale", "--max-width",   "--topics", "--extrinsics",
     "--truth-topic", "--trajectory", "--synth-seed",  "--calibration", "--seed",   "--record",
-    "--preload",     "--realtime",   "--poses",       "--wait",        "--stamps"};
+    "--preload",     "--realtime",   "--poses",       "--wait",        "--stamps", "--localize"};
 
 /// Goes on with a run: everything is as it was, but for how it is watched and scored.
 int resume_command(RunCommand command) {
@@ -116,6 +120,16 @@ int resume_command(RunCommand command) {
   return run_and_report(command, config, *input, *folder);
 }
 
+/// Whether a run into `output` would take away the map that it is to find itself in.
+bool replaces_map(const std::string& map, const std::filesystem::path& output) {
+  namespace fs = std::filesystem;
+  std::error_code unreadable;
+  const fs::path given =
+      fs::is_directory(map, unreadable) ? fs::path(map) / run::files::kLastingMap : fs::path(map);
+  return !map.empty() && !output.empty() &&
+         fs::equivalent(output / run::files::kLastingMap, given, unreadable);
+}
+
 /// A camera sets the pace, unless every frame of it is wanted.
 bool at_the_cameras_rate(const std::string& input) {
   const auto address = stream::parse_address(input);
@@ -134,6 +148,12 @@ int run_command(RunCommand command) {
   }
   if (const auto can = run::check_whole(command.input, *config, command.options); !can) {
     return report(can.error());
+  }
+  if (replaces_map(command.input.map, command.output)) {
+    return report({ErrorCode::kInvalidArgument,
+                   fmt::format("the run would replace the map in {} that it is to find itself in",
+                               command.output),
+                   "give another folder: -o FOLDER"});
   }
   // There is no folder yet, and somebody has to say what is waited for.
   if (stream::is_stream(command.input.input)) setup_logging({}, command.quiet);
@@ -164,6 +184,9 @@ void add_run(CLI::App& app, Action& action) {
   add_tracking_options(*sub, command->input, command->config);
   sub->add_option("--calibration", command->input.calibration,
                   "Correct the depths by this file of `sgs calibrate`; auto: calibrate first");
+  sub->add_option("--localize", command->input.map,
+                  "Find the camera in this map.sgsmap (or run folder) of an earlier run and track "
+                  "it there: poses are in that map's world, and nothing of it changes");
   sub->add_option("--threads", command->options.threads, "Threads")->check(CLI::Range(1, 256));
   sub->add_option("--seed", command->config.seed, "Seed of the mapper's random choices");
   add_score_options(*sub, command->score);

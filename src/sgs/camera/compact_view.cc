@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sgs/camera/pyramid.h"
 #include "sgs/core/error.h"
@@ -39,6 +40,24 @@ CompactView::CompactView(const RgbdFrame& frame, int level)
     for (int u = 0; u < depth.width(); ++u) depth(u, v) = row[u << level];
   }
   set_depth(depth);
+}
+
+CompactView::CompactView(Parts parts)
+    : all_seen_(parts.all_seen),
+      camera_(parts.camera),
+      index_(parts.index),
+      timestamp_s_(parts.timestamp_s),
+      gray_(std::move(parts.gray)),
+      depth_(std::move(parts.depth)) {
+  const auto fits = [&](const auto& image) {
+    return image.width() == camera_.width && image.height() == camera_.height;
+  };
+  SGS_CHECK(fits(gray_) && fits(depth_), "a view's images have the size of its camera");
+}
+
+CompactView::Parts CompactView::parts() const {
+  SGS_CHECK(level_ == 0, "a view that was halved is not the whole one");
+  return {camera_, index_, timestamp_s_, all_seen_, gray_, depth_};
 }
 
 void CompactView::set_depth(const DepthImage& depth) {

@@ -17,6 +17,20 @@ class CompactView {
   /// Halved `level` times: grey values are averaged, depth is taken at every other pixel.
   explicit CompactView(const RgbdFrame& frame, int level = 0);
 
+  /// What a view at full size consists of.
+  struct Parts {
+    PinholeCamera camera;
+    std::int64_t index = 0;
+    double timestamp_s = 0;
+    bool all_seen = true;  ///< else a grey value of 0 stands for what was not seen
+    Image<std::uint8_t> gray;
+    Image<std::uint16_t> depth;  ///< steps of a fifth of a millimetre, 0: none
+  };
+  /// The view again; the images must have the camera's size.
+  explicit CompactView(Parts parts);
+  /// Of a view that was not halved.
+  Parts parts() const;
+
   const PinholeCamera& camera() const { return camera_; }
   bool empty() const { return gray_.size() == 0; }
   /// What it takes in memory.

@@ -242,6 +242,8 @@ void InputSpec::declare(ParameterList& list) {
            "Poses for the tracker `given`: a TUM file, images.txt of a COLMAP model or its folder, "
            "or recorded: those of the recording.",
            {});
+  list.add("map", map, "Map of an earlier run for the camera to find itself in; empty = a new one.",
+           {});
   list.add("trajectory", trajectory, "TUM trajectory that a synthetic camera flies along.", {});
   list.add("wait_s", wait_s,
            "Streams: end the run when nobody has sent a frame for so long; 0 = never.", "s",

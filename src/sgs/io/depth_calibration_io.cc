@@ -87,7 +87,11 @@ std::string numbers(const std::vector<double>& values, int columns) {
 
 Result<DepthCalibration> load_depth_calibration(const fs::path& path) {
   SGS_ASSIGN_OR_RETURN(const std::string text, read_file(path));
-  const std::string source = path.string();
+  return depth_calibration_from_text(text, path.string());
+}
+
+Result<DepthCalibration> depth_calibration_from_text(const std::string& text,
+                                                     const std::string& source) {
   SGS_ASSIGN_OR_RETURN(toml::table table, parse_toml(text, source));
   if (const auto format = table["format"].value<std::int64_t>(); !format || *format > kFormat) {
     return fail(ErrorCode::kUnsupported,
@@ -119,6 +123,10 @@ Result<DepthCalibration> load_depth_calibration(const fs::path& path) {
 }
 
 Status save_depth_calibration(const fs::path& path, const DepthCalibration& c) {
+  return write_file(path, depth_calibration_text(c));
+}
+
+std::string depth_calibration_text(const DepthCalibration& c) {
   std::string text = fmt::format(
       "# Depth calibration: 1/z_true = 1/z_measured + offset, and where depth lies against "
       "colour.\n"
@@ -133,7 +141,7 @@ Status save_depth_calibration(const fs::path& path, const DepthCalibration& c) {
   text +=
       fmt::format("# 1/m, row by row of the image\noffset_per_m = {}\nsigma_per_m = {}\n",
                   numbers(c.offset_per_m, c.grid.columns), numbers(c.sigma_per_m, c.grid.columns));
-  return write_file(path, text);
+  return text;
 }
 
 }  // namespace sgs::io

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "sgs/camera/depth_calibration.h"
 #include "sgs/core/error.h"
@@ -14,5 +15,10 @@ namespace sgs::io {
 /// errors that name the file.
 Result<DepthCalibration> load_depth_calibration(const std::filesystem::path& path);
 Status save_depth_calibration(const std::filesystem::path& path, const DepthCalibration& c);
+
+/// The same as text; `source` is what errors call it.
+Result<DepthCalibration> depth_calibration_from_text(const std::string& text,
+                                                     const std::string& source);
+std::string depth_calibration_text(const DepthCalibration& c);
 
 }  // namespace sgs::io

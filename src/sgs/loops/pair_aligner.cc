@@ -14,15 +14,6 @@ tracker::SpectralConfig of_one_view(tracker::SpectralConfig config) {
   return config;
 }
 
-// How the camera moved meanwhile was found when the frame was tracked, and is not asked again.
-tracker::ReadoutModel known(const registration::FrameMotion& motion) {
-  constexpr double kCertain = 1e12;  // 1/rad^2
-  const tracker::ReadoutEstimator::Belief belief{motion.readout,
-                                                 kCertain * Eigen::Matrix3d::Identity()};
-  return {[belief](const SE3&) { return belief; },
-          [motion](const Vector6d&, const SE3&) { return motion; }};
-}
-
 }  // namespace
 
 PairAligner::PairAligner(const tracker::SpectralConfig& config, const RgbdFrame& reference,
@@ -40,7 +31,7 @@ std::optional<PairAlignment> PairAligner::align(const RgbdFrame& frame,
                                                 const SE3& T_start) {
   if (!aligner_.has_map()) return std::nullopt;
   aligner_.look_at(frame, reference_, nullptr);
-  const tracker::Alignment a = aligner_.align(T_start, known(motion));
+  const tracker::Alignment a = aligner_.align(T_start, tracker::known_readout(motion));
   if (!a.trusted()) return std::nullopt;
   PairAlignment out;
   out.T_reference_camera = a.T_local_camera.normalized();

@@ -15,6 +15,7 @@
 #include "sgs/io/ply.h"
 #include "sgs/io/trajectory_io.h"
 #include "sgs/run/input_doubts.h"
+#include "sgs/run/lasting_map.h"
 #include "sgs/run/machine.h"
 #include "sgs/run/process_memory.h"
 #include "sgs/runfolder/journal.h"
@@ -175,10 +176,14 @@ RunState state_of(const RunResult& result) {
 }
 
 /// Results, and that they are there. Once more where somebody removed the folder meanwhile.
-void write_end(const Run& run, RunFolder& folder) {
+void write_end(const slam::Session& session, const Run& run, RunFolder& folder) {
   for (int attempt = 0; attempt < 2; ++attempt) {
     const int made_again = folder.lock()->times_made_again();
     save_run(run, folder);
+    if (session.place_search() == nullptr) {
+      folder.save(files::kLastingMap,
+                  [&](const auto& path) { return save_lasting_map(path, session, run); });
+    }
     folder.end(run.state.stage, run.frames.size(), run.state.reason);
     if (made_again == folder.lock()->times_made_again()) return;
   }
@@ -226,6 +231,9 @@ Result<RunResult> run_in(Input& input, const InputSpec& spec, const RunConfig& a
   session_options.live = options.realtime;
   const PinholeCamera camera = input.source->camera();
   SGS_ASSIGN_OR_RETURN(auto session, slam::Session::create(asked.session, camera, session_options));
+  if (!spec.map.empty()) {
+    SGS_RETURN_IF_ERROR(localise(*session, spec.map, camera, input.calibration.has_value()));
+  }
   // What the folder keeps is what runs.
   const RunConfig config{session->config(), asked.refine};
   warn_of_single_views(input, session->tracker());
@@ -277,12 +285,15 @@ Result<RunResult> run_in(Input& input, const InputSpec& spec, const RunConfig& a
   if (run.upright) run.metrics.upright = to_string(run.upright->by);
   if (clock) run.frames_total = clock->frames_in;
   result.lost = tracking_was_lost(run.frames);
+  if (const auto* search = session->place_search(); search != nullptr && !search->found) {
+    result.not_found = not_found_sentence(*search, spec.map);
+  }
   // At the sensor's rate frames are dropped for want of time, and given poses choose theirs.
   const bool chosen = options.realtime || result.stopped || !spec.poses.empty();
   if (!chosen) result.too_few = too_few_frames(run.frames, spec, input.info).value_or("");
   run.state = state_of(result);
   run.metrics.state = run.state.word();
-  write_end(run, folder);
+  write_end(*session, run, folder);
   if (!options.trace.empty()) {
     if (const auto traced = io::write_file(
             options.trace, chrome_trace(times, clock ? clock->events : std::vector<InputEvent>{}));
@@ -305,6 +316,11 @@ Result<RunResult> execute(Input& input, const InputSpec& spec, const RunConfig& 
     used.session.backend.calibration.online = false;
     auto& delay = used.session.tracker.delay;
     delay = tracker::beside(delay, *input.calibration);
+  }
+  if (!spec.map.empty()) {
+    // What is known stays where it is.
+    used.session.loops.enabled = false;
+    used.session.backend.calibration.online = false;
   }
   auto result = run_in(input, spec, used, options, folder, observer, stop);
   if (!result && !folder.resumed()) folder.end(Stage::kInterrupted, 0, result.error().message);

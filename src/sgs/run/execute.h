@@ -27,9 +27,11 @@ struct RunOptions {
 /// What came of a run that could start.
 struct RunResult {
   Run run;
-  Status input;              ///< why it ended early, other than by request
-  bool stopped = false;      ///< by request
-  bool lost = false;         ///< at the end, or for more than half of the frames
+  Status input;          ///< why it ended early, other than by request
+  bool stopped = false;  ///< by request
+  bool lost = false;     ///< at the end, or for more than half of the frames
+  std::string not_found =
+      {};                    ///< how near it came to a place in its map, where it never was; or ""
   std::string too_few = {};  ///< why hardly any frame could be used; else empty
 };
 

@@ -6,6 +6,7 @@
 
 #include "sgs/core/log.h"
 #include "sgs/dataset/preloaded_source.h"
+#include "sgs/mapfile/map_file.h"
 #include "sgs/run/calibrate.h"
 #include "sgs/run/input_doubts.h"
 #include "sgs/run/refine.h"
@@ -63,6 +64,13 @@ Status check_whole(const InputSpec& spec, const RunConfig& config, const RunOpti
   if (calibrates_first(spec) && once) {
     return fail(ErrorCode::kInvalidArgument, "a stream comes only once",
                 "calibrate a recording of this camera, and name the file: --calibration FILE");
+  }
+  if (!spec.map.empty()) {
+    SGS_ASSIGN_OR_RETURN(const auto map, mapfile::MapFile::open(spec.map));
+    if (config.refine.steps_per_frame > 0) {
+      return fail(ErrorCode::kInvalidArgument, "a map that a camera finds itself in stays as it is",
+                  "leave out refine.steps_per_frame (--preset quality)");
+    }
   }
   if (config.refine.steps_per_frame <= 0) return {};
   constexpr const char* kAsked = "refine.steps_per_frame (--preset quality)";

@@ -96,7 +96,7 @@ std::string config_text(const InputSpec& input, const RunConfig& config) {
   // Folders are remembered absolutely: a run may be evaluated from anywhere.
   std::error_code error;
   for (std::string* path : {&input_copy.input, &input_copy.trajectory, &input_copy.calibration,
-                            &input_copy.poses, &input_copy.camera}) {
+                            &input_copy.poses, &input_copy.camera, &input_copy.map}) {
     if (!path->empty() && std::filesystem::exists(*path, error)) {
       *path = std::filesystem::absolute(*path, error).lexically_normal().string();
     }

@@ -16,7 +16,8 @@ inline constexpr const char* kKeyframes = "keyframes.txt";
 inline constexpr const char* kTruth = "groundtruth.txt";
 inline constexpr const char* kFrames = "frames.csv";
 inline constexpr const char* kMap = "map.ply";
-inline constexpr const char* kUpright = "upright.toml";  ///< which way is up in its world
+inline constexpr const char* kLastingMap = "map.sgsmap";  ///< for others to come back to
+inline constexpr const char* kUpright = "upright.toml";   ///< which way is up in its world
 inline constexpr const char* kTimings = "timings.json";
 inline constexpr const char* kMetrics = "metrics.json";
 inline constexpr const char* kReport = "report.html";
@@ -35,8 +36,9 @@ inline constexpr std::array<const char*, 4> kOfCheckpoint = {kMap, kKeyframes, k
                                                              kResume};
 
 /// What a run makes, checkpoints apart: a new run into the same folder begins by removing these.
-inline constexpr std::array<const char*, 16> kResults = {
-    kConfig, kCamera,  kCalibration, kTrajectory, kOnline, kKeyframes, kTruth,  kFrames,
-    kMap,    kTimings, kMetrics,     kReport,     kLog,    kPictures,  kRefine, kUpright};
+inline constexpr std::array<const char*, 17> kResults = {
+    kConfig, kCamera,   kCalibration, kTrajectory, kOnline,    kKeyframes,
+    kTruth,  kFrames,   kMap,         kTimings,    kMetrics,   kReport,
+    kLog,    kPictures, kRefine,      kUpright,    kLastingMap};
 
 }  // namespace sgs::run::files

@@ -85,6 +85,27 @@ Session::Session(const SessionConfig& config, const PinholeCamera& camera,
 
 Session::~Session() = default;
 
+Status Session::localise_in(const KnownMap& map) {
+  SGS_CHECK(map.gaussians != nullptr && records_.empty(), "a map, before the first frame");
+  SGS_CHECK(!loops_ && !calibrator_, "what is known stays where it is");
+  if (!tracker_->finds_itself()) {
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("the tracker {} cannot find itself in a map", to_string(config_.tracker.type)),
+        "leave out --tracker and --preset, or use --tracker spectral");
+  }
+  if (map.calibration) {
+    revision_.calibration = std::make_shared<const DepthCalibration>(*map.calibration);
+  }
+  for (std::size_t i = 0; i < map.views; ++i) {
+    SGS_ASSIGN_OR_RETURN(const tracker::KnownView view, map.view(i));
+    revision_.path.append({tracker::known_view_index(i), view.timestamp_s, view.T_world_camera});
+    tracker_->know(view, revision_);
+  }
+  known_ = map.gaussians;
+  return {};
+}
+
 const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& raw) {
   SGS_CHECK(raw != nullptr, "feed() needs a frame");
   SGS_CHECK(raw->color.width() == camera_.width && raw->color.height() == camera_.height &&
@@ -176,6 +197,7 @@ void Session::revise(const history::Update& update) {
 }
 
 MapView Session::wait_for_map() {
+  if (known_) return {known_, static_cast<std::int64_t>(known_->gaussians.size()), 0};
   const ScopedTimer timer(track_times_, "wait for map");
   return worker_->view_for(frames_fed_);
 }
@@ -232,6 +254,11 @@ bool Session::wants_mapping_keyframe(const FrameRecord& record) const {
 
 void Session::hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame,
                              const tracker::TrackResult& result, FrameRecord& record) {
+  if (known_) {
+    ++frames_fed_;
+    if (!found_at_ && record.status != tracker::TrackingStatus::kLost) found_at_ = record.index;
+    return;
+  }
   keyframe_pending_ = keyframe_pending_ || record.tracking_keyframe;
   MapJob job;
   job.frames = video_frames(record);
@@ -333,7 +360,13 @@ const loops::Skeleton* Session::skeleton() const {
   return loop_back_end_ ? &loop_back_end_->closer().skeleton() : nullptr;
 }
 
-map::SnapshotPtr Session::snapshot() { return worker_->newest_snapshot(); }
+map::SnapshotPtr Session::snapshot() { return known_ ? known_ : worker_->newest_snapshot(); }
+
+// Before the camera has found itself in its map it could be anywhere; and the map's own views are
+// no frames of this session.
+bool Session::has_place(std::int64_t frame) const {
+  return !known_ || (found_at_ && frame >= *found_at_);
+}
 
 Trajectory Session::trajectory() const {
   // Refined poses make better pictures, not a truer path (docs/decisions/0042-views.md), unless the
@@ -344,6 +377,7 @@ Trajectory Session::trajectory() const {
   std::vector<StampedPose> poses;
   for (std::size_t k = 0; k < revision_.path.size(); ++k) {
     const history::Path::Entry& f = revision_.path[k];
+    if (!has_place(f.frame)) continue;
     poses.push_back({f.timestamp_s, to_world.corrected(f.T_odom_camera, f.timestamp_s)});
   }
   return Trajectory(std::move(poses));
@@ -352,7 +386,7 @@ Trajectory Session::trajectory() const {
 Trajectory Session::online_trajectory() const {
   std::vector<StampedPose> poses;
   for (const FrameRecord& r : records_.all()) {
-    if (!r.bad) poses.push_back({r.timestamp_s, r.T_online_camera});
+    if (!r.bad && has_place(r.index)) poses.push_back({r.timestamp_s, r.T_online_camera});
   }
   return Trajectory(std::move(poses));
 }

@@ -20,6 +20,7 @@
 #include "sgs/slam/back_end_worker.h"
 #include "sgs/slam/frame_record.h"
 #include "sgs/slam/keyframe_pose.h"
+#include "sgs/slam/known_map.h"
 #include "sgs/slam/map_worker.h"
 #include "sgs/slam/record_log.h"
 #include "sgs/slam/session_config.h"
@@ -56,6 +57,15 @@ class Session {
                                                  std::unique_ptr<tracker::Tracker> tracker);
   ~Session();
 
+  /// Before the first frame: the camera is somewhere in this map and has to find itself there.
+  /// Nothing is learned: poses are in the map's world, and its Gaussians are those of the session.
+  /// Frames before it is found are lost and have no place in trajectory(). Fails where the tracker
+  /// cannot be given a map, or where a view cannot be had; needs a configuration without loops and
+  /// online calibration, which would move what is known.
+  Status localise_in(const KnownMap& map);
+  /// How far it has come; null in a session with a map of its own.
+  const tracker::PlaceSearch* place_search() const { return tracker_->place_search(); }
+
   /// Tracks one frame and hands it to the mapper; offline it waits when the mapper is more than
   /// snapshot_lag frames behind. The record stays valid until the next frame.
   const FrameRecord& feed(const std::shared_ptr<const RgbdFrame>& frame);
@@ -68,8 +78,8 @@ class Session {
   void finish();
 
   /// Whether save() works: not live, where everything depends on time, and not with a tracker that
-  /// follows the map.
-  bool can_be_saved() const { return !live_ && !tracker_->follows_map(); }
+  /// follows the map, and not where the map is another's.
+  bool can_be_saved() const { return !live_ && !tracker_->follows_map() && !known_; }
   /// What restore() needs, behind the frames fed so far; ready as soon as the mapper is there, and
   /// an exception where it fails before that or where the memory does not suffice.
   std::future<std::string> save();
@@ -93,9 +103,10 @@ class Session {
   /// Newest published map; null before the first keyframe.
   map::SnapshotPtr snapshot();
   /// The finished map (after finish()); null where no keyframe was mapped.
-  map::SnapshotPtr final_snapshot() const { return worker_->final_snapshot(); }
+  map::SnapshotPtr final_snapshot() const { return known_ ? known_ : worker_->final_snapshot(); }
   const RecordLog& records() const { return records_; }
-  /// What is believed of the past now: poses of all frames so far, and the calibration in force.
+  /// What is believed of the past now: poses of all frames so far, after those of the map's views
+  /// (tracker::known_view_index()) where the session was given one, and the calibration in force.
   const history::Revision& revision() const { return revision_; }
   /// Poses of all tracked frames, loops closed and depth calibrated (after finish()); frames that
   /// were lost carry the tracker's guess at their pose. Those of a tracker that follows the map,
@@ -144,6 +155,7 @@ class Session {
   void hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame,
                       const tracker::TrackResult& result, FrameRecord& record);
   void report_loss(const FrameRecord& record);
+  bool has_place(std::int64_t frame) const;
   bool comes_as_before(const FrameRecord& record, std::int64_t depth_print);
 
   SessionConfig config_;
@@ -154,7 +166,9 @@ class Session {
   // Null where the tracker cannot be corrected, or shall not:
   std::unique_ptr<BackEndWorker> loops_, calibrator_;
   const LoopBackEnd* loop_back_end_ = nullptr;  // that of loops_
-  history::Revision revision_;
+  history::Revision revision_;                  // views of a map that is known come first
+  map::SnapshotPtr known_;  // the map that the camera is to find itself in; null: it makes its own
+  std::optional<std::int64_t> found_at_;  // index of the first frame that was found there
   RecordLog records_;
   std::int64_t frames_fed_ = 0;
   std::size_t mapping_keyframes_ = 0;

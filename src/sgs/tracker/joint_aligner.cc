@@ -60,6 +60,13 @@ Matrix6d Alignment::information() const {
   return H;
 }
 
+ReadoutModel known_readout(const registration::FrameMotion& motion) {
+  constexpr double kCertain = 1e12;  // 1/rad^2
+  const ReadoutEstimator::Belief belief{motion.readout, kCertain * Eigen::Matrix3d::Identity()};
+  return {[belief](const SE3&) { return belief; },
+          [motion](const Vector6d&, const SE3&) { return motion; }};
+}
+
 JointAligner::JointAligner(const SpectralConfig& config, const PinholeCamera& camera,
                            const SE3& T_local_world)
     : config_(config),

@@ -57,6 +57,9 @@ struct ReadoutModel {
       of_frame;
 };
 
+/// Of a view whose motion was found when it was tracked: it is not asked again.
+ReadoutModel known_readout(const registration::FrameMotion& motion);
+
 /// Geometry and photometry in one Gauss-Newton, coarse to fine, with geometry projected off the
 /// axes that the frame's own surfaces do not observe:
 ///     H = w_g K^T H_g K + H_v + damping I,   b = w_g K^T b_g + b_v,   K = I - P

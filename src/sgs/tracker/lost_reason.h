@@ -25,6 +25,7 @@ enum class LostReason {
   kImplausibleMotion,
   kNotFinite,
   kNoPose,
+  kNotInMap,
   kOther,  ///< for trackers of which this list knows nothing
 };
 
@@ -58,6 +59,8 @@ inline constexpr auto kLostReasons = std::to_array<LostReasonEntry>({
     {LostReason::kNotFinite, "not_finite",
      "The pose or the timestamp that it was predicted for is not a number."},
     {LostReason::kNoPose, "no_pose", "Poses are given, but none for this frame."},
+    {LostReason::kNotInMap, "not_in_map",
+     "The camera has not found itself in the map that it was given."},
     {LostReason::kOther, "other", "The tracker says no more than that."},
 });
 

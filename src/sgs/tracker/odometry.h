@@ -21,6 +21,13 @@ class Odometry {
     revision_.path.append({frame.index, frame.timestamp_s, result.T_odom_camera});
     return result;
   }
+  /// Tracker::know(); before the first frame.
+  void know(const KnownView& view) {
+    revision_.path.append(
+        {known_view_index(revision_.path.size()), view.timestamp_s, view.T_world_camera});
+    tracker_->know(view, revision_);
+  }
+  const PlaceSearch* place_search() const { return tracker_->place_search(); }
   void revise(const history::Update& update) { revision_ = history::revised(revision_, update); }
   const history::Revision& revision() const { return revision_; }
   bool follows_map() const { return tracker_->follows_map(); }

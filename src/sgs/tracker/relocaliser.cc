@@ -27,16 +27,34 @@ void Relocaliser::add_keyframe(const RgbdFrame& frame, const history::Calibratio
       {frame.index, CompactView(frame, kept_level(frame.camera)), calibration, ferns_.code(frame)});
 }
 
-// The newest one, too: a camera that was lost for a moment is mostly still there.
-std::vector<std::size_t> Relocaliser::most_alike(const RgbdFrame& frame) const {
-  const features::FernCode code = ferns_.code(frame);
-  std::vector<std::pair<double, std::size_t>> alike;
-  for (std::size_t k = 0; k + 1 < keyframes_.size(); ++k) {
-    alike.emplace_back(-features::Ferns::similarity(keyframes_[k].ferns, code), k);
+void Relocaliser::know(const KnownView& view, const RgbdFrame& frame,
+                       const history::CalibrationPtr& calibration) {
+  auto known = std::find_if(known_.begin(), known_.end(),
+                            [&](const KnownViews& k) { return k.fern_seed == view.fern_seed; });
+  if (known == known_.end()) {
+    known_.push_back({view.fern_seed, features::Ferns(view.fern_seed), {}});
+    known = known_.end() - 1;
   }
-  std::sort(alike.begin(), alike.end());
-  std::vector<std::size_t> out;
-  if (!keyframes_.empty()) out.push_back(keyframes_.size() - 1);
+  known->keyframes.push_back(
+      {frame.index, CompactView(frame, kept_level(frame.camera)), calibration, view.ferns});
+}
+
+// The newest one, too: a camera that was lost for a moment is mostly still there.
+std::vector<Relocaliser::Keyframe*> Relocaliser::most_alike(const RgbdFrame& frame) {
+  std::vector<std::pair<double, Keyframe*>> alike;
+  const auto compare = [&](const features::Ferns& ferns, auto begin, auto end) {
+    if (begin == end) return;
+    const features::FernCode code = ferns.code(frame);
+    for (auto k = begin; k != end; ++k) {
+      alike.emplace_back(-features::Ferns::similarity(k->ferns, code), &*k);
+    }
+  };
+  for (KnownViews& k : known_) compare(k.ferns, k.keyframes.begin(), k.keyframes.end());
+  if (!keyframes_.empty()) compare(ferns_, keyframes_.begin(), keyframes_.end() - 1);
+  std::stable_sort(alike.begin(), alike.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Keyframe*> out;
+  if (!keyframes_.empty()) out.push_back(&keyframes_.back());
   for (const auto& [similarity, k] : alike) {
     if (out.size() < kCompared) out.push_back(k);
   }
@@ -44,6 +62,7 @@ std::vector<std::size_t> Relocaliser::most_alike(const RgbdFrame& frame) const {
 }
 
 std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame, const LocalPast& past) {
+  last_look_ = {};
   features::OrbConfig orb = config_.orb;
   orb.features = std::min(orb.features, config_.memory.features);
   features::OrbExtractor extractor(orb);
@@ -51,16 +70,20 @@ std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame, const LocalPa
   const features::OrbFrame current = extractor.extract(view.frame());
   if (static_cast<int>(current.keypoints.size()) < config_.pose.min_matches) return std::nullopt;
   features::VisualMap map(config_.pose);
-  for (const std::size_t k : most_alike(frame)) {
-    Keyframe& keyframe = keyframes_[k];
+  const std::vector<Keyframe*> compared = most_alike(frame);
+  for (Keyframe* keyframe : compared) {
     const history::CalibrationPtr& now = past.revision().calibration;
-    if (const auto change = history::depth_change(keyframe.calibration, now)) {
-      keyframe.view.change_depth(*change);
-      keyframe.calibration = now;
+    if (const auto change = history::depth_change(keyframe->calibration, now)) {
+      keyframe->view.change_depth(*change);
+      keyframe->calibration = now;
     }
-    map.insert(extractor.extract(keyframe.view.frame()), past.at(keyframe.frame));
+    map.insert(extractor.extract(keyframe->view.frame()), past.at(keyframe->frame));
   }
   const features::VisualPose found = map.relocalise(current);
+  if (!compared.empty()) {
+    const auto best = static_cast<std::size_t>(std::max(found.keyframe, 0));
+    last_look_ = {found.matches, found.inliers, compared[best]->frame};
+  }
   if (found.verdict != features::Verdict::kOk) return std::nullopt;
   return found.T_world_camera;
 }

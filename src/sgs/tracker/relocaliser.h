@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <optional>
@@ -10,6 +11,7 @@
 
 #include "sgs/camera/compact_view.h"
 #include "sgs/features/ferns.h"
+#include "sgs/tracker/known_view.h"
 #include "sgs/tracker/local_past.h"
 #include "sgs/tracker/tracker_config.h"
 
@@ -23,12 +25,23 @@ class Relocaliser {
  public:
   explicit Relocaliser(const RelocaliserConfig& config) : config_(config) {}
 
+  /// Remembers a view of a finished map for good; `frame` is what a camera like that of the frames
+  /// to come saw there, under the view's index in the path.
+  void know(const KnownView& view, const RgbdFrame& frame,
+            const history::CalibrationPtr& calibration);
   /// Remembers a keyframe (what is needed of it is copied), its depth corrected by `calibration`;
   /// the oldest makes room.
   void add_keyframe(const RgbdFrame& frame, const history::CalibrationPtr& calibration);
   /// Pose of a frame among the remembered keyframes, camera to local; empty when none fits. `past`
   /// tells where those are.
   std::optional<SE3> relocalise(const RgbdFrame& frame, const LocalPast& past);
+
+  /// How near the last relocalise() came.
+  struct Look {
+    int matches = 0, inliers = 0;  ///< features alike, and those of them that agree on one pose
+    std::int64_t keyframe = 0;     ///< index of the one that is most alike
+  };
+  const Look& last_look() const { return last_look_; }
 
  private:
   struct Keyframe {
@@ -37,11 +50,19 @@ class Relocaliser {
     history::CalibrationPtr calibration;  // of its depth
     features::FernCode ferns;
   };
-  std::vector<std::size_t> most_alike(const RgbdFrame& frame) const;
+  /// Views of a map whose codes answer the same questions.
+  struct KnownViews {
+    std::uint64_t fern_seed;
+    features::Ferns ferns;
+    std::vector<Keyframe> keyframes;
+  };
+  std::vector<Keyframe*> most_alike(const RgbdFrame& frame);
 
   RelocaliserConfig config_;
   features::Ferns ferns_{0};
   std::deque<Keyframe> keyframes_;
+  std::vector<KnownViews> known_;
+  Look last_look_;
 };
 
 }  // namespace sgs::tracker

@@ -3,7 +3,10 @@
 #include "sgs/tracker/spectral_tracker.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
+#include "sgs/camera/resample.h"
 #include "sgs/tracker/loss_checks.h"
 
 namespace sgs::tracker {
@@ -16,11 +19,34 @@ LossPolicy::Limits loss_limits(const AlignmentConfig& config) {
   return limits;
 }
 
+/// What `camera` would have seen from the place of a known view.
+RgbdFrame seen_from(const KnownView& view, const PinholeCamera& camera) {
+  RgbdFrame frame = view.view.frame();
+  if (frame.camera == camera) return frame;
+  auto seen = seen_by(frame.camera, camera);
+  frame.color = resample_color(frame.color, frame.camera, camera);
+  frame.depth = resample_depth(frame.depth, frame.camera, camera);
+  // A mask of the view's own is lost with its borders; they are few.
+  frame.seen = std::move(seen);
+  frame.camera = camera;
+  return frame;
+}
+
+/// Whether a hand may have carried a camera so in that time.
+bool is_possible(const SE3& motion, double seconds) {
+  constexpr double kSoon_s = 0.5;
+  constexpr double kFastest_mps = 1.5, kFastest_radps = 2.5, kNoise_m = 0.03, kNoise_rad = 0.03;
+  return std::abs(seconds) <= kSoon_s &&
+         motion.t.norm() <= kNoise_m + kFastest_mps * std::abs(seconds) &&
+         motion.angle() <= kNoise_rad + kFastest_radps * std::abs(seconds);
+}
+
 }  // namespace
 
 SpectralTracker::SpectralTracker(const SpectralConfig& config, const PinholeCamera& camera,
                                  const SE3& T_world_first)
     : config_(config),
+      camera_(camera),
       T_world_local_(T_world_first),
       aligner_(config, camera, T_world_first.inverse()),
       relocaliser_(config.relocaliser),
@@ -36,7 +62,8 @@ TrackResult SpectralTracker::track(const RgbdFrame& frame, const history::Revisi
   aligner_.look_at(frame, revision, snapshot);
   if (before.number() != revision.number()) follow(before.calibration);
   depth_delay_s_ = frame.depth_delay_s + delay_.delay_s();
-  const Alignment alignment = !aligner_.has_map()         ? start_map()
+  const Alignment alignment = !is_in_map()                ? look_for_place(frame)
+                              : !aligner_.has_map()       ? start_map()
                               : motion_.frames_held() > 0 ? find_camera(frame)
                                                           : follow_unless_elsewhere(frame);
   if (!alignment.trusted()) return lost(alignment, t);
@@ -84,17 +111,17 @@ Alignment SpectralTracker::follow_unless_elsewhere(const RgbdFrame& frame) {
   const Evidence evidence = evidence_of(followed);
   if (policy_.follow(evidence) == LossPolicy::State::kTracking) {
     if (!policy_.wonders(evidence)) return followed;
-    const auto is_better = [&](const Evidence& found) {
-      return policy_.is_better(found, evidence);
+    const auto is_better = [&](const Alignment& found) {
+      return policy_.is_better(evidence_of(found), evidence);
     };
     return relocalised(frame, is_better).value_or(followed);
   }
   if (policy_.can_be_confirmed(evidence) && picture_of_this_place(followed, frame.timestamp_s)) {
     return followed;
   }
-  const auto is_found = [&](const Evidence& found) { return policy_.is_found(found); };
   if (policy_.searches(evidence)) {
-    if (const auto elsewhere = relocalised(frame, is_found)) return *elsewhere;
+    const auto is_right = [&](const Alignment& found) { return is_found(found); };
+    if (const auto elsewhere = relocalised(frame, is_right)) return *elsewhere;
   }
   if (policy_.loses(evidence)) followed.lost_reason = LostReason::kPoorPictureFit;
   return followed;
@@ -115,8 +142,79 @@ Alignment SpectralTracker::find_camera(const RgbdFrame& frame) {
   }
   if (carried_on.trusted()) carried_on.lost_reason = LostReason::kPoorPictureFit;
   if (!policy_.searches_lost(motion_.frames_held())) return carried_on;
-  const auto is_found = [&](const Evidence& found) { return policy_.is_found(found); };
-  return relocalised(frame, is_found).value_or(carried_on);
+  const auto is_right = [&](const Alignment& found) { return is_found(found); };
+  return relocalised(frame, is_right).value_or(carried_on);
+}
+
+// A view becomes what a frame becomes that was tracked to its place; and its picture teaches what
+// pictures cost here.
+void SpectralTracker::know(const KnownView& view, const history::Revision& revision) {
+  if (!search_) {
+    search_.emplace();
+    search_->needed_inliers = config_.relocaliser.pose.relocalisation_min_inliers;
+  }
+  RgbdFrame frame = seen_from(view, camera_);
+  frame.index = revision.path.back().frame;
+  relocaliser_.know(view, frame, revision.calibration);
+  aligner_.look_at(frame, revision, nullptr);
+  Alignment a;
+  a.T_local_camera = aligner_.past().at(frame.index);
+  if (aligner_.has_map()) {
+    aligner_.carry_to(aligner_.vision().nearest_keyframe(a.T_local_camera));
+    a = aligner_.measure(a.T_local_camera, known_readout(view.motion));
+    aligner_.learn_noise(a);
+    policy_.learn(evidence_of(a));
+  }
+  a.points_motion = view.motion;
+  if (aligner_.extend(a, view.motion.readout).keyframe) {
+    readout_.add_keyframe(aligner_.vision().newest_keyframe(), view.motion.velocity.head<3>(),
+                          view.motion.readout.head<3>());
+  }
+}
+
+// A camera that has not found itself in its map could be anywhere: it is not carried on.
+Alignment SpectralTracker::look_for_place(const RgbdFrame& frame) {
+  if (aligner_.check_frame() == LostReason::kNone) {
+    const double t = frame.timestamp_s;
+    const auto is_right = [&](const Alignment& place) { return is_first_place(place, t); };
+    const auto found = relocalised(frame, is_right);
+    note_look(t);
+    if (found) {
+      search_->found = true;
+      return *found;
+    }
+  }
+  Alignment a;
+  a.T_local_camera = motion_.pose();
+  a.lost_reason = LostReason::kNotInMap;
+  return a;
+}
+
+void SpectralTracker::note_look(double timestamp_s) {
+  const Relocaliser::Look& look = relocaliser_.last_look();
+  PlaceSearch& best = *search_;
+  ++best.looks;
+  const auto nearness = [](int inliers, int matches) { return std::pair(inliers, matches); };
+  if (nearness(look.inliers, look.matches) <= nearness(best.best_inliers, best.best_matches))
+    return;
+  best.best_inliers = look.inliers;
+  best.best_matches = look.matches;
+  best.best_frame_s = timestamp_s;
+  const auto* view = aligner_.past().revision().path.find(look.keyframe);
+  best.best_view_s = view != nullptr ? view->timestamp_s : 0;
+}
+
+// Whether a place that features have found is right in a map that the camera has not been seen in
+// yet: surfaces and picture have to say so both, and a second frame has to see itself next to it.
+bool SpectralTracker::is_first_place(const Alignment& a, double timestamp_s) {
+  const Evidence evidence = evidence_of(a);
+  if (!policy_.is_found(evidence) || !evidence.explained_by_surfaces || !evidence.picture_holds) {
+    ++search_->refused;
+    return false;
+  }
+  const auto before = std::exchange(sighting_, Sighting{a.T_local_camera, timestamp_s});
+  return before && is_possible(before->T_local_camera.inverse() * a.T_local_camera,
+                               timestamp_s - before->timestamp_s);
 }
 
 Evidence SpectralTracker::evidence_of(const Alignment& a) const {
@@ -147,7 +245,7 @@ std::optional<Alignment> SpectralTracker::picture_of_this_place(const Alignment&
 // From where the keyframes say that the camera is; empty where they do not know, or where what is
 // seen there is not believed.
 std::optional<Alignment> SpectralTracker::relocalised(
-    const RgbdFrame& frame, const std::function<bool(const Evidence&)>& is_believed) {
+    const RgbdFrame& frame, const std::function<bool(const Alignment&)>& is_believed) {
   std::optional<SE3> found;
   {
     const CpuTimer timer(aligner_.times().visual);
@@ -160,7 +258,7 @@ std::optional<Alignment> SpectralTracker::relocalised(
   const std::size_t last = aligner_.vision().newest_keyframe();
   aligner_.carry_to(aligner_.vision().nearest_keyframe(*found));
   Alignment a = align(*found, frame.timestamp_s, motion, JointAligner::From::kAfar);
-  if (!is_believed(evidence_of(a))) {
+  if (!is_believed(a)) {
     aligner_.carry_to(last);
     return std::nullopt;
   }

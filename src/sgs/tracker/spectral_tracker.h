@@ -7,6 +7,7 @@
 
 #include "sgs/tracker/delay_estimator.h"
 #include "sgs/tracker/joint_aligner.h"
+#include "sgs/tracker/known_view.h"
 #include "sgs/tracker/loss_policy.h"
 #include "sgs/tracker/motion_model.h"
 #include "sgs/tracker/readout_estimator.h"
@@ -28,6 +29,9 @@ class SpectralTracker : public Tracker {
                     const map::SnapshotPtr& snapshot) override;
   bool follows_map() const override { return aligner_.geometry().targets().follows_map(); }
   bool knows_depth_lag() const override { return true; }
+  bool finds_itself() const override { return true; }
+  void know(const KnownView& view, const history::Revision& revision) override;
+  const PlaceSearch* place_search() const override { return search_ ? &*search_ : nullptr; }
 
  private:
   // The steps of a frame.
@@ -36,8 +40,9 @@ class SpectralTracker : public Tracker {
   Alignment follow_camera(double timestamp_s);
   Alignment follow_unless_elsewhere(const RgbdFrame& frame);
   Alignment find_camera(const RgbdFrame& frame);
+  Alignment look_for_place(const RgbdFrame& frame);
   std::optional<Alignment> relocalised(const RgbdFrame& frame,
-                                       const std::function<bool(const Evidence&)>& is_believed);
+                                       const std::function<bool(const Alignment&)>& is_believed);
   void learn_from(const Alignment& alignment, const Vector6d& rate);
   bool extend_map(const RgbdFrame& frame, const Alignment& alignment, const Vector6d& readout,
                   const Vector6d& rate);
@@ -51,9 +56,14 @@ class SpectralTracker : public Tracker {
   ReadoutModel readout_model(double timestamp_s, const MotionModel& motion) const;
   bool fits_badly(const Alignment& a) const;
   Evidence evidence_of(const Alignment& a) const;
+  bool is_in_map() const { return !search_ || search_->found; }
+  bool is_found(const Alignment& a) const { return policy_.is_found(evidence_of(a)); }
+  bool is_first_place(const Alignment& a, double timestamp_s);
+  void note_look(double timestamp_s);
   Vector6d frame_readout(const Vector6d& readout) const;
 
   SpectralConfig config_;
+  PinholeCamera camera_;
   SE3 T_world_local_;
   JointAligner aligner_;
   Relocaliser relocaliser_;
@@ -65,6 +75,14 @@ class SpectralTracker : public Tracker {
   double depth_delay_s_ = 0;  // of the frame that is tracked, with what was learned of it
   double lost_since_s_ = 0;
   SE3 T_bridge_;  // camera to local while lost
+
+  std::optional<PlaceSearch> search_;  // in the map that the tracker was given, if it was
+  /// Where a frame saw itself in that map before the camera was found there.
+  struct Sighting {
+    SE3 T_local_camera;
+    double timestamp_s;
+  };
+  std::optional<Sighting> sighting_;
 };
 
 }  // namespace sgs::tracker

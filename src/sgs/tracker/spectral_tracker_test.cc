@@ -232,5 +232,54 @@ TEST(SpectralTracker, SurvivesBrightnessChanges) {
   }
 }
 
+KnownView view_of_wall(int index) {
+  KnownView view;
+  const RgbdFrame frame = see_wall(wall_pose(index), index);
+  view.timestamp_s = 1000 + frame.timestamp_s;  // of another day
+  view.T_world_camera = wall_pose(index);
+  view.view = CompactView(frame);
+  view.fern_seed = 7;
+  view.ferns = features::Ferns(view.fern_seed).code(frame);
+  return view;
+}
+
+std::unique_ptr<Odometry> tracker_that_knows_the_wall() {
+  auto tracker = must_make(TrackerConfig(), kWallCamera, SE3{});
+  EXPECT_EQ(tracker->place_search(), nullptr);
+  for (int i = 0; i < 40; i += 4) tracker->know(view_of_wall(i));
+  return tracker;
+}
+
+TEST(SpectralTracker, FindsItselfInAMapThatItIsGivenAndGoesOnThere) {
+  const auto tracker = tracker_that_knows_the_wall();
+  ASSERT_NE(tracker->place_search(), nullptr);
+  int lost = 0;
+  for (int i = 18; i < 40; ++i) {
+    const TrackResult r = tracker->track(see_wall(wall_pose(i), i), nullptr);
+    if (r.status == TrackingStatus::kLost) {
+      EXPECT_EQ(r.lost_reason, LostReason::kNotInMap);
+      ++lost;
+      continue;
+    }
+    EXPECT_LT(distance_m(r.T_odom_camera, wall_pose(i)), 0.01) << i;
+  }
+  EXPECT_GE(lost, 1) << "one frame alone is not believed";
+  EXPECT_LE(lost, 5);
+  EXPECT_TRUE(tracker->place_search()->found);
+}
+
+TEST(SpectralTracker, RatherStaysLostThanTakesAnotherPlaceForTheMaps) {
+  const auto tracker = tracker_that_knows_the_wall();
+  const SE3 elsewhere(Eigen::Matrix3d::Identity(), {7, 3, 0});  // papered otherwise
+  for (int i = 0; i < 10; ++i) {
+    const TrackResult r = tracker->track(see_wall(elsewhere * wall_pose(i), i), nullptr);
+    EXPECT_EQ(r.lost_reason, LostReason::kNotInMap) << i;
+  }
+  const PlaceSearch& search = *tracker->place_search();
+  EXPECT_FALSE(search.found);
+  EXPECT_EQ(search.looks, 10);
+  EXPECT_LT(search.best_inliers, search.needed_inliers);
+}
+
 }  // namespace
 }  // namespace sgs::tracker

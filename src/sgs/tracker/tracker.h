@@ -9,6 +9,7 @@
 #include "sgs/core/error.h"
 #include "sgs/history/revision.h"
 #include "sgs/map/gaussian.h"
+#include "sgs/tracker/known_view.h"
 #include "sgs/tracker/track_result.h"
 
 namespace sgs::tracker {
@@ -45,6 +46,16 @@ class Tracker {
   /// Whether depth may lag behind colour (RgbdFrame::depth_delay_s): else track() is given frames
   /// of one time.
   virtual bool knows_depth_lag() const { return false; }
+
+  /// Whether the tracker can be given a finished map by know().
+  virtual bool finds_itself() const { return false; }
+  /// Takes in a view of a finished map, before the first frame. From the first one on the camera is
+  /// somewhere in that world: frames are lost (kNotInMap) until it has found itself there. The path
+  /// of `revision` ends with this view, after those that were taken in before, and that of every
+  /// later revision begins with all of them; depths of the view are as its calibration has them.
+  virtual void know(const KnownView& /*view*/, const history::Revision& /*revision*/) {}
+  /// What became of that; null where there is no map to be found in.
+  virtual const PlaceSearch* place_search() const { return nullptr; }
 };
 
 /// Makes the tracker that `config.type` names. Fails on settings out of range and cameras without a

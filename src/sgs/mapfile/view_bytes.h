@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "sgs/tracker/known_view.h"
+
+namespace sgs::mapfile {
+
+/// A view as bytes that pack well, without loss: each grey value less the mean of those left of it
+/// and above it, each depth less the one left of it.
+std::string view_bytes(const tracker::KnownView& view);
+
+/// The view again; empty where the bytes are none of these.
+std::optional<tracker::KnownView> view_from(std::string_view bytes);
+
+}  // namespace sgs::mapfile
