@@ -252,7 +252,8 @@ void add_info(CLI::App& app, Action& action) {
   sub->add_flag("--config", options->config, "Print the parameters as TOML");
   sub->add_option("--for", options->audience,
                   "With --config: users (what is commonly set), experts (the others) or all");
-  sub->add_flag("--markdown", options->markdown, "With --config: as a table, as in docs/parameters.md");
+  sub->add_flag("--markdown", options->markdown,
+                "With --config: as a table, as in docs/parameters.md");
   sub->add_flag("--columns", options->columns, "Print what frames.csv holds, as Markdown");
   sub->add_flag("--metrics", options->metrics, "Print what metrics.json holds, as Markdown");
   sub->add_flag("--scenes", options->scenes, "List the synthetic scenes");

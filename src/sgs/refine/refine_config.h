@@ -134,7 +134,8 @@ struct RefineConfig {
           "", {0, 1e6});
     p.add("exposure_prior", exposure_prior, "Weight of gain 1 against the measured gain.", "",
           {0, 100});
-    p.for_users({"steps_per_frame", "least_steps", "memory_mb", "rolling_shutter", "checks", "patience", "max_gaussians", "harmonics", "dssim_weight", "poses", "exposure"});
+    p.for_users({"steps_per_frame", "least_steps", "memory_mb", "rolling_shutter", "checks",
+                 "patience", "max_gaussians", "harmonics", "dssim_weight", "poses", "exposure"});
   }
 };
 
