@@ -9,7 +9,9 @@ Makes the map of frames A:B once, then begins at `--starts` frames of C:D, sprea
 `--frames` frames from each. The visit is never aligned by itself: the map's run is aligned to its
 truth (rigidly), and the same transform takes the visit's poses there. With --elsewhere the visit is
 of another room: every start that is found is wrong. With --whole both stretches (of one recording)
-are run in one piece, too, and the second one is judged in the same way.
+are run in one piece, too, and the second one is judged in the same way. Where INPUT is a folder in
+TUM layout with truth, it is told which starts saw within a second, by truth and depth, what some
+frame of the map had seen (a third of their pixels): only those can be found by what is stored.
 """
 
 import argparse
@@ -21,8 +23,10 @@ import shutil
 import subprocess
 
 import numpy as np
+from skimage.io import imread
 
 SOON = 30  # frames: one second
+SEEN = 1 / 3  # of a frame, by one frame of the map
 WRONG_M, WRONG_DEG = 0.10, 5.0
 TRUTH_GAP_S = 0.04
 
@@ -61,6 +65,74 @@ def matched(times, truth_times):
     return np.where(np.abs(truth_times[index] - times) <= TRUTH_GAP_S, index, -1)
 
 
+def around(T):
+    """Points that stand for poses: each camera and what lies a metre from it along its axes. So turns
+    count, too: a short path alone hardly tells them."""
+    return np.concatenate([T[:, :3, 3]] + [T[:, :3, 3] + T[:, :3, k] for k in range(3)])
+
+
+class Depths:
+    """Depth of a folder in TUM layout, on a coarse grid of pixels, with the true pose."""
+
+    STEP, MOST_M, SAME = 16, 8.0, 0.05
+
+    def __init__(self, folder, run_folder):
+        self.folder = pathlib.Path(folder)
+        rows = [r.split() for r in (run_folder / "camera.txt").read_text().splitlines()]
+        self.camera = [float(n) for n in next(r for r in rows if r and r[0][0] != "#")]
+        rows = [r.split() for r in (self.folder / "depth.txt").read_text().splitlines()]
+        rows = [r for r in rows if r and r[0][0] != "#"]
+        self.times = np.array([float(r[0]) for r in rows])
+        self.names = [r[1] for r in rows]
+        self.truth_times, self.truth = poses(self.folder / "groundtruth.txt")
+
+    @staticmethod
+    def of(folder, run_folder):
+        """`run_folder`: of a run over frames of this recording."""
+        there = all(
+            (pathlib.Path(folder) / name).exists() for name in ("depth.txt", "groundtruth.txt")
+        )
+        return Depths(folder, run_folder) if there else None
+
+    def at(self, time_s):
+        """World to camera, depth image and the points of the grid in the world; empty without truth."""
+        k = int(np.argmin(np.abs(self.times - time_s)))
+        pose = matched(np.array([time_s]), self.truth_times)[0]
+        if pose < 0:
+            return None
+        T = self.truth[pose]
+        depth = imread(self.folder / self.names[k]) / self.camera[6]
+        fx, fy, cx, cy = self.camera[:4]
+        v, u = (a[:: self.STEP, :: self.STEP].ravel() for a in np.indices(depth.shape))
+        z = depth[v, u]
+        ok = (z > 0) & (z < self.MOST_M)
+        u, v, z = u[ok], v[ok], z[ok]
+        local = np.stack([(u - cx) / fx * z, (v - cy) / fy * z, z], 1)
+        return np.linalg.inv(T), depth, local @ T[:3, :3].T + T[:3, 3]
+
+    def share_seen(self, points, view):
+        """Share of points that a view saw where they are."""
+        T_camera_world, depth, _ = view
+        if len(points) == 0:
+            return 0.0
+        local = points @ T_camera_world[:3, :3].T + T_camera_world[:3, 3]
+        z = np.maximum(local[:, 2], 1e-6)
+        fx, fy, cx, cy = self.camera[:4]
+        u = np.round(local[:, 0] / z * fx + cx).astype(int)
+        v = np.round(local[:, 1] / z * fy + cy).astype(int)
+        h, w = depth.shape
+        inside = (local[:, 2] > 0) & (u >= 0) & (v >= 0) & (u < w) & (v < h)
+        there = depth[np.clip(v, 0, h - 1), np.clip(u, 0, w - 1)]
+        return float(np.mean(inside & (there > 0) & (np.abs(there - z) < self.SAME * z)))
+
+
+def most_seen(known, visited, map_times, visit_times):
+    """The largest share of a frame of the visit that some frame of the map saw."""
+    views = [view for t in map_times[::5] if (view := known.at(t))]
+    frames = [frame for t in visit_times[::5] if (frame := visited.at(t))]
+    return max((known.share_seen(f[2], view) for f in frames for view in views), default=0.0)
+
+
 def rigid(source, target):
     """T with target = T source in the least squares."""
     ms, mt = source.mean(0), target.mean(0)
@@ -87,7 +159,7 @@ class Run:
         """T_truth_map by the poses up to a time."""
         index = matched(self.times, self.truth_times)
         use = (index >= 0) & (self.times <= until_s)
-        return rigid(self.poses[use, :3, 3], self.truth[index[use], :3, 3])
+        return rigid(around(self.poses[use]), around(self.truth[index[use]]))
 
     def errors(self, T_truth_map, since_s=-np.inf):
         """Metres and degrees of every tracked frame that has truth."""
@@ -158,7 +230,8 @@ def main():
     T_truth_map = known.alignment()
     first, last = (int(n) for n in args.visit[1].split(":"))
     starts = np.linspace(first, max(first, last - args.frames), args.starts).astype(int)
-    soon = found = wrong = 0
+    soon = found = wrong = could = could_soon = 0
+    room = Depths.of(args.map[0], args.out / "map")
     waits, metres, degrees = [], [], []
     for start in starts:
         folder = args.out / f"visit_{start}"
@@ -171,19 +244,27 @@ def main():
             str(saved),
         )
         visit = Run(folder)
+        at_once = bool(visit.tracked) and visit.tracked[0] <= SOON
+        sight = ""
+        visited = Depths.of(args.visit[0], folder)
+        if room and visited and not args.elsewhere:
+            seen = most_seen(room, visited, known.stamps, visit.stamps[: SOON + 1])
+            could += seen >= SEEN
+            could_soon += seen >= SEEN and at_once
+            sight = f" ({100 * seen:.0f} % of it was seen)"
         if not visit.tracked:
-            print(f"start {start}: not found. {said}")
+            print(f"start {start}{sight}: not found. {said}", flush=True)
             continue
         found += 1
         waits.append(visit.tracked[0])
-        soon += visit.tracked[0] <= SOON
+        soon += at_once
         m, d = visit.errors(T_truth_map) if not args.elsewhere else ([], [])
         is_wrong = args.elsewhere or (len(m) > 0 and (max(m) > WRONG_M or max(d) > WRONG_DEG))
         wrong += is_wrong
         metres.extend(m)
         degrees.extend(d)
         print(
-            f"start {start}: found at frame {visit.tracked[0]}, {len(visit.tracked)} of "
+            f"start {start}{sight}: found at frame {visit.tracked[0]}, {len(visit.tracked)} of "
             f"{len(visit.stamps)} tracked, {100 * rmse(m):.2f} cm"
             f"{', WRONG' if is_wrong else ''}",
             flush=True,
@@ -192,6 +273,8 @@ def main():
         "starts": len(starts),
         "found": found,
         "found_within_1_s": int(soon),
+        "saw_something_mapped": int(could),
+        "of_these_found_within_1_s": int(could_soon),
         "wrong": int(wrong),
         "median_wait_frames": float(np.median(waits)) if waits else None,
         "rmse_cm": 100 * rmse(metres),

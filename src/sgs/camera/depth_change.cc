@@ -94,14 +94,14 @@ DepthChange::Offset DepthChange::offset_on(const Eigen::Vector3f& ray) const {
 }
 
 void DepthChange::apply(Eigen::Vector3f& point, Eigen::Vector3f& normal,
-                        const Vector6d& velocity) const {
+                        const Vector6d& lag) const {
   // At flat incidence a plane's slope says more about the noise of its normal than about depth.
   constexpr float kFlattest = 0.15f;
   if (!(point.z() > 0)) return;
   const Eigen::Vector3f ray = point / point.z();
   const float facing = normal.dot(ray);  // the plane: q = n . ray' / (facing z)
   if (std::abs(facing) < kFlattest * ray.norm()) {
-    apply(point, Eigen::Vector2f(Eigen::Vector2f::Zero()), velocity);
+    apply(point, Eigen::Vector2f(Eigen::Vector2f::Zero()), lag);
     return;
   }
   const float per_q = 1 / (facing * point.z());
@@ -115,22 +115,19 @@ void DepthChange::apply(Eigen::Vector3f& point, Eigen::Vector3f& normal,
   turned.z() = q - turned.x() * ray.x() - turned.y() * ray.y();
   turned.normalize();
   normal = turned.dot(normal) < 0 ? Eigen::Vector3f(-turned) : turned;
-  if (difference_.delay_s == 0) return;
+  if (lag.isZero(0)) return;
   // What was measured later was seen from where the camera had moved to.
-  const Vector6d lag = difference_.delay_s * velocity;
   const Eigen::Vector3f turn = lag.head<3>().cast<float>(), move = lag.tail<3>().cast<float>();
   point += turn.cross(point) + move;
   normal = (normal + turn.cross(normal)).normalized();
 }
 
 void DepthChange::apply(Eigen::Vector3f& point, const Eigen::Vector2f& slope,
-                        const Vector6d& velocity) const {
+                        const Vector6d& lag) const {
   if (!(point.z() > 0)) return;
   const Eigen::Vector3f ray = point / point.z();
   float q = 1 / point.z() - slope.dot(shift_) + offset_on(ray).per_m;
-  if (difference_.delay_s != 0) {
-    q += depth_lag_per_m(difference_.camera, ray, q, slope, difference_.delay_s * velocity);
-  }
+  if (!lag.isZero(0)) q += depth_lag_per_m(difference_.camera, ray, q, slope, lag);
   if (q > kFarthest_per_m && q < kNearest_per_m) point = ray / q;
 }
 

@@ -25,13 +25,14 @@ class DepthChange {
   /// A depth image corrected by `before` as `after` would have corrected it.
   DepthImage apply(const DepthImage& before) const { return difference_.apply(before); }
   /// A point in its camera's coordinates on a surface with that unit normal: where and how the
-  /// surface lies now. `velocity`: of the camera that saw it, twist per second.
+  /// surface lies now. `lag`: of the camera that saw it, its twist over
+  /// the time by which depth is measured later than the point says.
   void apply(Eigen::Vector3f& point, Eigen::Vector3f& normal,
-             const Vector6d& velocity = Vector6d::Zero()) const;
+             const Vector6d& lag = Vector6d::Zero()) const;
   /// The same of a point that stays on its ray, on a surface whose inverse depth changes by `slope`
   /// per pixel of the image.
   void apply(Eigen::Vector3f& point, const Eigen::Vector2f& slope,
-             const Vector6d& velocity = Vector6d::Zero()) const;
+             const Vector6d& lag = Vector6d::Zero()) const;
   /// Root mean square over the image of the change of inverse depth, 1/m, the changes of shift and
   /// delay.
   double rms_per_m() const;

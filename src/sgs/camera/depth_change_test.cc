@@ -108,11 +108,11 @@ TEST(DepthChange, WhatWasMeasuredLaterWasSeenFromElsewhere) {
     EXPECT_GT(before, 5e-4);
     Seen s = seen(u, v, q, slope_u, slope_v);
     const Eigen::Vector3f stays = s.point;
-    change.apply(s.point, s.normal, velocity);
+    change.apply(s.point, s.normal, kDelay_s * velocity);
     EXPECT_NEAR(n.dot(s.point.cast<double>()), 1, 0.02 * before / q) << "on the plane";
     EXPECT_GT(std::abs(s.normal.cast<double>().dot(n.normalized())), 1 - 1e-6);
     Eigen::Vector3f on_ray = stays;
-    change.apply(on_ray, Eigen::Vector2d(slope_u, slope_v).cast<float>(), velocity);
+    change.apply(on_ray, Eigen::Vector2d(slope_u, slope_v).cast<float>(), kDelay_s * velocity);
     EXPECT_NEAR(1 / double{on_ray.z()}, q_of(n, u, v), 0.02 * before) << "on its ray";
     Eigen::Vector3f point = stays, normal = s.normal;
     change.apply(point, normal);

@@ -208,7 +208,7 @@ void Skeleton::change_depth(const DepthChange& change, const std::vector<SE3>& T
                             const std::vector<SE3>& T_now) {
   for (Node& n : nodes_) {
     if (!n.view.empty()) n.view.change_depth(change);
-    n.motion.depth_delay_s += change.delay_s();
+    n.motion.recalibrate(change.delay_s());
   }
   const auto measured_anew = [&](const SE3& T_from_to, int from, int to) {
     const auto a = static_cast<std::size_t>(from), b = static_cast<std::size_t>(to);

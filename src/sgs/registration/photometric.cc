@@ -89,10 +89,10 @@ PhotometricReference::PhotometricReference(const GrayPyramid& pyramid, const Dep
   }
 }
 
-void PhotometricReference::change_depth(const DepthChange& change, const Vector6d& velocity) {
+void PhotometricReference::change_depth(const DepthChange& change, const Vector6d& lag) {
   for (std::size_t l = 0; l < points_.size(); ++l) {
     for (std::size_t i = 0; i < points_[l].size(); ++i) {
-      change.apply(points_[l][i].p_keyframe, slopes_[l][i], velocity);
+      change.apply(points_[l][i].p_keyframe, slopes_[l][i], lag);
     }
   }
 }

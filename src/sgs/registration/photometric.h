@@ -89,8 +89,8 @@ class PhotometricReference {
   const SE3& T_world_keyframe() const { return T_world_keyframe_; }
   /// Follows a keyframe that refinement has moved.
   void set_pose(const SE3& T_world_keyframe) { T_world_keyframe_ = T_world_keyframe; }
-  /// Follows depth that is known better now; `velocity`: camera twist per second.
-  void change_depth(const DepthChange& change, const Vector6d& velocity = Vector6d::Zero());
+  /// Follows depth that is known better now; `lag`: camera twist over what the delay has grown by.
+  void change_depth(const DepthChange& change, const Vector6d& lag = Vector6d::Zero());
   int levels() const { return static_cast<int>(points_.size()); }
   const std::vector<PhotometricPoint>& points(int level) const {
     return points_[static_cast<std::size_t>(level)];

@@ -49,9 +49,18 @@ struct FrameMotion {
   Vector6d readout = Vector6d::Zero();   ///< from the first row of the picture to the last
   Vector6d velocity = Vector6d::Zero();  ///< per second
   double depth_delay_s = 0;              ///< by how much later than its colour a row is measured
+  double learned_delay_s = 0;            ///< of that, what neither stamps nor a calibration told
 
   /// From a row's colour to its depth.
   Vector6d lag() const { return depth_delay_s * velocity; }
+  /// A calibration tells the delay, `later_s` more than the one before: that takes the place of what
+  /// was learned. Returns the camera's twist over the time by which the delay grows.
+  Vector6d recalibrate(double later_s) {
+    const double grows_s = later_s - learned_delay_s;
+    depth_delay_s += grows_s;
+    learned_delay_s = 0;
+    return grows_s * velocity;
+  }
 };
 
 }  // namespace sgs::registration

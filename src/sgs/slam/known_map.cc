@@ -52,7 +52,7 @@ tracker::KnownView known_view(const Session& session, const Trajectory& path, st
   if (const auto change = history::depth_change(session.skeleton()->revision().calibration,
                                                 session.revision().calibration)) {
     view.view.change_depth(*change);
-    view.motion.depth_delay_s += change->delay_s();
+    view.motion.recalibrate(change->delay_s());
   }
   return view;
 }

@@ -328,7 +328,7 @@ struct Points : TrackablePoints {
   int see(const registration::SourceCloud& source, const SE3& T,
           const registration::CorrespondenceSearch* search = nullptr) {
     const auto frame = static_cast<std::int64_t>(now.path.size());
-    const int added = insert(source, {frame, T}, search);
+    const int added = insert(source, {frame, T, {}}, search);
     now.path.append({frame, 0.1 * static_cast<double>(frame), T});
     follow();
     return added;

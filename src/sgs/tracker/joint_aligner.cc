@@ -234,7 +234,7 @@ JointAligner::Extension JointAligner::extend(const Alignment& a, const Vector6d&
   if (vision_.wants_keyframe(a.T_local_camera, a.fit)) {
     const int before = vision_.keyframes();
     vision_.insert_keyframe(
-        a.T_local_camera, a.fit, readout, a.points_motion.velocity,
+        a.T_local_camera, a.fit, readout, a.points_motion,
         [&](int u, int v) { return geometry_.surface_with_colour(u, v, a.points_motion.lag()); });
     out.keyframe = vision_.keyframes() > before;
   }

@@ -296,7 +296,8 @@ ReadoutModel SpectralTracker::readout_model(double timestamp_s, const MotionMode
       // Not the rate to the pose that is looked for: points that follow a pose's own velocity
       // make it swing to and fro.
       [this, &motion](const Vector6d& seen, const SE3&) {
-        return registration::FrameMotion{frame_readout(seen), motion.steady_rate(), depth_delay_s_};
+        return registration::FrameMotion{frame_readout(seen), motion.steady_rate(), depth_delay_s_,
+                                         delay_.delay_s()};
       }};
 }
 

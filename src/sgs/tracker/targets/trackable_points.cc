@@ -46,7 +46,7 @@ int TrackablePoints::insert(const registration::SourceCloud& source, const Obser
     if (with_ellipses) cloud_.covariances.push_back(R * source.covariances[i] * R.transpose());
   }
   keyframes_.push_back(
-      {keyframe.frame, keyframe.velocity, path_to(T_local_camera), begin, cloud_.points.size()});
+      {keyframe.frame, keyframe.motion, path_to(T_local_camera), begin, cloud_.points.size()});
   past_.set_tracked(keyframe.frame, T_local_camera);
   const std::size_t added = cloud_.points.size() - begin;
   alive_ += static_cast<std::size_t>(
@@ -135,7 +135,7 @@ void TrackablePoints::follow(const LocalPast& past) {
   const history::Revision &then = before.revision(), &now = past.revision();
   if (then.number() == now.number()) return;
   const auto change = history::depth_change(then.calibration, now.calibration);
-  for (const Keyframe& keyframe : keyframes_) {
+  for (Keyframe& keyframe : keyframes_) {
     const SE3 T_before = before.at(keyframe.frame);
     if (change) change_depth(keyframe, T_before, *change);
     move(keyframe, past.at(keyframe.frame) * T_before.inverse());
@@ -156,14 +156,15 @@ void TrackablePoints::move(const Keyframe& keyframe, const SE3& T_now_before) {
   }
 }
 
-void TrackablePoints::change_depth(const Keyframe& keyframe, const SE3& T_local_camera,
+void TrackablePoints::change_depth(Keyframe& keyframe, const SE3& T_local_camera,
                                    const DepthChange& change) {
+  const Vector6d lag = keyframe.motion.recalibrate(change.delay_s());
   const Eigen::Matrix3f R = T_local_camera.R.cast<float>();
   const Eigen::Vector3f t = T_local_camera.t.cast<float>();
   for (std::size_t i = keyframe.begin; i < keyframe.end; ++i) {
     registration::TargetPoint& p = cloud_.points[i];
     Eigen::Vector3f point = R.transpose() * (p.point - t), normal = R.transpose() * p.normal;
-    change.apply(point, normal, keyframe.velocity);
+    change.apply(point, normal, lag);
     p.point = R * point + t;
     p.normal = R * normal;
   }

@@ -7,6 +7,7 @@
 
 #include "sgs/registration/correspondence_search.h"
 #include "sgs/registration/free_space.h"
+#include "sgs/registration/rolling_shutter.h"
 #include "sgs/registration/target_blocks.h"
 #include "sgs/tracker/local_past.h"
 
@@ -16,7 +17,7 @@ namespace sgs::tracker {
 struct Observer {
   std::int64_t frame = 0;  ///< its index
   SE3 T_local_camera;
-  Vector6d velocity = Vector6d::Zero();  ///< camera twist per second
+  registration::FrameMotion motion;  ///< that its points are corrected for
 };
 
 /// Target points the tracker keeps itself: a sparse surfel map on the sampling grid. Each point
@@ -60,13 +61,13 @@ class TrackablePoints {
  private:
   struct Keyframe {
     std::int64_t frame;
-    Vector6d velocity;
+    registration::FrameMotion motion;
     double path_m;           // of the keyframes before it
     std::size_t begin, end;  // of its points
   };
 
   void move(const Keyframe& keyframe, const SE3& T_now_before);
-  void change_depth(const Keyframe& keyframe, const SE3& T_local_camera, const DepthChange& change);
+  void change_depth(Keyframe& keyframe, const SE3& T_local_camera, const DepthChange& change);
   void remove(std::size_t point);
   void remove_farthest(const Eigen::Vector3d& camera_position);
   void forget_removed();

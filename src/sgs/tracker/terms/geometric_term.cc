@@ -169,7 +169,7 @@ void GeometricTerm::insert_keyframe(const SE3& T_local_camera, const FrameMotion
     targets_->remove_in(registration::FreeSpace(keyframe_source_, camera_, config_.target.step_px),
                         T_local_camera);
   }
-  targets_->insert(keyframe_source_, {frame_, T_local_camera, motion.velocity},
+  targets_->insert(keyframe_source_, {frame_, T_local_camera, motion},
                    prepared_ ? search_.get() : nullptr);
 }
 

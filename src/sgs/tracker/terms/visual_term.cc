@@ -184,7 +184,7 @@ bool VisualTerm::wants_keyframe(const SE3& T_local_camera, const Fit& fit) const
 }
 
 void VisualTerm::insert_keyframe(const SE3& T_local_camera, const Fit& fit, const Vector6d& readout,
-                                 const Vector6d& velocity,
+                                 const registration::FrameMotion& motion,
                                  const registration::SurfaceLookup& surface) {
   constexpr double kSameView = 0.8;
   for (const Fit::Reference& r : fit.references_) {
@@ -201,7 +201,7 @@ void VisualTerm::insert_keyframe(const SE3& T_local_camera, const Fit& fit, cons
                                                            config_.photometric, surface,
                                                            registration::ReadoutMotion(readout)),
                         past_.revision().calibration, depth_m > 0 ? depth_m : kDefaultDepth_m,
-                        velocity});
+                        motion});
   newest_ = keyframes_.size() - 1;
 }
 
@@ -210,7 +210,7 @@ void VisualTerm::place(Keyframe& keyframe) const {
   keyframe.reference.set_pose(past_.at(keyframe.frame));
   const history::CalibrationPtr& now = past_.revision().calibration;
   if (const auto change = history::depth_change(keyframe.calibration, now)) {
-    keyframe.reference.change_depth(*change, keyframe.velocity);
+    keyframe.reference.change_depth(*change, keyframe.motion.recalibrate(change->delay_s()));
     keyframe.calibration = now;
   }
 }

@@ -44,9 +44,10 @@ class VisualTerm {
   /// become one.
   bool wants_keyframe(const SE3& T_local_camera, const Fit& fit) const;
   /// Makes the current frame a keyframe, unless an old one that sees the same takes its place.
-  /// `readout`: camera twist over its readout, `velocity`: per second.
+  /// `readout`: camera twist over its readout, `motion`: that its surfaces are corrected for.
   void insert_keyframe(const SE3& T_local_camera, const Fit& fit, const Vector6d& readout,
-                       const Vector6d& velocity, const registration::SurfaceLookup& surface);
+                       const registration::FrameMotion& motion,
+                       const registration::SurfaceLookup& surface);
   int keyframes() const { return static_cast<int>(keyframes_.size()); }
   /// Number of the keyframe the camera was last at.
   std::size_t newest_keyframe() const { return newest_; }
@@ -63,7 +64,7 @@ class VisualTerm {
     registration::PhotometricReference reference;  // placed and calibrated where it is aligned to
     history::CalibrationPtr calibration;           // of its depth
     double mean_depth_m;
-    Vector6d velocity;       // camera twist per second
+    registration::FrameMotion motion;  // that its surfaces are corrected for
     int contradictions = 0;  // frames in a row that fitted it far worse than the newest one
   };
   void place(Keyframe& keyframe) const;

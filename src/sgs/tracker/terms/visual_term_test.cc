@@ -39,7 +39,7 @@ class DriftedWall : public ::testing::Test {
   void add(double x_m, double drift_m) {
     const RgbdFrame frame = see_wall(beside(x_m), frames_++);
     term_.set_frame(frame, past());
-    term_.insert_keyframe(beside(x_m + drift_m), {}, Vector6d::Zero(), Vector6d::Zero(), {});
+    term_.insert_keyframe(beside(x_m + drift_m), {}, Vector6d::Zero(), {}, {});
     revision_.path.append({frame.index, frame.timestamp_s, beside(x_m + drift_m)});
   }
   int references(double drift_m) {
