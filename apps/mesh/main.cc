@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// sgs-mesh: what `sgs export RUN mesh` and `esdf` start. A program of its own, because OpenVDB is heavier
-// than everything else together. What went wrong goes to standard output, message and remedy on a
-// line each; `sgs` says it.
+// sgs-mesh: what `sgs export RUN mesh` and `esdf` start. A program of its own, because OpenVDB is
+// heavier than everything else together. What went wrong goes to standard output, message and
+// remedy on a line each; `sgs` says it.
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <string>
@@ -68,7 +68,8 @@ Status make_mesh(const MeshCommand& command) {
 Status make_distance_field(const MeshCommand& command) {
   run::OccupancyOptions options = command.occupancy;
   options.threads = command.threads;
-  if (!command.up.empty()) options.up = Eigen::Vector3d(command.up[0], command.up[1], command.up[2]);
+  if (!command.up.empty())
+    options.up = Eigen::Vector3d(command.up[0], command.up[1], command.up[2]);
   SGS_ASSIGN_OR_RETURN(const auto seen, run::occupancy_of_run(command.run, options));
   return mesh::save_distance_field(command.output, seen.volume, command.limit_m);
 }

@@ -206,7 +206,8 @@ void add_export(CLI::App& app, Action& action) {
     list += (list.empty() ? "" : ", ") + names.back();
   }
   auto* format = sub->add_option("FORMAT", command->format, list)->check(CLI::IsMember(names));
-  auto* output = sub->add_option("OUT", command->output, "File (colmap: folder; grid: either) to write");
+  auto* output =
+      sub->add_option("OUT", command->output, "File (colmap: folder; grid: either) to write");
   format->needs(output);
   command->outputs.resize(kFormats.size());
   for (std::size_t i = 0; i < kFormats.size(); ++i) {

@@ -26,7 +26,8 @@ Status export_mesh(const std::string& run, const MeshOptions& options,
   if (options.upright) arguments.emplace_back("--upright");
   SGS_ASSIGN_OR_RETURN(
       auto program,
-      start_mesh_program("meshes", "is there enough memory? A larger --voxel needs less", arguments));
+      start_mesh_program("meshes", "is there enough memory? A larger --voxel needs less",
+                         arguments));
   return program.finish();
 }
 

@@ -216,7 +216,18 @@ class Contract(Case):
         shutil.rmtree(sequence)
         self.sgs("render", out, "--every", 8, "-o", self.folder / "pictures", "--quiet")
         self.assertEqual(len(list((self.folder / "pictures").glob("render_*.png"))), 2)
-        for form in ("ply", "splat", "spz", "glb", "points", "html", "mesh", "colmap", "tum", "kitti"):
+        for form in (
+            "ply",
+            "splat",
+            "spz",
+            "glb",
+            "points",
+            "html",
+            "mesh",
+            "colmap",
+            "tum",
+            "kitti",
+        ):
             target = self.folder / f"x.{form}"
             self.sgs("export", out, form, target)
             self.assertTrue(target.exists(), form)

@@ -79,8 +79,14 @@ class Robots(unittest.TestCase):
         fields, width, height = self.check_pair(self.folder / "nav/map.yaml")
         self.assertEqual(fields["resolution"], "0.05")
         done = self.sgs(
-            "export", self.run_folder, "--grid", "fine.yaml", "--resolution", 0.02, "--heights",
-            "0.2,1"
+            "export",
+            self.run_folder,
+            "--grid",
+            "fine.yaml",
+            "--resolution",
+            0.02,
+            "--heights",
+            "0.2,1",
         )
         self.assertIn("fine.yaml", done.stdout)
         fields, finer, _ = self.check_pair(self.folder / "fine.yaml")

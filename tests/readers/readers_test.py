@@ -216,9 +216,7 @@ class Readers(unittest.TestCase):
             self.splat_transform(self.export("spz", "a.spz")), 1e-4, 0.006, 0.003, 0.13
         )
         self.sgs("export", self.run_folder, "--spz-version", 2, "spz", self.folder / "old.spz")
-        self.check_splats(
-            self.splat_transform(self.folder / "old.spz"), 1e-4, 0.006, 0.003, 0.13
-        )
+        self.check_splats(self.splat_transform(self.folder / "old.spz"), 1e-4, 0.006, 0.003, 0.13)
 
     def test_spz_by_niantics_library(self):
         """@spz-loader/core is Niantic's own reader, compiled for browsers."""

@@ -50,8 +50,8 @@ class SGS_API Map {
   /// number of threads. Throws kInvalidArgument where camera or pose cannot be.
   Rendering render(const Camera& camera, const Pose& T_world_camera, int threads = 2) const;
   /// Writes a file of the format that the name ends in: .spz (version 4), .glb (glTF with
-  /// KHR_gaussian_splatting, y up as the first camera stood), .splat; anything else is a PLY file in
-  /// the vertex layout of 3DGS.
+  /// KHR_gaussian_splatting, y up as the first camera stood), .splat; anything else is a PLY file
+  /// in the vertex layout of 3DGS.
   void save(const std::string& path) const;
 
  private:

@@ -95,11 +95,11 @@ Result<RunOccupancy> occupancy_of_run(const fs::path& folder, const OccupancyOpt
   Collector collector(occupancy, options);
   if (options.from_map) {
     SGS_ASSIGN_OR_RETURN(const auto map, load_run_map(folder));
-    SGS_RETURN_IF_ERROR(for_each_keyframe(
-        folder, map, ViewSource::kMap, options.threads,
-        [&](const PinholeCamera& camera, const KeyframeView& view) {
-          return collector.see(camera, view.T_world_camera, view.depth);
-        }));
+    SGS_RETURN_IF_ERROR(
+        for_each_keyframe(folder, map, ViewSource::kMap, options.threads,
+                          [&](const PinholeCamera& camera, const KeyframeView& view) {
+                            return collector.see(camera, view.T_world_camera, view.depth);
+                          }));
   } else {
     SGS_RETURN_IF_ERROR(see_recording(run, collector));
   }

@@ -16,7 +16,7 @@ struct OccupancyOptions {
   double voxel_m = 0.05;
   double range_m = 4;     ///< surfaces farther away are left out
   bool from_map = false;  ///< depth drawn from the map at the keyframes, not the recording's
-  std::optional<Eigen::Vector3d> up;       ///< against gravity, in the run's world; any length
+  std::optional<Eigen::Vector3d> up;      ///< against gravity, in the run's world; any length
   std::optional<double> camera_height_m;  ///< of the first camera over the floor
   int threads = 2;
 };

@@ -86,10 +86,11 @@ class Truth {
 
   void mark(const Eigen::Vector3f& p) {
     if (p.z() < kBand.low_m || p.z() > kBand.high_m) return;
-    const Eigen::Vector2i cell = ((p.head<2>().cast<double>() - grid_.origin_m) / grid_.resolution_m)
-                                     .array()
-                                     .floor()
-                                     .cast<int>();
+    const Eigen::Vector2i cell =
+        ((p.head<2>().cast<double>() - grid_.origin_m) / grid_.resolution_m)
+            .array()
+            .floor()
+            .cast<int>();
     if (cell.minCoeff() < 0 || cell.x() >= grid_.width || cell.y() >= grid_.height) return;
     at(cell.x(), cell.y()) = Cell::kOccupied;
   }

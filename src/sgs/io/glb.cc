@@ -178,12 +178,14 @@ Result<std::string> container(std::string text, const std::string& bytes) {
   const std::size_t size = kHeader + 2 * kChunkHeader + text.size() + bytes.size();
   if (size > std::numeric_limits<std::uint32_t>::max()) {
     return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{:.1f} GB are more than a .glb file can hold", 1e-9 * static_cast<double>(size)),
+                fmt::format("{:.1f} GB are more than a .glb file can hold",
+                            1e-9 * static_cast<double>(size)),
                 "write .spz, which packs them");
   }
   std::string out;
   out.reserve(size);
-  for (const std::size_t word : {kMagic, kVersion, size, text.size(), kJson}) append_word(out, word);
+  for (const std::size_t word : {kMagic, kVersion, size, text.size(), kJson})
+    append_word(out, word);
   out += text;
   for (const std::size_t word : {bytes.size(), kBinary}) append_word(out, word);
   return out + bytes;
@@ -203,9 +205,10 @@ Status save_glb(const std::filesystem::path& path, std::span<const map::Gaussian
                 const map::Harmonics& harmonics) {
   SGS_RETURN_IF_ERROR(check_splats(path, splats, harmonics));
   if (splats.empty()) {
-    return fail(ErrorCode::kInvalidArgument,
-                fmt::format("{}: glTF has no way to say that there are no Gaussians", path.string()),
-                "give the map of a run that saw something");
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("{}: glTF has no way to say that there are no Gaussians", path.string()),
+        "give the map of a run that saw something");
   }
   Attributes attributes(splats.size());
   add_positions(attributes, splats);

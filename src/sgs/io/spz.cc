@@ -98,9 +98,8 @@ Result<SpzLayout> layout_of(const fs::path& path, const Header& header) {
   if (header.magic != kMagic) return bad_spz(path, "no SPZ header");
   if (header.version < 2 || header.version > 4 ||
       header.harmonic_degree > map::kMaxHarmonicDegree || header.fractional_bits > 23) {
-    return bad_spz(path,
-                    fmt::format("version {}, SH degree {}, {} fractional bits", header.version,
-                                header.harmonic_degree, header.fractional_bits));
+    return bad_spz(path, fmt::format("version {}, SH degree {}, {} fractional bits", header.version,
+                                     header.harmonic_degree, header.fractional_bits));
   }
   return layout;
 }
@@ -115,7 +114,7 @@ Result<map::SplatMap> from_gzip(const fs::path& path, std::string_view file) {
   const std::size_t needed = std::accumulate(bytes.begin(), bytes.end(), sizeof header);
   if (header.version > 3 || content->size() != needed) {
     return bad_spz(path, fmt::format("{} bytes for {} Gaussians of version {}", content->size(),
-                                      layout.count, header.version));
+                                     layout.count, header.version));
   }
   Attributes attributes;
   std::string_view rest = std::string_view(*content).substr(sizeof header);
@@ -134,11 +133,13 @@ Result<map::SplatMap> from_zstd(const fs::path& path, std::string_view file) {
   }
   SGS_ASSIGN_OR_RETURN(const SpzLayout layout, layout_of(path, header));
   const auto bytes = layout.bytes();
-  if (header.version != 4 || std::accumulate(bytes.begin(), bytes.end(), std::size_t{0}) > kMaxBytes) {
+  if (header.version != 4 ||
+      std::accumulate(bytes.begin(), bytes.end(), std::size_t{0}) > kMaxBytes) {
     return bad_spz(path, fmt::format("{} Gaussians of version {}", layout.count, header.version));
   }
   const std::size_t first = sizeof header + sizeof more;
-  if (more.table_offset < first || ((header.flags & kExtended) == 0 && more.table_offset != first)) {
+  if (more.table_offset < first ||
+      ((header.flags & kExtended) == 0 && more.table_offset != first)) {
     return bad_spz(path, fmt::format("its table begins at byte {}", more.table_offset));
   }
   std::array<std::string, SpzLayout::kAttributes> whole;

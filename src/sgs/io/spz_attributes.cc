@@ -117,7 +117,7 @@ void set_smallest_three(map::Gaussian& g, const char* at) {
 
 std::array<std::size_t, SpzLayout::kAttributes> SpzLayout::bytes() const {
   const std::size_t harmonic = 3 * map::Harmonics::basis_functions(harmonic_degree);
-  return {9 * count, count, 3 * count, 3 * count, (smallest_three ? 4 : 3) * count,
+  return {9 * count,       count, 3 * count, 3 * count, (smallest_three ? 4 : 3) * count,
           harmonic * count};
 }
 
@@ -153,9 +153,8 @@ std::array<std::string, SpzLayout::kAttributes> spz_attributes(
   }
   for (std::size_t i = 0; i < harmonics.coefficients.size(); ++i) {
     const std::size_t function = i % harmonics.floats() / 3;
-    out[SpzLayout::kHarmonics] +=
-        byte_char(kHarmonicScale *
-                  (1 + kHarmonicSigns[function] * double{harmonics.coefficients[i]}));
+    out[SpzLayout::kHarmonics] += byte_char(
+        kHarmonicScale * (1 + kHarmonicSigns[function] * double{harmonics.coefficients[i]}));
   }
   return out;
 }

@@ -21,9 +21,7 @@ constexpr float kFar = 1e12f;  // squared voxels; sums of it stay finite
 class Line {
  public:
   explicit Line(int length)
-      : values_(static_cast<std::size_t>(length)),
-        at_(values_.size()),
-        from_(values_.size() + 1) {}
+      : values_(static_cast<std::size_t>(length)), at_(values_.size()), from_(values_.size() + 1) {}
 
   void transform(float* first, std::size_t stride) {
     const std::size_t n = values_.size();

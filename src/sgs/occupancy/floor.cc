@@ -27,9 +27,9 @@ void FloorFinder::add(std::span<const DepthSample> samples, const SE3& T_upright
 }
 
 std::optional<double> FloorFinder::height_m() const {
-  constexpr int kBand = 3;              // slices to either side that noise spreads a floor over
-  constexpr double kGoodPart = 0.15;    // of all that is level
-  constexpr double kLeastArea_m2 = 1;   // summed over views
+  constexpr int kBand = 3;             // slices to either side that noise spreads a floor over
+  constexpr double kGoodPart = 0.15;   // of all that is level
+  constexpr double kLeastArea_m2 = 1;  // summed over views
   const auto band = [&](int middle) {
     Slice sum;
     const auto end = slices_.upper_bound(middle + kBand);

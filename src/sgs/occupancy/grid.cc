@@ -68,10 +68,11 @@ Result<OccupancyGrid> make_grid(const OccupancyVolume& volume, double floor_m,
     if (layers.holds(voxel.z())) box.extend(Eigen::Vector2i(voxel.head<2>()));
   });
   if (box.isEmpty()) {
-    return fail(ErrorCode::kNotFound,
-                fmt::format("nothing was seen between {} and {} m over the floor, which is at {:.2f} m",
-                            band.low_m, band.high_m, floor_m),
-                "other --heights, or --camera-height if that is not the floor");
+    return fail(
+        ErrorCode::kNotFound,
+        fmt::format("nothing was seen between {} and {} m over the floor, which is at {:.2f} m",
+                    band.low_m, band.high_m, floor_m),
+        "other --heights, or --camera-height if that is not the floor");
   }
   const Eigen::Vector2i size = box.sizes() + Eigen::Vector2i::Ones();
   if (std::int64_t{size.x()} * size.y() > kMaxCells) {
@@ -88,8 +89,8 @@ Result<OccupancyGrid> make_grid(const OccupancyVolume& volume, double floor_m,
                              static_cast<std::size_t>(at.x())];
     ++(cell == Cell::kFree ? column.free : column.occupied);
   });
-  OccupancyGrid grid{volume.voxel_m(), volume.voxel_m() * box.min().cast<double>(), size.x(),
-                     size.y(), {}};
+  OccupancyGrid grid{
+      volume.voxel_m(), volume.voxel_m() * box.min().cast<double>(), size.x(), size.y(), {}};
   grid.cells.reserve(columns.size());
   for (const Column& column : columns) grid.cells.push_back(cell_of(column, layers.count()));
   return grid;
@@ -113,8 +114,8 @@ Status save_grid(const std::filesystem::path& yaml, const OccupancyGrid& grid,
                                           "negate: 0\n"
                                           "occupied_thresh: 0.65\n"
                                           "free_thresh: 0.196\n",
-                                          comment, quoted(picture.filename().string()), grid.resolution_m,
-                                          grid.origin_m.x(), grid.origin_m.y()));
+                                          comment, quoted(picture.filename().string()),
+                                          grid.resolution_m, grid.origin_m.x(), grid.origin_m.y()));
 }
 
 }  // namespace sgs::occupancy

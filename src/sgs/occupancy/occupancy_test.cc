@@ -28,10 +28,9 @@ const Eigen::AlignedBox3d kRoom(Eigen::Vector3d(0.02, 0.02, 0.3), Eigen::Vector3
 SE3 looking(const Eigen::Vector3d& t, double yaw, double down) {
   Eigen::Matrix3d R;
   R << 0, 0, 1, -1, 0, 0, 0, -1, 0;  // x right, y down, z forward to x forward, y left, z up
-  const Eigen::Matrix3d turn =
-      (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
-       Eigen::AngleAxisd(down, Eigen::Vector3d::UnitY()))
-          .toRotationMatrix();
+  const Eigen::Matrix3d turn = (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
+                                Eigen::AngleAxisd(down, Eigen::Vector3d::UnitY()))
+                                   .toRotationMatrix();
   return {turn * R, t};
 }
 
@@ -102,9 +101,9 @@ TEST(OccupancyVolume, ARoom) {
 TEST(OccupancyVolume, OneViewIsNotBelieved) {
   Seen seen;
   DepthImage depth = room_from(looking({1, 1.5, 1.5}, 0, 0));
-  depth(40, 30) = 1;
+  depth(40, 30) = 1.01f;
   seen.look(looking({1, 1.5, 1.5}, 0, 0), depth);
-  const Eigen::Vector3i inside(20 + 20, 30, 30);  // 2 m, on the axis
+  const Eigen::Vector3i inside(40, 29, 30);  // that of the point at (2.01, 1.497, 1.509)
   EXPECT_EQ(seen.volume.at(inside), Cell::kUnknown);
   seen.look_around();
   EXPECT_EQ(seen.volume.at(inside), Cell::kFree);
@@ -168,8 +167,12 @@ TEST(OccupancyGrid, NothingBetweenTheHeights) {
 
 TEST(OccupancyGrid, TheFilesOfMapServer) {
   const io::TemporaryFolder folder;
-  const OccupancyGrid grid{0.05, {-1.5, 2}, 3, 2, {Cell::kFree, Cell::kOccupied, Cell::kUnknown,
-                                                   Cell::kOccupied, Cell::kFree, Cell::kFree}};
+  const OccupancyGrid grid{
+      0.05,
+      {-1.5, 2},
+      3,
+      2,
+      {Cell::kFree, Cell::kOccupied, Cell::kUnknown, Cell::kOccupied, Cell::kFree, Cell::kFree}};
   ASSERT_TRUE(save_grid(folder / "it's.yaml", grid, "a comment"));
   EXPECT_EQ(*io::read_file(folder / "it's.yaml"),
             "# a comment\nimage: 'it''s.pgm'\nmode: trinary\nresolution: 0.05\n"
