@@ -162,6 +162,8 @@ TEST(OccupancyOfARun, TheFlatsPlan) {
       if (free && in_a_wall(plan, truth.middle(x, y))) ++in_walls;
     }
   }
+  RecordProperty("free_cells", both);
+  RecordProperty("free_cells_here_or_there", either);
   EXPECT_GE(both, 0.95 * either) << both << " of " << either << " cells";
   EXPECT_EQ(in_walls, 0);
 }

@@ -188,8 +188,9 @@ Status save_spz(const fs::path& path, std::span<const map::Gaussian> splats,
 }
 
 Result<map::SplatMap> load_spz(const fs::path& path) {
-  SGS_ASSIGN_OR_RETURN(const std::string file, read_file(path));
-  return file.starts_with("NGSP") ? from_zstd(path, file) : from_gzip(path, file);
+  const auto file = read_file(path);
+  if (!file) return tl::unexpected(file.error());
+  return file->starts_with("NGSP") ? from_zstd(path, *file) : from_gzip(path, *file);
 }
 
 }  // namespace sgs::io

@@ -21,8 +21,10 @@ namespace {
 using ::testing::HasSubstr;
 
 const PinholeCamera kCamera{80, 60, 66.9, 67.4, 39.8, 30.6};
-/// An empty room, its floor at z = 0.3.
-const Eigen::AlignedBox3d kRoom(Eigen::Vector3d(0.02, 0.02, 0.3), Eigen::Vector3d(4.02, 3.02, 2.8));
+/// An empty room.
+constexpr double kFloor_m = 0.31;
+const Eigen::AlignedBox3d kRoom(Eigen::Vector3d(0.02, 0.02, kFloor_m),
+                                Eigen::Vector3d(4.02, 3.02, 2.8));
 
 /// A level camera at `t` that looks along `yaw`, tilted downwards.
 SE3 looking(const Eigen::Vector3d& t, double yaw, double down) {
@@ -92,8 +94,8 @@ TEST(OccupancyVolume, ARoom) {
   EXPECT_EQ(at(0.02, 1.5, 1), Cell::kOccupied);
   EXPECT_EQ(at(0.08, 1.5, 1), Cell::kFree);
   EXPECT_EQ(at(-0.03, 1.5, 1), Cell::kUnknown);
-  EXPECT_EQ(at(2, 1, 0.3), Cell::kOccupied);
-  EXPECT_EQ(at(100, 1, 0.3), Cell::kUnknown);
+  EXPECT_EQ(at(2, 1, kFloor_m), Cell::kOccupied);
+  EXPECT_EQ(at(100, 1, 1), Cell::kUnknown);
 }
 
 // A point in the air that a single view claims is no surface, and what one view alone saw is not
@@ -114,13 +116,13 @@ TEST(FloorFinder, LowestLevelSurface) {
   EXPECT_FALSE(seen.floor.height_m());
   seen.look_around();
   ASSERT_TRUE(seen.floor.height_m());
-  EXPECT_NEAR(*seen.floor.height_m(), 0.3, 0.005);
+  EXPECT_NEAR(*seen.floor.height_m(), kFloor_m, 0.005);
 }
 
 TEST(OccupancyGrid, TheRoomsPlan) {
   Seen seen;
   seen.look_around();
-  const auto grid = make_grid(seen.volume, 0.3, {0.1, 1.5});
+  const auto grid = make_grid(seen.volume, kFloor_m, {0.1, 1.5});
   ASSERT_TRUE(grid) << grid.error().text();
   // Walls at 0.02 and 4.02, 3.02 lie in the cells from 0 on.
   EXPECT_EQ(grid->width, 81);
@@ -162,7 +164,8 @@ TEST(OccupancyGrid, NothingBetweenTheHeights) {
   Seen seen;
   seen.look_around();
   EXPECT_THAT(make_grid(seen.volume, 50, {0.1, 1.5}).error().message, HasSubstr("50.00 m"));
-  EXPECT_THAT(make_grid(seen.volume, 0.3, {0.1, 0.11}).error().remedy, HasSubstr("--resolution"));
+  EXPECT_THAT(make_grid(seen.volume, kFloor_m, {0.1, 0.11}).error().remedy,
+              HasSubstr("--resolution"));
 }
 
 TEST(OccupancyGrid, TheFilesOfMapServer) {
