@@ -219,26 +219,36 @@ class Readers(unittest.TestCase):
         self.check_splats(self.splat_transform(self.folder / "old.spz"), 1e-4, 0.006, 0.003, 0.13)
 
     def test_spz_by_niantics_library(self):
-        """@spz-loader/core is Niantic's own reader, compiled for browsers."""
+        """@spz-loader/core is Niantic's own reader, compiled for browsers; 0.3.1 fails on version 4,
+        also where others wrote it."""
         loader = self.node_module("@spz-loader/core/dist/index.js")
+        self.sgs("export", self.run_folder, "--spz-version", 2, "spz", self.folder / "n.spz")
         read = self.node(
             """import fs from "node:fs";
+process.type = "renderer";  // a browser, not Node.js: its branch for that does not work
+globalThis.window = globalThis;
 const { loadSpz } = await import(process.argv[2]);
 const splats = await loadSpz(new Uint8Array(fs.readFileSync(process.argv[3])));
 console.log(JSON.stringify({
-  count: splats.numPoints, positions: [...splats.positions], rotations: [...splats.rotations] }));
+  positions: [...splats.positions],
+  rotations: [...splats.rotations],
+  scales: [...splats.scales],
+}));
 """,
             loader.as_uri(),
-            self.export("spz", "n.spz"),
+            self.folder / "n.spz",
         )
-        self.assertEqual(read["count"], len(self.map))
+        turn = np.array([1, -1, -1])
         positions = np.array(read["positions"]).reshape(-1, 3)
-        ours = columns(self.map, "x", "y", "z") * (1, -1, -1)
+        self.assertEqual(len(positions), len(self.map))
+        ours = columns(self.map, "x", "y", "z") * turn
         self.assertLess(np.abs(positions - ours).max(), 1e-4)
-        xyzw = np.array(read["rotations"]).reshape(-1, 4)
-        mine = columns(self.map, "rot_1", "rot_2", "rot_3", "rot_0") * (1, -1, -1, 1)
-        mine /= np.linalg.norm(mine, axis=1, keepdims=True)
-        self.assertGreater(np.abs((xyzw * mine).sum(axis=1)).min(), 1 - 1e-5)
+        R = rotations(np.array(read["rotations"]).reshape(-1, 4)[:, [3, 0, 1, 2]])
+        S = np.array(read["scales"]).reshape(-1, 3)
+        a = np.einsum("nij,nj,nkj->nik", R, S * S, R)
+        b = covariances(self.map) * turn[:, None] * turn
+        relative = np.linalg.norm(a - b, axis=(1, 2)) / np.linalg.norm(b, axis=(1, 2))
+        self.assertLess(relative.max(), 0.13)
 
     def test_glb(self):
         """Khronos's validator finds nothing, and what the file holds is the map."""
@@ -250,6 +260,8 @@ console.log(JSON.stringify({
             name.split(":")[-1]: glb_values(document, binary, index)
             for name, index in primitive["attributes"].items()
         }
+        names = ["ROTATION", "SCALE", "OPACITY", "SH_DEGREE_0_COEF_0"]
+        self.assertEqual(sorted(values), sorted(["POSITION", "COLOR_0"] + names))
         turn = np.array([1, -1, -1])
         np.testing.assert_allclose(values["POSITION"], columns(self.map, "x", "y", "z") * turn)
         np.testing.assert_allclose(
@@ -272,8 +284,18 @@ console.log(JSON.stringify(await validator.validateBytes(bytes)));
             validator.as_uri(),
             path,
         )
-        issues = report["issues"]
-        self.assertEqual((issues["numErrors"], issues["numWarnings"]), (0, 0), issues)
+        # 2.0.0-dev.3.10 knows no names of attributes that belong to extensions.
+        own = "/meshes/0/primitives/0/attributes/KHR_gaussian_splatting:"
+        issues = [
+            issue
+            for issue in report["issues"]["messages"]
+            if issue["code"] != "UNSUPPORTED_EXTENSION"
+            and not (
+                issue["code"] == "MESH_PRIMITIVE_INVALID_ATTRIBUTE"
+                and issue["pointer"].startswith(own)
+            )
+        ]
+        self.assertEqual(issues, [])
         self.assertEqual(report["info"]["totalVertexCount"], len(self.map))
 
     def test_map_without_a_run(self):
