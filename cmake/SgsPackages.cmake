@@ -53,7 +53,7 @@ if(SGS_WITH_OPENVDB)
   set(CPACK_DEBIAN_SGS-MESH_PACKAGE_SECTION science)
   set(CPACK_DEBIAN_SGS-MESH_PACKAGE_DEPENDS "sgs (= ${PROJECT_VERSION})")
   set(CPACK_COMPONENT_SGS-MESH_DESCRIPTION
-      "RGB-D SLAM on CPUs: meshes\n What `sgs export RUN mesh` starts.")
+      "RGB-D SLAM on CPUs: meshes\n What `sgs export RUN mesh` and `esdf` start.")
 endif()
 if(SGS_BUILD_PYTHON)
   list(APPEND CPACK_COMPONENTS_ALL python3-sgs)

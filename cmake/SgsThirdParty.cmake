@@ -36,10 +36,12 @@ find_path(SGS_ZSTD_INCLUDE zstd.h REQUIRED)
 find_library(SGS_ZSTD_LIBRARY zstd REQUIRED)
 mark_as_advanced(SGS_LZ4_INCLUDE SGS_LZ4_LIBRARY SGS_ZSTD_INCLUDE SGS_ZSTD_LIBRARY)
 if(NOT TARGET sgs_unpackers)
+  add_library(sgs_zstd INTERFACE IMPORTED)  # for splats, too
+  target_include_directories(sgs_zstd INTERFACE "${SGS_ZSTD_INCLUDE}")
+  target_link_libraries(sgs_zstd INTERFACE ${SGS_ZSTD_LIBRARY})
   add_library(sgs_unpackers INTERFACE IMPORTED)
-  target_include_directories(sgs_unpackers INTERFACE "${SGS_LZ4_INCLUDE}" "${SGS_ZSTD_INCLUDE}")
-  target_link_libraries(sgs_unpackers INTERFACE BZip2::BZip2 ${SGS_LZ4_LIBRARY}
-                                                ${SGS_ZSTD_LIBRARY})
+  target_include_directories(sgs_unpackers INTERFACE "${SGS_LZ4_INCLUDE}")
+  target_link_libraries(sgs_unpackers INTERFACE BZip2::BZip2 ${SGS_LZ4_LIBRARY} sgs_zstd)
 endif()
 
 # Inflates PNGs; without a CMake package in Debian 12, too.
@@ -50,6 +52,21 @@ if(NOT TARGET sgs_deflate)
   add_library(sgs_deflate INTERFACE IMPORTED)
   target_include_directories(sgs_deflate INTERFACE "${SGS_DEFLATE_INCLUDE}")
   target_link_libraries(sgs_deflate INTERFACE ${SGS_DEFLATE_LIBRARY})
+endif()
+
+# OctoMap is optional: where it is found, SGS_WITH_OCTOMAP is on and the target sgs_octomap exists.
+find_path(SGS_OCTOMAP_INCLUDE octomap/octomap.h)
+find_library(SGS_OCTOMAP_LIBRARY octomap)
+find_library(SGS_OCTOMATH_LIBRARY octomath)
+mark_as_advanced(SGS_OCTOMAP_INCLUDE SGS_OCTOMAP_LIBRARY SGS_OCTOMATH_LIBRARY)
+set(SGS_WITH_OCTOMAP OFF)
+if(SGS_OCTOMAP_INCLUDE AND SGS_OCTOMAP_LIBRARY AND SGS_OCTOMATH_LIBRARY)
+  set(SGS_WITH_OCTOMAP ON)
+  if(NOT TARGET sgs_octomap)
+    add_library(sgs_octomap INTERFACE IMPORTED)
+    target_include_directories(sgs_octomap INTERFACE "${SGS_OCTOMAP_INCLUDE}")
+    target_link_libraries(sgs_octomap INTERFACE ${SGS_OCTOMAP_LIBRARY} ${SGS_OCTOMATH_LIBRARY})
+  endif()
 endif()
 
 # OpenVDB is optional: where it is found, SGS_WITH_OPENVDB is on and the target sgs_openvdb exists.

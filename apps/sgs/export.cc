@@ -5,12 +5,14 @@
 
 #include "commands.h"
 #include "export_mesh.h"
+#include "export_occupancy.h"
 #include "log_setup.h"
 #include "sgs/core/print.h"
 #include "sgs/export/bag_export.h"
 #include "sgs/export/scene_export.h"
 #include "sgs/export/turned_map.h"
 #include "sgs/io/atomic_file.h"
+#include "sgs/io/glb.h"
 #include "sgs/io/ply.h"
 #include "sgs/io/splat_file.h"
 #include "sgs/io/spz.h"
@@ -27,6 +29,8 @@ namespace fs = std::filesystem;
 struct ExportCommand {
   std::string run, format, output;
   MeshOptions mesh;
+  OccupancyCommand occupancy;
+  int spz_version = static_cast<int>(io::SpzVersion::kZstd);
   bool upright = false;  ///< z up, instead of the axes of the first camera
   SE3 T_out_world;       ///< from the run's world to that of the files
   /// Output of each format asked for by an option of its own, in the order of kFormats.
@@ -90,7 +94,7 @@ Status with_map(const ExportCommand& command, const Save& save) {
   return save(map);
 }
 
-const std::array<Format, 11> kFormats = {{
+const std::array<Format, 15> kFormats = {{
     {"ply", "splats in the 3DGS vertex layout",
      [](const ExportCommand& c, const fs::path& out) {
        return with_map(
@@ -100,10 +104,20 @@ const std::array<Format, 11> kFormats = {{
      [](const ExportCommand& c, const fs::path& out) {
        return with_map(c, [&](const auto& map) { return io::save_splat_file(out, map.gaussians); });
      }},
-    {"spz", "splats compressed (Niantic SPZ 2)",
+    {"spz", "splats compressed (Niantic SPZ)",
      [](const ExportCommand& c, const fs::path& out) {
-       return with_map(
-           c, [&](const auto& map) { return io::save_spz(out, map.gaussians, map.harmonics); });
+       return with_map(c, [&](const auto& map) {
+         return io::save_spz(out, map.gaussians, map.harmonics,
+                             static_cast<io::SpzVersion>(c.spz_version));
+       });
+     }},
+    {"glb", "splats as binary glTF (KHR_gaussian_splatting)",
+     [](const ExportCommand& c, const fs::path& out) -> Status {
+       SGS_ASSIGN_OR_RETURN(auto map, load_map(c.run));
+       const SE3 T_gltf_out(c.upright ? io::gltf_from_upright_axes() : io::gltf_from_camera_axes(),
+                            Eigen::Vector3d::Zero());
+       run::move_into(T_gltf_out * c.T_out_world, map);
+       return io::save_glb(out, map.gaussians, map.harmonics);
      }},
     {"points", "coloured point PLY",
      [](const ExportCommand& c, const fs::path& out) {
@@ -119,6 +133,18 @@ const std::array<Format, 11> kFormats = {{
      }},
     {"mesh", "coloured mesh PLY by depth fusion",
      [](const ExportCommand& c, const fs::path& out) { return export_mesh(c.run, c.mesh, out); }},
+    {"grid", "2-D occupancy for nav2 and map_server: NAME.yaml and NAME.pgm, or a folder for map.*",
+     [](const ExportCommand& c, const fs::path& out) {
+       return export_grid(c.run, c.occupancy, out);
+     }},
+    {"octomap", "3-D occupancy as OctoMap .bt",
+     [](const ExportCommand& c, const fs::path& out) {
+       return export_octomap(c.run, c.occupancy, out);
+     }},
+    {"esdf", "distances to the nearest surface as OpenVDB",
+     [](const ExportCommand& c, const fs::path& out) {
+       return export_esdf(c.run, c.occupancy, out);
+     }},
     {"colmap", "folder with COLMAP text model and keyframe pictures",
      [](const ExportCommand& c, const fs::path& out) -> Status {
        SGS_ASSIGN_OR_RETURN(const auto map, load_map(c.run));  // drawn where the run's poses are
@@ -152,6 +178,7 @@ int run_export(ExportCommand command) {
     command.T_out_world = *T_upright_world;
     command.mesh.upright = true;
   }
+  command.occupancy.options.threads = command.mesh.threads;
   bool any = false;
   for (std::size_t i = 0; i < kFormats.size(); ++i) {
     if (command.format == kFormats[i].name) command.outputs[i] = command.output;
@@ -179,7 +206,8 @@ void add_export(CLI::App& app, Action& action) {
     list += (list.empty() ? "" : ", ") + names.back();
   }
   auto* format = sub->add_option("FORMAT", command->format, list)->check(CLI::IsMember(names));
-  auto* output = sub->add_option("OUT", command->output, "File (colmap: folder) to write");
+  auto* output =
+      sub->add_option("OUT", command->output, "File (colmap: folder; grid: either) to write");
   format->needs(output);
   command->outputs.resize(kFormats.size());
   for (std::size_t i = 0; i < kFormats.size(); ++i) {
@@ -187,10 +215,14 @@ void add_export(CLI::App& app, Action& action) {
   }
   sub->add_flag("--upright", command->upright,
                 "z up instead of the axes of the first camera (bag and mcap always have both)");
+  sub->add_option("--spz-version", command->spz_version,
+                  "spz: 4, or 2 for readers from before 2026")
+      ->check(CLI::IsMember({2, 4}));
   sub->add_option("--voxel", command->mesh.voxel_m, "mesh: size of a voxel in metres")
       ->check(CLI::Range(0.001, 1.0));
   sub->add_flag("--measured-depth", command->mesh.measured,
                 "mesh: fuse the camera's depth instead of the map's");
+  add_occupancy_options(*sub, command->occupancy);
   sub->add_option("--threads", command->mesh.threads, "Threads")->check(CLI::Range(1, 256));
   sub->callback([command, &action] { action = [command] { return run_export(*command); }; });
 }

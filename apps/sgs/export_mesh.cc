@@ -4,9 +4,18 @@
 
 #include <fmt/format.h>
 
-#include "helper_program.h"
-
 namespace sgs::app {
+
+Result<HelperProgram> start_mesh_program(const std::string& purpose, const std::string& to_fit,
+                                         const std::vector<std::string>& arguments) {
+  return HelperProgram::start(
+      {.name = "sgs-mesh",
+       .purpose = purpose,
+       .to_install = "install the package sgs-mesh; for a build from source install "
+                     "libopenvdb-dev, then configure and build again",
+       .to_fit = to_fit},
+      arguments);
+}
 
 Status export_mesh(const std::string& run, const MeshOptions& options,
                    const std::filesystem::path& path) {
@@ -17,13 +26,8 @@ Status export_mesh(const std::string& run, const MeshOptions& options,
   if (options.upright) arguments.emplace_back("--upright");
   SGS_ASSIGN_OR_RETURN(
       auto program,
-      HelperProgram::start(
-          {.name = "sgs-mesh",
-           .purpose = "meshes",
-           .to_install = "install the package sgs-mesh; for a build from source install "
-                         "libopenvdb-dev, then configure and build again",
-           .to_fit = "is there enough memory? A larger --voxel needs less"},
-          arguments));
+      start_mesh_program("meshes", "is there enough memory? A larger --voxel needs less",
+                         arguments));
   return program.finish();
 }
 

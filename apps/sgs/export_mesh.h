@@ -4,7 +4,9 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
+#include "helper_program.h"
 #include "sgs/core/error.h"
 
 namespace sgs::app {
@@ -16,6 +18,10 @@ struct MeshOptions {
   bool upright = false;   ///< in the world turned upright
   int threads = 2;
 };
+/// The program that links OpenVDB, with what to do without it.
+Result<HelperProgram> start_mesh_program(const std::string& purpose, const std::string& to_fit,
+                                         const std::vector<std::string>& arguments);
+
 /// Coloured mesh of the depth seen from the keyframes of a run, as PLY. The program sgs-mesh makes
 /// it, which may not be installed: the error says so.
 Status export_mesh(const std::string& run, const MeshOptions& options,

@@ -175,7 +175,7 @@ class Contract(Case):
 
     def test_export_and_render(self):
         out, _ = self.run_folder(self.master, "--no-eval")
-        for form in ("ply", "points", "tum", "kitti"):
+        for form in ("ply", "glb", "spz", "points", "tum", "kitti"):
             self.sgs("export", out, form, self.folder / f"x.{form}")
             self.assertGreater((self.folder / f"x.{form}").stat().st_size, 100)
         self.sgs("render", out, "--every", 8, "-o", self.folder / "pictures", "--depth", "--quiet")
@@ -216,7 +216,18 @@ class Contract(Case):
         shutil.rmtree(sequence)
         self.sgs("render", out, "--every", 8, "-o", self.folder / "pictures", "--quiet")
         self.assertEqual(len(list((self.folder / "pictures").glob("render_*.png"))), 2)
-        for form in ("ply", "splat", "spz", "points", "html", "mesh", "colmap", "tum", "kitti"):
+        for form in (
+            "ply",
+            "splat",
+            "spz",
+            "glb",
+            "points",
+            "html",
+            "mesh",
+            "colmap",
+            "tum",
+            "kitti",
+        ):
             target = self.folder / f"x.{form}"
             self.sgs("export", out, form, target)
             self.assertTrue(target.exists(), form)

@@ -225,6 +225,13 @@ class BadInput(WithSequence):
             sgs.Camera(64, 48, 50, 50, 32, 24, lens="telephoto")
         self.refused(ValueError, "nearest", sgs.evaluate, self.truth, self.truth, "near")
 
+    def test_maps_are_saved_by_name(self):
+        with self.session() as session:
+            session.feed(self.frames[0])
+        for name, begin in (("a.spz", b"NGSP"), ("a.glb", b"glTF"), ("a.ply", b"ply")):
+            session.snapshot().save(str(self.folder / name))
+            self.assertTrue((self.folder / name).read_bytes().startswith(begin), name)
+
     def splats(self):
         path = self.folder / "one.ply"
         with self.session() as session:

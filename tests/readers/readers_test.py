@@ -4,10 +4,12 @@
 
 Usage: readers_test.py SGS_EXECUTABLE NODE_FOLDER [unittest arguments]
 
-Splat formats are read by npm's @playcanvas/splat-transform, installed into NODE_FOLDER on first use;
-the map page by headless Chromium; the rest by the few lines of numpy below. What is not there is
-skipped with a reason.
+Splat formats are read by npm's @playcanvas/splat-transform and @spz-loader/core, glTF is checked by
+Khronos's gltf-validator, all installed into NODE_FOLDER on first use; the map page is read by
+headless Chromium, the rest by the few lines of numpy below. What is not there is skipped with a
+reason.
 """
+import json
 import pathlib
 import shutil
 import subprocess
@@ -79,6 +81,23 @@ def covariances(vertices):
     return np.einsum("nij,nj,nkj->nik", R, S * S, R)
 
 
+def read_glb(path):
+    """The document and the binary chunk."""
+    data = path.read_bytes()
+    length = int.from_bytes(data[12:16], "little")
+    return json.loads(data[20 : 20 + length]), data[28 + length :]
+
+
+def glb_values(document, binary, index):
+    """An accessor as an array."""
+    accessor = document["accessors"][index]
+    width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[accessor["type"]]
+    kind = {5126: "<f4", 5121: "u1"}[accessor["componentType"]]
+    offset = document["bufferViews"][accessor["bufferView"]]["byteOffset"]
+    values = np.frombuffer(binary, kind, accessor["count"] * width, offset)
+    return values.reshape(-1, width).astype(float)
+
+
 def tum(path):
     return np.array(
         [
@@ -126,17 +145,17 @@ class Readers(unittest.TestCase):
         self.sgs("export", self.run_folder, f"--{form}", self.folder / name)
         return self.folder / name
 
-    def splat_transform(self, source):
-        """The file as splat-transform understands it, as PLY vertices."""
+    def node_module(self, name):
+        """A file of a package from npm; all of them are installed when the first is asked for."""
         if not shutil.which("node"):
             self.skipTest("node is not installed")
-        tool = NODE_FOLDER / "node_modules/@playcanvas/splat-transform/bin/cli.mjs"
-        if not tool.exists():
+        file = NODE_FOLDER / "node_modules" / name
+        if not file.exists():
             if not shutil.which("npm"):
                 self.skipTest("npm is not installed")
             NODE_FOLDER.mkdir(parents=True, exist_ok=True)
-            for name in ("package.json", "package-lock.json"):
-                shutil.copy(HERE / name, NODE_FOLDER)
+            for listed in ("package.json", "package-lock.json"):
+                shutil.copy(HERE / listed, NODE_FOLDER)
             done = subprocess.run(
                 ["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund"],
                 cwd=NODE_FOLDER,
@@ -145,7 +164,22 @@ class Readers(unittest.TestCase):
                 timeout=600,
             )
             if done.returncode != 0:
-                self.skipTest(f"npm could not install splat-transform: {done.stderr[-300:]}")
+                self.skipTest(f"npm could not install the readers: {done.stderr[-300:]}")
+        return file.resolve()
+
+    def node(self, script, *arguments):
+        """What a script prints as JSON."""
+        file = self.folder / "script.mjs"
+        file.write_text(script)
+        done = subprocess.run(
+            ["node", file, *map(str, arguments)], capture_output=True, text=True, timeout=300
+        )
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return json.loads(done.stdout)
+
+    def splat_transform(self, source):
+        """The file as splat-transform understands it, as PLY vertices."""
+        tool = self.node_module("@playcanvas/splat-transform/bin/cli.mjs")
         target = self.folder / (source.name + ".read.ply")
         done = subprocess.run(
             ["node", tool, "-w", source, target], capture_output=True, text=True, timeout=300
@@ -181,6 +215,88 @@ class Readers(unittest.TestCase):
         self.check_splats(
             self.splat_transform(self.export("spz", "a.spz")), 1e-4, 0.006, 0.003, 0.13
         )
+        self.sgs("export", self.run_folder, "--spz-version", 2, "spz", self.folder / "old.spz")
+        self.check_splats(self.splat_transform(self.folder / "old.spz"), 1e-4, 0.006, 0.003, 0.13)
+
+    def test_spz_by_niantics_library(self):
+        """@spz-loader/core is Niantic's own reader, compiled for browsers; 0.3.1 fails on version 4,
+        also where others wrote it."""
+        loader = self.node_module("@spz-loader/core/dist/index.js")
+        self.sgs("export", self.run_folder, "--spz-version", 2, "spz", self.folder / "n.spz")
+        read = self.node(
+            """import fs from "node:fs";
+process.type = "renderer";  // a browser, not Node.js: its branch for that does not work
+globalThis.window = globalThis;
+const { loadSpz } = await import(process.argv[2]);
+const splats = await loadSpz(new Uint8Array(fs.readFileSync(process.argv[3])));
+console.log(JSON.stringify({
+  positions: [...splats.positions],
+  rotations: [...splats.rotations],
+  scales: [...splats.scales],
+}));
+""",
+            loader.as_uri(),
+            self.folder / "n.spz",
+        )
+        turn = np.array([1, -1, -1])
+        positions = np.array(read["positions"]).reshape(-1, 3)
+        self.assertEqual(len(positions), len(self.map))
+        ours = columns(self.map, "x", "y", "z") * turn
+        self.assertLess(np.abs(positions - ours).max(), 1e-4)
+        R = rotations(np.array(read["rotations"]).reshape(-1, 4)[:, [3, 0, 1, 2]])
+        S = np.array(read["scales"]).reshape(-1, 3)
+        a = np.einsum("nij,nj,nkj->nik", R, S * S, R)
+        b = covariances(self.map) * turn[:, None] * turn
+        relative = np.linalg.norm(a - b, axis=(1, 2)) / np.linalg.norm(b, axis=(1, 2))
+        self.assertLess(relative.max(), 0.13)
+
+    def test_glb(self):
+        """Khronos's validator finds nothing, and what the file holds is the map."""
+        path = self.export("glb", "a.glb")
+        document, binary = read_glb(path)
+        primitive = document["meshes"][0]["primitives"][0]
+        self.assertEqual(primitive["extensions"]["KHR_gaussian_splatting"]["kernel"], "ellipse")
+        values = {
+            name.split(":")[-1]: glb_values(document, binary, index)
+            for name, index in primitive["attributes"].items()
+        }
+        names = ["ROTATION", "SCALE", "OPACITY", "SH_DEGREE_0_COEF_0"]
+        self.assertEqual(sorted(values), sorted(["POSITION", "COLOR_0"] + names))
+        turn = np.array([1, -1, -1])
+        np.testing.assert_allclose(values["POSITION"], columns(self.map, "x", "y", "z") * turn)
+        np.testing.assert_allclose(
+            values["SH_DEGREE_0_COEF_0"], columns(self.map, "f_dc_0", "f_dc_1", "f_dc_2"), atol=1e-5
+        )
+        opacity = 1 / (1 + np.exp(-self.map["opacity"].astype(float)))
+        np.testing.assert_allclose(values["OPACITY"][:, 0], opacity, atol=1e-6)
+        R, S = rotations(values["ROTATION"][:, [3, 0, 1, 2]]), values["SCALE"]
+        spread = np.einsum("nij,nj,nkj->nik", R, S * S, R)
+        wanted = covariances(self.map) * turn[:, None] * turn
+        self.assertLess(np.abs(spread - wanted).max(), 1e-5 * np.abs(wanted).max())
+
+        validator = self.node_module("gltf-validator/index.js")
+        report = self.node(
+            """import fs from "node:fs";
+const validator = (await import(process.argv[2])).default;
+const bytes = new Uint8Array(fs.readFileSync(process.argv[3]));
+console.log(JSON.stringify(await validator.validateBytes(bytes)));
+""",
+            validator.as_uri(),
+            path,
+        )
+        # 2.0.0-dev.3.10 knows no names of attributes that belong to extensions.
+        own = "/meshes/0/primitives/0/attributes/KHR_gaussian_splatting:"
+        issues = [
+            issue
+            for issue in report["issues"]["messages"]
+            if issue["code"] != "UNSUPPORTED_EXTENSION"
+            and not (
+                issue["code"] == "MESH_PRIMITIVE_INVALID_ATTRIBUTE"
+                and issue["pointer"].startswith(own)
+            )
+        ]
+        self.assertEqual(issues, [])
+        self.assertEqual(report["info"]["totalVertexCount"], len(self.map))
 
     def test_map_without_a_run(self):
         self.sgs("export", self.run_folder / "map.ply", "spz", self.folder / "b.spz")

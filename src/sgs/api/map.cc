@@ -7,7 +7,11 @@
 #include "sgs/api/internal/access.h"
 #include "sgs/api/internal/convert.h"
 #include "sgs/api/internal/guard.h"
+#include "sgs/export/turned_map.h"
+#include "sgs/io/glb.h"
 #include "sgs/io/ply.h"
+#include "sgs/io/splat_file.h"
+#include "sgs/io/spz.h"
 #include "sgs/render/rasterizer.h"
 #include "sgs/render/rendered_images.h"
 #include "sgs/render/view_color.h"
@@ -38,6 +42,16 @@ Rendering to_api_rendering(const render::Rendering& rendering) {
   out.depth.assign(depth.data(), depth.data() + depth.size());
   out.alpha.assign(rendering.alpha.data(), rendering.alpha.data() + rendering.alpha.size());
   return out;
+}
+
+Status save_by_name(const std::filesystem::path& path, const map::Snapshot& map) {
+  const std::string ending = path.extension().string();
+  if (ending == ".spz") return io::save_spz(path, map.gaussians, map.harmonics);
+  if (ending == ".splat") return io::save_splat_file(path, map.gaussians);
+  if (ending != ".glb") return io::save_splats(path, map.gaussians, map.harmonics);
+  map::SplatMap turned{map.gaussians, map.harmonics};
+  run::move_into({io::gltf_from_camera_axes(), Eigen::Vector3d::Zero()}, turned);
+  return io::save_glb(path, turned.gaussians, turned.harmonics);
 }
 
 }  // namespace
@@ -100,10 +114,7 @@ Rendering Map::render(const Camera& camera, const Pose& T_world_camera, int thre
 }
 
 void Map::save(const std::string& path) const {
-  internal::guarded([&] {
-    internal::check_or_raise(
-        io::save_splats(path, impl_->snapshot->gaussians, impl_->snapshot->harmonics));
-  });
+  internal::guarded([&] { internal::check_or_raise(save_by_name(path, *impl_->snapshot)); });
 }
 
 namespace internal {

@@ -49,7 +49,9 @@ class SGS_API Map {
   /// The map seen by `camera` (whose distortion is not applied) at a pose. The same bits for any
   /// number of threads. Throws kInvalidArgument where camera or pose cannot be.
   Rendering render(const Camera& camera, const Pose& T_world_camera, int threads = 2) const;
-  /// Writes a PLY file in the vertex layout of 3DGS.
+  /// Writes a file of the format that the name ends in: .spz (version 4), .glb (glTF with
+  /// KHR_gaussian_splatting, y up as the first camera stood), .splat; anything else is a PLY file
+  /// in the vertex layout of 3DGS.
   void save(const std::string& path) const;
 
  private:

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <tuple>
 
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/colmap.h"
@@ -14,6 +15,7 @@
 #include "sgs/io/spz.h"
 #include "sgs/io/temporary_folder.h"
 #include "sgs/io/text.h"
+#include "sgs/io/zstd.h"
 
 namespace sgs::io {
 namespace {
@@ -108,13 +110,90 @@ TEST(SplatFile, BadValuesAreRefused) {
 TEST(Spz, RoundTrip) {
   const TemporaryFolder folder;
   const auto splats = random_splats(500);
+  for (const auto& [version, bytes, angle] :
+       {std::tuple(SpzVersion::kGzip, 19, 0.025), std::tuple(SpzVersion::kZstd, 20, 0.005)}) {
+    ASSERT_TRUE(save_spz(folder / "a.spz", splats, {}, version));
+    const auto read = load_spz(folder / "a.spz");
+    ASSERT_TRUE(read) << read.error().text();
+    const double color_step = 0.5 / 255 * kSh0 / 0.15;
+    expect_near(read->gaussians, splats,
+                {0.5 / 65536 + 1e-6, 1.0 / 32 + 1e-6, color_step + 1e-6, 0.5 / 255 + 1e-6, angle});
+    EXPECT_LT(std::filesystem::file_size(folder / "a.spz"), 500 * bytes + 300);
+  }
+}
+
+TEST(Spz, EveryComponentMayBeTheLargest) {
+  const TemporaryFolder folder;
+  std::vector<map::Gaussian> splats;
+  for (int k = 0; k < 4; ++k) {
+    for (const float sign : {-1.f, 1.f}) {
+      map::Gaussian g{};
+      for (int i = 0; i < 4; ++i) g.rotation[i] = 0.3f * static_cast<float>(i % 2 == 0 ? -1 : 1);
+      g.rotation[k] = sign;
+      splats.push_back(g);
+    }
+  }
   ASSERT_TRUE(save_spz(folder / "a.spz", splats));
   const auto read = load_spz(folder / "a.spz");
   ASSERT_TRUE(read);
-  const double color_step = 0.5 / 255 * kSh0 / 0.15;
-  expect_near(read->gaussians, splats,
-              {0.5 / 65536 + 1e-6, 1.0 / 32 + 1e-6, color_step + 1e-6, 0.5 / 255 + 1e-6, 0.025});
-  EXPECT_LT(std::filesystem::file_size(folder / "a.spz"), 500 * 19 + 100);
+  for (std::size_t i = 0; i < splats.size(); ++i) {
+    const auto p = unit_rotation(splats[i]), q = unit_rotation(read->gaussians[i]);
+    double dot = 0;
+    for (std::size_t k = 0; k < 4; ++k) dot += p[k] * q[k];
+    EXPECT_GT(std::abs(dot), 1 - 1e-5) << i;  // the rotation itself, not one like it
+  }
+}
+
+// 32 bytes of header, a line of 16 for each stream that is not empty, and the streams.
+TEST(Spz, LayoutOfVersion4) {
+  const TemporaryFolder folder;
+  const auto splats = random_splats(7);
+  map::Harmonics harmonics{1, {}};
+  harmonics.resize(splats.size());
+  for (const bool with : {false, true}) {
+    ASSERT_TRUE(save_spz(folder / "a.spz", splats, with ? harmonics : map::Harmonics{}));
+    const std::string file = *read_file(folder / "a.spz");
+    EXPECT_EQ(file.substr(0, 12), std::string("NGSP\4\0\0\0\7\0\0\0", 12));
+    EXPECT_EQ(file[12], with ? 1 : 0);
+    EXPECT_EQ(file[15], with ? 6 : 5);
+    EXPECT_EQ(file.substr(16, 16), std::string(" ", 1) + std::string(15, '\0'));
+    EXPECT_EQ(file[32 + 8], 9 * 7);  // positions
+  }
+}
+
+TEST(Spz, DamagedFilesOfVersion4) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(save_spz(folder / "empty.spz", {}));
+  EXPECT_TRUE(load_spz(folder / "empty.spz")->gaussians.empty());
+  ASSERT_TRUE(save_spz(folder / "a.spz", random_splats(50)));
+  const std::string whole = *read_file(folder / "a.spz");
+  const auto with = [&](std::size_t at, char value) {
+    std::string bad = whole;
+    bad[at] = value;
+    return bad;
+  };
+  for (const std::string& bad :
+       {whole.substr(0, whole.size() - 1), whole + "x", whole.substr(0, 20), whole.substr(0, 50),
+        with(4, 3), with(4, 5), with(8, 51), with(11, 127), with(12, 4), with(15, 6), with(15, 0),
+        with(16, 31), with(19, 127), with(32, 1), with(39, 127), with(112, 'x')}) {
+    ASSERT_TRUE(write_file(folder / "bad.spz", bad));
+    const auto read = load_spz(folder / "bad.spz");
+    ASSERT_FALSE(read);
+    EXPECT_THAT(read.error().message, HasSubstr("bad.spz"));
+  }
+}
+
+TEST(Zstd, RoundTripAndLimits) {
+  std::string bytes;
+  for (unsigned i = 0; i < 700'000; ++i) bytes += static_cast<char>(i * i >> 7);
+  for (const std::string& text : {std::string(), std::string("x"), bytes}) {
+    EXPECT_EQ(zstd_decompressed(zstd_compressed(text), text.size()), text);
+  }
+  const std::string frame = zstd_compressed(bytes);
+  EXPECT_FALSE(zstd_decompressed(frame, bytes.size() - 1));
+  EXPECT_FALSE(zstd_decompressed(frame, bytes.size() + 1));
+  EXPECT_FALSE(zstd_decompressed(frame.substr(0, frame.size() / 2), bytes.size()));
+  EXPECT_FALSE(zstd_decompressed(frame + frame, bytes.size()));
 }
 
 // Up is -y and back is -z there: what is odd in one of the two changes its sign.
@@ -127,7 +206,7 @@ TEST(Spz, HarmonicsRoundTripAndTurnWithTheAxes) {
     for (std::size_t i = 0; i < harmonics.coefficients.size(); ++i) {
       harmonics.coefficients[i] = 0.9f * std::sin(static_cast<float>(i));
     }
-    ASSERT_TRUE(save_spz(folder / "h.spz", splats, harmonics));
+    ASSERT_TRUE(save_spz(folder / "h.spz", splats, harmonics, SpzVersion::kGzip));
     const auto read = load_spz(folder / "h.spz");
     ASSERT_TRUE(read) << read.error().text();
     ASSERT_EQ(read->harmonics.degree, degree);
@@ -161,9 +240,9 @@ TEST(Spz, LargeCoordinatesTakeFewerFractionalBits) {
 
 TEST(Spz, EmptyMapAndDamagedFiles) {
   const TemporaryFolder folder;
-  ASSERT_TRUE(save_spz(folder / "empty.spz", {}));
+  ASSERT_TRUE(save_spz(folder / "empty.spz", {}, {}, SpzVersion::kGzip));
   EXPECT_TRUE(load_spz(folder / "empty.spz")->gaussians.empty());
-  ASSERT_TRUE(save_spz(folder / "a.spz", random_splats(50)));
+  ASSERT_TRUE(save_spz(folder / "a.spz", random_splats(50), {}, SpzVersion::kGzip));
   const std::string whole = *read_file(folder / "a.spz");
   const std::string content = *gzip_decompressed(whole, 1 << 20);
   std::string other_version = content, fewer = content.substr(0, content.size() - 1);

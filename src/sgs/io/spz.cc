@@ -2,187 +2,195 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/io/spz.h"
 
-#include <algorithm>
-#include <array>
 #include <bit>
-#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <numeric>
 #include <string>
 
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/gzip.h"
 #include "sgs/io/splat_check.h"
+#include "sgs/io/spz_attributes.h"
+#include "sgs/io/zstd.h"
 
 namespace sgs::io {
 namespace fs = std::filesystem;
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "the header is copied as it is");
+static_assert(std::endian::native == std::endian::little, "the headers are copied as they are");
 
+constexpr std::uint32_t kMagic = 0x5053474e;  // "NGSP"
+constexpr std::uint8_t kExtended = 2;         // flag: records of others before the table
+// limit: SPZ after decompression, bytes
+constexpr std::size_t kMaxBytes = std::size_t{1} << 31;
+
+/// With which all versions begin, up to 3 within the gzip stream.
 struct Header {
-  std::uint32_t magic = 0x5053474e;  // "NGSP"
-  std::uint32_t version = 2;
+  std::uint32_t magic = kMagic;
+  std::uint32_t version = 0;
   std::uint32_t count = 0;
-  std::uint8_t sh_degree = 0, fractional_bits = 0, flags = 0, reserved = 0;
+  std::uint8_t harmonic_degree = 0, fractional_bits = 0, flags = 0;
+  std::uint8_t streams = 0;  // of version 4, that are not empty
 };
 static_assert(sizeof(Header) == 16);
 
-constexpr std::size_t kBytesPerSplat = 9 + 1 + 3 + 3 + 3;
-constexpr int kMaxFractionalBits = 16;
-constexpr double kLargestFixed = (1 << 23) - 1;
-/// The same turn for the harmonics, basis function by basis function: odd in y or z, but not in
-/// both.
-constexpr std::array<double, map::Harmonics::basis_functions(map::kMaxHarmonicDegree)>
-    kHarmonicSigns = {-1, -1, 1, -1, 1, 1, -1, 1, -1, 1, -1, -1, 1, -1, 1};
-constexpr double kHarmonicScale = 128;
-constexpr double kColorScale = 0.15;  // of the SH coefficient, so that out-of-range colours fit
-/// Right-down-forward to right-up-back: signs of the axes, and of the quaternion's vector part.
-constexpr std::array<double, 3> kSigns = {1, -1, -1};
+/// What follows in version 4.
+struct MoreHeader {
+  std::uint32_t table_offset = 0;  // from the file's begin
+  std::uint32_t reserved[3] = {};
+};
+static_assert(sizeof(MoreHeader) == 16);
 
-char byte_char(double value) {
-  return static_cast<char>(static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0))));
+/// A line of the table: sizes in bytes of a stream as it is in the file, and as it was.
+struct StreamSizes {
+  std::uint64_t packed = 0, whole = 0;
+};
+static_assert(sizeof(StreamSizes) == 16);
+
+template <class T>
+void append(std::string& out, const T& value) {
+  const std::size_t size = out.size();
+  out.resize(size + sizeof value);
+  std::memcpy(out.data() + size, &value, sizeof value);
 }
-double value_of(char c) { return static_cast<double>(static_cast<std::uint8_t>(c)); }
 
-/// Fractional bits that leave room for the largest coordinate; negative: it does not fit.
-int fractional_bits(std::span<const map::Gaussian> splats) {
-  double largest = 0;
-  for (const map::Gaussian& g : splats) {
-    for (const float v : g.mean) largest = std::max(largest, std::abs(static_cast<double>(v)));
+/// False where `bytes` ends before.
+template <class T>
+bool read_at(std::string_view bytes, std::size_t offset, T& value) {
+  if (offset > bytes.size() || bytes.size() - offset < sizeof value) return false;
+  std::memcpy(&value, bytes.data() + offset, sizeof value);
+  return true;
+}
+
+std::string as_gzip(const Header& header, const auto& attributes) {
+  std::string out;
+  append(out, header);
+  for (const std::string& attribute : attributes) out += attribute;
+  return gzip_compressed(out);
+}
+
+std::string as_zstd(Header header, const auto& attributes) {
+  std::string table, streams;
+  for (const std::string& attribute : attributes) {
+    if (attribute.empty()) continue;
+    const std::string packed = zstd_compressed(attribute);
+    append(table, StreamSizes{packed.size(), attribute.size()});
+    streams += packed;
+    ++header.streams;
   }
-  int bits = kMaxFractionalBits;
-  while (bits >= 0 && std::ldexp(largest, bits) > kLargestFixed) --bits;
-  return bits;
+  std::string out;
+  append(out, header);
+  append(out, MoreHeader{sizeof(Header) + sizeof(MoreHeader)});
+  return out + table + streams;
 }
 
-void append_position(std::string& out, const map::Gaussian& g, int bits) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto fixed =
-        static_cast<std::int32_t>(std::lround(std::ldexp(kSigns[k] * g.mean[k], bits)));
-    for (int shift = 0; shift < 24; shift += 8) out += static_cast<char>(fixed >> shift & 0xFF);
-  }
-}
+using Attributes = std::array<std::string_view, SpzLayout::kAttributes>;
 
-double position_of(const char* at, int bits) {
-  std::uint32_t fixed = 0;
-  for (int i = 0; i < 3; ++i) fixed |= static_cast<std::uint32_t>(value_of(at[i])) << (8 * i);
-  if (fixed & 0x800000) fixed |= 0xFF000000;
-  return std::ldexp(static_cast<double>(static_cast<std::int32_t>(fixed)), -bits);
-}
-
-/// A half turn about one of its own axes leaves an ellipsoid as it is. Of the four rotations that
-/// differ by them, the one with the largest w: w is not stored, and computing it from 8-bit x y z
-/// is precise only when it is large.
-std::array<double, 4> largest_w(const std::array<double, 4>& q) {
-  const std::array<std::array<double, 4>, 4> equal = {
-      q, {{-q[1], q[0], q[3], -q[2]}}, {{-q[2], -q[3], q[0], q[1]}}, {{-q[3], q[2], -q[1], q[0]}}};
-  return *std::max_element(equal.begin(), equal.end(), [](const auto& a, const auto& b) {
-    return std::abs(a[0]) < std::abs(b[0]);
-  });
-}
-
-void append_rotation(std::string& out, const map::Gaussian& g) {
-  const auto q = largest_w(unit_rotation(g));
-  const double sign = q[0] < 0 ? -1 : 1;
-  for (std::size_t k = 0; k < 3; ++k) out += byte_char(127.5 + 127.5 * sign * kSigns[k] * q[k + 1]);
-}
-
-void set_rotation(map::Gaussian& g, const char* at) {
-  double squares = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double q = value_of(at[k]) / 127.5 - 1;
-    g.rotation[k + 1] = static_cast<float>(kSigns[k] * q);
-    squares += q * q;
-  }
-  g.rotation[0] = static_cast<float>(std::sqrt(std::max(0.0, 1 - squares)));
-}
-
-tl::unexpected<Error> bad_file(const fs::path& path, const std::string& what) {
+tl::unexpected<Error> bad_spz(const fs::path& path, const std::string& what) {
   return fail(ErrorCode::kInvalidFormat, fmt::format("{}: {}", path.string(), what),
-              "needed: an SPZ file of version 2");
+              "needed: an SPZ file of version 2, 3 or 4");
+}
+
+Result<SpzLayout> layout_of(const fs::path& path, const Header& header) {
+  const SpzLayout layout{header.count, header.harmonic_degree, header.fractional_bits,
+                         header.version > 2};
+  if (header.magic != kMagic) return bad_spz(path, "no SPZ header");
+  if (header.version < 2 || header.version > 4 ||
+      header.harmonic_degree > map::kMaxHarmonicDegree || header.fractional_bits > 23) {
+    return bad_spz(path, fmt::format("version {}, SH degree {}, {} fractional bits", header.version,
+                                     header.harmonic_degree, header.fractional_bits));
+  }
+  return layout;
+}
+
+Result<map::SplatMap> from_gzip(const fs::path& path, std::string_view file) {
+  const auto content = gzip_decompressed(file, kMaxBytes);
+  if (!content) return bad_spz(path, "not a whole gzip stream");
+  Header header;
+  if (!read_at(*content, 0, header)) return bad_spz(path, "truncated header");
+  SGS_ASSIGN_OR_RETURN(const SpzLayout layout, layout_of(path, header));
+  const auto bytes = layout.bytes();
+  const std::size_t needed = std::accumulate(bytes.begin(), bytes.end(), sizeof header);
+  if (header.version > 3 || content->size() != needed) {
+    return bad_spz(path, fmt::format("{} bytes for {} Gaussians of version {}", content->size(),
+                                     layout.count, header.version));
+  }
+  Attributes attributes;
+  std::string_view rest = std::string_view(*content).substr(sizeof header);
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    attributes[i] = rest.substr(0, bytes[i]);
+    rest.remove_prefix(bytes[i]);
+  }
+  return splats_from_spz(attributes, layout);
+}
+
+Result<map::SplatMap> from_zstd(const fs::path& path, std::string_view file) {
+  Header header;
+  MoreHeader more;
+  if (!read_at(file, 0, header) || !read_at(file, sizeof header, more)) {
+    return bad_spz(path, "truncated header");
+  }
+  SGS_ASSIGN_OR_RETURN(const SpzLayout layout, layout_of(path, header));
+  const auto bytes = layout.bytes();
+  if (header.version != 4 ||
+      std::accumulate(bytes.begin(), bytes.end(), std::size_t{0}) > kMaxBytes) {
+    return bad_spz(path, fmt::format("{} Gaussians of version {}", layout.count, header.version));
+  }
+  const std::size_t first = sizeof header + sizeof more;
+  if (more.table_offset < first ||
+      ((header.flags & kExtended) == 0 && more.table_offset != first)) {
+    return bad_spz(path, fmt::format("its table begins at byte {}", more.table_offset));
+  }
+  std::array<std::string, SpzLayout::kAttributes> whole;
+  std::size_t line = more.table_offset, at = line + header.streams * sizeof(StreamSizes);
+  std::size_t streams = 0;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    if (bytes[i] == 0) continue;
+    StreamSizes sizes;
+    if (++streams > header.streams || !read_at(file, line, sizes) || at > file.size() ||
+        sizes.packed > file.size() - at || sizes.whole != bytes[i]) {
+      return bad_spz(path, fmt::format("stream {} is missing or of another size", streams));
+    }
+    auto attribute = zstd_decompressed(file.substr(at, sizes.packed), bytes[i]);
+    if (!attribute) return bad_spz(path, fmt::format("stream {} is damaged", streams));
+    whole[i] = std::move(*attribute);
+    line += sizeof sizes;
+    at += sizes.packed;
+  }
+  if (streams != header.streams || at != file.size()) {
+    return bad_spz(path, fmt::format("{} streams, {} of them used", header.streams, streams));
+  }
+  Attributes attributes;
+  for (std::size_t i = 0; i < whole.size(); ++i) attributes[i] = whole[i];
+  return splats_from_spz(attributes, layout);
 }
 
 }  // namespace
 
 Status save_spz(const fs::path& path, std::span<const map::Gaussian> splats,
-                const map::Harmonics& harmonics) {
+                const map::Harmonics& harmonics, SpzVersion version) {
   SGS_RETURN_IF_ERROR(check_splats(path, splats, harmonics));
-  const int bits = fractional_bits(splats);
-  if (bits < 0) {
+  const auto bits = spz_fractional_bits(splats);
+  if (!bits) {
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("{}: coordinates beyond 8388 km do not fit", path.string()));
   }
+  const bool gzip = version == SpzVersion::kGzip;
   Header header;
+  header.version = static_cast<std::uint32_t>(version);
   header.count = static_cast<std::uint32_t>(splats.size());
-  header.fractional_bits = static_cast<std::uint8_t>(bits);
-  header.sh_degree = static_cast<std::uint8_t>(harmonics.degree);
-  std::string out(sizeof header, '\0');
-  std::memcpy(out.data(), &header, sizeof header);
-  out.reserve(out.size() + (kBytesPerSplat + harmonics.floats()) * splats.size());
-  for (const map::Gaussian& g : splats) append_position(out, g, bits);
-  for (const map::Gaussian& g : splats) out += byte_char(255 * map::opacity<double>(g));
-  for (const map::Gaussian& g : splats) {
-    for (const float c : g.rgb) out += byte_char(255 * (0.5 + kColorScale * (c - 0.5) / kSh0));
-  }
-  for (const map::Gaussian& g : splats) {
-    for (const float s : g.log_scale) out += byte_char(16 * (s + 10.0));
-  }
-  for (const map::Gaussian& g : splats) append_rotation(out, g);
-  for (std::size_t i = 0; i < harmonics.coefficients.size(); ++i) {
-    const std::size_t function = i % harmonics.floats() / 3;
-    out += byte_char(kHarmonicScale *
-                     (1 + kHarmonicSigns[function] * double{harmonics.coefficients[i]}));
-  }
-  return write_file(path, gzip_compressed(out));
+  header.harmonic_degree = static_cast<std::uint8_t>(harmonics.degree);
+  header.fractional_bits = static_cast<std::uint8_t>(*bits);
+  const auto attributes =
+      spz_attributes(splats, harmonics, {splats.size(), harmonics.degree, *bits, !gzip});
+  return write_file(path, gzip ? as_gzip(header, attributes) : as_zstd(header, attributes));
 }
 
 Result<map::SplatMap> load_spz(const fs::path& path) {
-  // limit: SPZ after decompression, bytes
-  constexpr std::size_t kMaxBytes = std::size_t{1} << 31;
-  SGS_ASSIGN_OR_RETURN(const std::string stream, read_file(path));
-  const auto content = gzip_decompressed(stream, kMaxBytes);
-  if (!content) return bad_file(path, "not a whole gzip stream");
-  Header header;
-  if (content->size() < sizeof header) return bad_file(path, "truncated header");
-  std::memcpy(&header, content->data(), sizeof header);
-  if (header.magic != Header{}.magic) return bad_file(path, "no SPZ header");
-  if (header.version != Header{}.version || header.sh_degree > map::kMaxHarmonicDegree ||
-      header.fractional_bits > 23) {
-    return bad_file(path, fmt::format("version {}, SH degree {}, {} fractional bits",
-                                      header.version, header.sh_degree, header.fractional_bits));
-  }
-  const std::size_t n = header.count;
-  map::SplatMap splats{{}, {header.sh_degree, {}}};
-  const std::size_t floats = splats.harmonics.floats();
-  if (content->size() != sizeof header + (kBytesPerSplat + floats) * n) {
-    return bad_file(path, fmt::format("{} bytes for {} Gaussians", content->size(), n));
-  }
-  const char* positions = content->data() + sizeof header;
-  const char* alphas = positions + 9 * n;
-  const char* colors = alphas + n;
-  const char* scales = colors + 3 * n;
-  const char* rotations = scales + 3 * n;
-  splats.gaussians.resize(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    map::Gaussian& g = splats.gaussians[i];
-    for (std::size_t k = 0; k < 3; ++k) {
-      g.mean[k] = static_cast<float>(
-          kSigns[k] * position_of(positions + 9 * i + 3 * k, header.fractional_bits));
-      g.rgb[k] =
-          static_cast<float>(0.5 + kSh0 * (value_of(colors[3 * i + k]) / 255 - 0.5) / kColorScale);
-      g.log_scale[k] = static_cast<float>(value_of(scales[3 * i + k]) / 16 - 10);
-    }
-    g.opacity_logit = opacity_logit(value_of(alphas[i]) / 255);
-    set_rotation(g, rotations + 3 * i);
-  }
-  const char* rest = rotations + 3 * n;
-  splats.harmonics.resize(n);
-  for (std::size_t i = 0; i < floats * n; ++i) {
-    splats.harmonics.coefficients[i] = static_cast<float>(kHarmonicSigns[i % floats / 3] *
-                                                          (value_of(rest[i]) / kHarmonicScale - 1));
-  }
-  return splats;
+  const auto file = read_file(path);
+  if (!file) return tl::unexpected(file.error());
+  return file->starts_with("NGSP") ? from_zstd(path, *file) : from_gzip(path, *file);
 }
 
 }  // namespace sgs::io

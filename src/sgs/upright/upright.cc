@@ -23,26 +23,8 @@ Eigen::Vector3d camera_up(const Trajectory& path) {
   return sum / static_cast<double>(path.size());
 }
 
-/// z to `up`; x is where the camera looks, or, where that is along `up`, its edge that lies ahead.
-SE3 turn_upright(const Eigen::Vector3d& up, const Eigen::Matrix3d& R_world_camera) {
-  constexpr double kLevel = 0.3;
-  const auto level = [&](const Eigen::Vector3d& v) -> Eigen::Vector3d {
-    return v - v.dot(up) * up;
-  };
-  const Eigen::Vector3d ahead = R_world_camera.col(2);
-  Eigen::Vector3d x = level(ahead);
-  // Looking down, the upper edge lies ahead; looking up, the lower one.
-  if (x.norm() < kLevel) x = level((ahead.dot(up) < 0 ? -1 : 1) * R_world_camera.col(1));
-  x.normalize();
-  SE3 T;
-  T.R.row(0) = x;
-  T.R.row(1) = up.cross(x);
-  T.R.row(2) = up;
-  return T;
-}
-
 Upright upright_of(UprightBy by, const Eigen::Vector3d& up, const Trajectory& path) {
-  return {by, up, turn_upright(up, path.poses().front().T_world_camera.R)};
+  return {by, up, upright_turn(up, path.poses().front().T_world_camera.R)};
 }
 
 /// What the accelerometer feels as up, turned round where surfaces and camera contradict it.
@@ -101,6 +83,23 @@ std::string Upright::sentence() const {
       break;
   }
   return "upright as the camera was held on the whole: no accelerometer, and no floor was seen";
+}
+
+SE3 upright_turn(const Eigen::Vector3d& up, const Eigen::Matrix3d& R_world_camera) {
+  constexpr double kLevel = 0.3;
+  const auto level = [&](const Eigen::Vector3d& v) -> Eigen::Vector3d {
+    return v - v.dot(up) * up;
+  };
+  const Eigen::Vector3d ahead = R_world_camera.col(2);
+  Eigen::Vector3d x = level(ahead);
+  // Looking down, the upper edge lies ahead; looking up, the lower one.
+  if (x.norm() < kLevel) x = level((ahead.dot(up) < 0 ? -1 : 1) * R_world_camera.col(1));
+  x.normalize();
+  SE3 T;
+  T.R.row(0) = x;
+  T.R.row(1) = up.cross(x);
+  T.R.row(2) = up;
+  return T;
 }
 
 std::optional<Upright> find_upright(const dataset::ImuRecording& imu, const Trajectory& path,

@@ -44,6 +44,10 @@ struct Upright {
   std::string sentence() const;
 };
 
+/// Turns a world in which `up`, a unit vector, is against gravity: z up, and x where a camera of
+/// this orientation looks, or, where that is along `up`, its edge that lies ahead.
+SE3 upright_turn(const Eigen::Vector3d& up, const Eigen::Matrix3d& R_world_camera);
+
 /// Finds out which way is up along a finished path: from the accelerometer, where there is one that
 /// can be used, and from level surfaces near what it says; else from the largest level surfaces
 /// below a camera that is held upright on the whole; else from the camera alone. An accelerometer
