@@ -10,6 +10,19 @@ namespace {
 
 constexpr std::size_t kChunk = 256;  // source points summed in float
 
+// What `use` makes of the point-to-plane factor with the loss that is configured.
+template <class Use>
+auto with_plane_factor(const FactorConfig& config, const Use& use) {
+  const float k = static_cast<float>(config.huber), reject = static_cast<float>(config.reject);
+  if (config.loss == FactorLoss::kCauchy) {
+    return use(PlaneFactor<float, Cauchy<float>>{{k}, reject});
+  }
+  if (config.loss == FactorLoss::kGemanMcClure) {
+    return use(PlaneFactor<float, GemanMcClure<float>>{{k}, reject});
+  }
+  return use(PlaneFactor<float>{{k}, reject});
+}
+
 struct Pose {
   explicit Pose(const SE3& T) : R(T.R.cast<float>()), t(T.t.cast<float>()) {}
   Eigen::Matrix3f R;
@@ -38,11 +51,9 @@ Linearization GeometricCost::relinearize(const SourceCloud& source,
       source.covariances.size() == source.points.size() && covariances.size() == targets.size();
   SGS_CHECK(!gicp_ || has_ellipses, "G-ICP needs ellipses of sources and targets");
   const Pose pose(T_reference_camera);
-  const float huber = static_cast<float>(config_.huber),
-              reject = static_cast<float>(config_.reject);
-  const PlaneFactor<float> plane{{huber}, reject};
-  const GicpFactor<float> gicp{{huber}, reject};
-
+  const GicpFactor<float> gicp{{static_cast<float>(config_.huber)},
+                               static_cast<float>(config_.reject)};
+  return with_plane_factor(config_, [&](const auto& plane) {
   Linearization total;
   ChunkSums<float> sums;
   for (std::size_t begin = 0; begin < matches_.size(); begin += kChunk) {
@@ -63,6 +74,7 @@ Linearization GeometricCost::relinearize(const SourceCloud& source,
     sums.flush_into(total);
   }
   return total;
+  });
 }
 
 double GeometricCost::error(const SourceCloud& source, const CorrespondenceSearch& search,
@@ -71,10 +83,9 @@ double GeometricCost::error(const SourceCloud& source, const CorrespondenceSearc
   const auto targets = search.targets();
   const auto covariances = search.covariances();
   const Pose pose(T_reference_camera);
-  const float huber = static_cast<float>(config_.huber),
-              reject = static_cast<float>(config_.reject);
-  const PlaneFactor<float> plane{{huber}, reject};
-  const GicpFactor<float> gicp{{huber}, reject};
+  const GicpFactor<float> gicp{{static_cast<float>(config_.huber)},
+                               static_cast<float>(config_.reject)};
+  return with_plane_factor(config_, [&](const auto& plane) {
   double total = 0;
   for (std::size_t begin = 0; begin < matches_.size(); begin += kChunk) {
     const std::size_t end = std::min(begin + kChunk, matches_.size());
@@ -92,6 +103,7 @@ double GeometricCost::error(const SourceCloud& source, const CorrespondenceSearc
     total += static_cast<double>(sum);
   }
   return total;
+  });
 }
 
 double GeometricCost::overlap(const SourceCloud& source, const CorrespondenceSearch& search,

@@ -64,6 +64,7 @@ JointAligner::JointAligner(const SpectralConfig& config, const PinholeCamera& ca
                            const SE3& T_local_world)
     : config_(config),
       afar_(weights_afar(config.degeneracy)),
+      camera_(camera),
       past_(T_local_world),
       geometry_(config.geometry, camera, T_local_world),
       vision_(config.vision) {}
@@ -172,6 +173,7 @@ Alignment::Geometry JointAligner::geometry_at(const SE3& T) {
   Alignment::Geometry g;
   g.inliers = l.inliers;
   g.cost = l.error;
+  g.movers = geometry_.count_movers(T);
   g.overlap = geometry_.overlap(T);
   g.spectrum = degeneracy::spectrum(l.H);
   g.H = degeneracy::fuse_removed(normal_equations(l), K, {}, config_.degeneracy).H;
@@ -220,15 +222,25 @@ LostReason JointAligner::why_unseen(const Alignment& a) const {
   return a.picture->holds ? LostReason::kUnseenAxis : LostReason::kPoorPictureFit;
 }
 
+// Of the pixel, unless what is seen there moves.
+registration::InverseDepthPlane JointAligner::still_surface(int u, int v,
+                                                            const Alignment& a) const {
+  const auto plane = geometry_.surface_with_colour(u, v, a.points_motion.lag());
+  if (!(plane.q > 0) || !a.geometry || a.geometry->movers <= 0) return plane;
+  const Eigen::Vector3f point = camera_.back_project(u, v, 1 / double{plane.q}).cast<float>();
+  return geometry_.moves(point, a.T_local_camera) ? registration::InverseDepthPlane{} : plane;
+}
+
 JointAligner::Extension JointAligner::extend(const Alignment& a, const Vector6d& readout) {
   Extension out;
   vision_.compare_references(a.fit);
   if (check_frame() != LostReason::kNone) return out;
+  if (a.geometry) geometry_.note_movers(a.T_local_camera);
   if (vision_.wants_keyframe(a.T_local_camera, a.fit)) {
     const int before = vision_.keyframes();
     vision_.insert_keyframe(
         a.T_local_camera, a.fit, readout, a.points_motion.velocity,
-        [&](int u, int v) { return geometry_.surface_with_colour(u, v, a.points_motion.lag()); });
+        [&](int u, int v) { return still_surface(u, v, a); });
     out.keyframe = vision_.keyframes() > before;
   }
   const bool unexplained =
@@ -251,6 +263,7 @@ Diagnostics JointAligner::describe(const Alignment& a) const {
     d.inliers = a.geometry->inliers;
     d.cost = a.geometry->cost;
     d.overlap = a.geometry->overlap;
+    d.movers = a.geometry->movers;
     note_spectrum(a.geometry->spectrum, d);
   }
   if (a.picture) {

@@ -89,6 +89,28 @@ struct KeyframeConfig {
   }
 };
 
+/// What stands in space that was seen to be free: somebody who walks through, or what was put there.
+struct MoversConfig {
+  bool ignore = false;
+  double margin_m = 0.1;
+  double margin_ratio = 0.03;
+  double trial_s = 3;
+  double clear_m = 0.2;
+
+  void declare(ParameterList& p) {
+    p.add("ignore", ignore,
+          "Leave out what stands before known surface until it has stood there for trial_s.");
+    p.add("margin_m", margin_m, "It stands so far before it at least.", "m", {0.01, 10});
+    p.add("margin_ratio", margin_ratio, "And by this share of its distance more.", "", {0, 1});
+    p.add("trial_s", trial_s, "What has stood in one place for so long belongs to the world.", "s",
+          {0, 1e6});
+    p.add("clear_m", clear_m,
+          "Targets that a tracking keyframe looks through by more are removed, however new; 0: "
+          "only those of a long way ago.",
+          "m", {0, 10});
+  }
+};
+
 /// When a pose is not to be trusted.
 struct LossConfig {
   int min_points = 150;
@@ -170,6 +192,7 @@ struct VisualKeyframeConfig {
   double keyframe_visible = 0.75;
   int max_references = 2;
   double revisit_distance = 0.45;
+  bool patient = false;
 
   void declare(ParameterList& p) {
     p.add("keyframe_translation", keyframe_translation,
@@ -183,6 +206,8 @@ struct VisualKeyframeConfig {
     p.add("revisit_distance", revisit_distance,
           "How far the view of an older keyframe may be off to serve again.", "image widths",
           {0, 2});
+    p.add("patient", patient,
+          "A camera that has hardly moved keeps its keyframe though something hides much of it.");
   }
 };
 
@@ -361,6 +386,7 @@ struct TrackerConfig {
   registration::SolverConfig solver;
   MotionConfig motion;
   KeyframeConfig keyframe;
+  MoversConfig movers;
   LossConfig loss;
   TargetConfig target;
   degeneracy::DegeneracyConfig degeneracy;
@@ -390,6 +416,7 @@ struct GeometryConfig {
   registration::FactorConfig factor;
   TargetConfig target;
   KeyframeConfig keyframe;
+  MoversConfig movers;
 
   explicit GeometryConfig(const TrackerConfig& all);
 };
