@@ -71,6 +71,35 @@ void expect_same_bits(const SessionRun& a, const SessionRun& b) {
   }
 }
 
+std::vector<std::shared_ptr<const RgbdFrame>> walked_through(int count) {
+  auto options = *synthetic::parse_synth_spec("synth:room+walkers40+still:kinect");
+  options.frames = count;
+  options.camera = {320, 240, 267.7, 269.6, 159.8, 123.55};
+  auto source = synthetic::make_synthetic_source(options);
+  EXPECT_TRUE(source) << source.error().text();
+  std::vector<std::shared_ptr<const RgbdFrame>> frames;
+  while (auto item = dataset::read_item(**source)) frames.push_back(item->frame);
+  return frames;
+}
+
+TEST(Session, WhoWalksThroughMovesNoCamera) {
+  const auto frames = walked_through(60);
+  auto config = session_config();
+  config.mapper.iterations_per_frame = 0;
+  const auto largest_m = [&](bool ignore) {
+    config.tracker.movers.ignore = ignore;
+    const SessionRun done = run(frames, config, 1);
+    double largest = 0;
+    for (const StampedPose& pose : done.poses) {
+      const SE3 T = done.poses.front().T_world_camera.inverse() * pose.T_world_camera;
+      largest = std::max(largest, T.t.norm());
+    }
+    return largest;
+  };
+  EXPECT_LT(largest_m(true), 0.005);
+  EXPECT_GT(largest_m(false), largest_m(true));
+}
+
 TEST(Session, SameBitsForAnyNumberOfThreads) {
   const auto frames = small_sequence(14);
   const auto config = session_config();

@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <utility>
 
 #include "sgs/degeneracy/planarity.h"
 #include "sgs/tracker/describe.h"
@@ -220,6 +221,40 @@ LostReason JointAligner::why_unseen(const Alignment& a) const {
     return LostReason::kTooFewPixels;
   }
   return a.picture->holds ? LostReason::kUnseenAxis : LostReason::kPoorPictureFit;
+}
+
+std::shared_ptr<const PixelMask> JointAligner::still_pixels(const RgbdFrame& frame,
+                                                            const Alignment& a) const {
+  if (!a.geometry || a.geometry->movers <= 0) return nullptr;
+  constexpr int kBlock_px = 8;
+  const int columns = (camera_.width + kBlock_px - 1) / kBlock_px;
+  const int rows = (camera_.height + kBlock_px - 1) / kBlock_px;
+  PixelMask still(camera_.width, camera_.height, std::uint8_t{1});
+  const auto blank = [&](int column, int row) {  // a block and its neighbours: silhouettes
+    for (int v = std::max(0, (row - 1) * kBlock_px);
+         v < std::min(camera_.height, (row + 2) * kBlock_px); ++v) {
+      const int begin = std::max(0, (column - 1) * kBlock_px);
+      const int end = std::min(camera_.width, (column + 2) * kBlock_px);
+      std::fill(still.row(v) + begin, still.row(v) + end, std::uint8_t{0});
+    }
+  };
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const int u = std::min(column * kBlock_px + kBlock_px / 2, camera_.width - 1);
+      const int v = std::min(row * kBlock_px + kBlock_px / 2, camera_.height - 1);
+      const float z = frame.depth(u, v);
+      if (!(z > 0)) continue;
+      const Eigen::Vector3f point = camera_.back_project(u, v, double{z}).cast<float>();
+      if (geometry_.moves(point, a.T_local_camera)) blank(column, row);
+    }
+  }
+  if (frame.seen) {
+    std::transform(still.data(), still.data() + still.size(), frame.seen->data(), still.data(),
+                   [](std::uint8_t x, std::uint8_t seen) {
+                     return x != 0 && seen != 0 ? std::uint8_t{1} : std::uint8_t{0};
+                   });
+  }
+  return std::make_shared<const PixelMask>(std::move(still));
 }
 
 // Of the pixel, unless what is seen there moves.

@@ -5,9 +5,11 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 
 #include "sgs/core/enum_names.h"
+#include "sgs/core/image.h"
 #include "sgs/geometry/se3.h"
 #include "sgs/registration/rolling_shutter.h"
 #include "sgs/tracker/lost_reason.h"
@@ -88,6 +90,9 @@ struct TrackResult {
   std::optional<Matrix6d> information;
   /// How the camera moved while the frame was measured; zero where not known.
   registration::FrameMotion motion;
+  /// Pixels that the camera saw and where nothing moves: all that a map may learn from; null where
+  /// that are those of RgbdFrame::seen.
+  std::shared_ptr<const PixelMask> still;
   Diagnostics diagnostics;
 };
 
