@@ -36,8 +36,7 @@ GeometricCost::GeometricCost(const FactorConfig& config)
 
 Linearization GeometricCost::linearize(const SourceCloud& source,
                                        const CorrespondenceSearch& search,
-                                       const SE3& T_reference_camera,
-                                       const MovingBlocks& moving) {
+                                       const SE3& T_reference_camera, const MovingBlocks& moving) {
   search.match(source, T_reference_camera, matches_);
   for (std::size_t i = 0; moving.any() && i < matches_.size(); ++i) {
     const SourcePoint& p = source.points[i];
@@ -59,26 +58,26 @@ Linearization GeometricCost::relinearize(const SourceCloud& source,
   const GicpFactor<float> gicp{{static_cast<float>(config_.huber)},
                                static_cast<float>(config_.reject)};
   return with_plane_factor(config_, [&](const auto& plane) {
-  Linearization total;
-  ChunkSums<float> sums;
-  for (std::size_t begin = 0; begin < matches_.size(); begin += kChunk) {
-    const std::size_t end = std::min(begin + kChunk, matches_.size());
-    for (std::size_t i = begin; i < end; ++i) {
-      if (matches_[i] < 0) continue;
-      const auto k = static_cast<std::size_t>(matches_[i]);
-      const SourcePoint& a = source.points[i];
-      const TargetPoint& b = targets[k];
-      if (gicp_) {
-        gicp.linearize(a.point, source.covariances[i], b.point, covariances[k], pose.R, pose.t,
-                       sums);
-      } else {
-        plane.linearize(a.point, a.variance_m2, b.point, b.normal, b.variance_m2, pose.R, pose.t,
-                        sums);
+    Linearization total;
+    ChunkSums<float> sums;
+    for (std::size_t begin = 0; begin < matches_.size(); begin += kChunk) {
+      const std::size_t end = std::min(begin + kChunk, matches_.size());
+      for (std::size_t i = begin; i < end; ++i) {
+        if (matches_[i] < 0) continue;
+        const auto k = static_cast<std::size_t>(matches_[i]);
+        const SourcePoint& a = source.points[i];
+        const TargetPoint& b = targets[k];
+        if (gicp_) {
+          gicp.linearize(a.point, source.covariances[i], b.point, covariances[k], pose.R, pose.t,
+                         sums);
+        } else {
+          plane.linearize(a.point, a.variance_m2, b.point, b.normal, b.variance_m2, pose.R, pose.t,
+                          sums);
+        }
       }
+      sums.flush_into(total);
     }
-    sums.flush_into(total);
-  }
-  return total;
+    return total;
   });
 }
 
@@ -91,23 +90,23 @@ double GeometricCost::error(const SourceCloud& source, const CorrespondenceSearc
   const GicpFactor<float> gicp{{static_cast<float>(config_.huber)},
                                static_cast<float>(config_.reject)};
   return with_plane_factor(config_, [&](const auto& plane) {
-  double total = 0;
-  for (std::size_t begin = 0; begin < matches_.size(); begin += kChunk) {
-    const std::size_t end = std::min(begin + kChunk, matches_.size());
-    float sum = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      if (matches_[i] < 0) continue;
-      const auto k = static_cast<std::size_t>(matches_[i]);
-      const SourcePoint& a = source.points[i];
-      const TargetPoint& b = targets[k];
-      sum += gicp_ ? gicp.error(a.point, source.covariances[i], b.point, covariances[k], pose.R,
-                                pose.t)
-                   : plane.error(a.point, a.variance_m2, b.point, b.normal, b.variance_m2, pose.R,
-                                 pose.t);
+    double total = 0;
+    for (std::size_t begin = 0; begin < matches_.size(); begin += kChunk) {
+      const std::size_t end = std::min(begin + kChunk, matches_.size());
+      float sum = 0;
+      for (std::size_t i = begin; i < end; ++i) {
+        if (matches_[i] < 0) continue;
+        const auto k = static_cast<std::size_t>(matches_[i]);
+        const SourcePoint& a = source.points[i];
+        const TargetPoint& b = targets[k];
+        sum += gicp_ ? gicp.error(a.point, source.covariances[i], b.point, covariances[k], pose.R,
+                                  pose.t)
+                     : plane.error(a.point, a.variance_m2, b.point, b.normal, b.variance_m2, pose.R,
+                                   pose.t);
+      }
+      total += static_cast<double>(sum);
     }
-    total += static_cast<double>(sum);
-  }
-  return total;
+    return total;
   });
 }
 

@@ -214,8 +214,7 @@ TEST(ProjectiveSearch, TellsWhatStandsBeforeAllThatIsKnown) {
   TargetCloud wall;  // at 2 m, in the left half of the picture
   for (int v = 0; v < 240; v += 4) {
     for (int u = 0; u < 160; u += 4) {
-      wall.points.push_back(
-          {kSearchCamera.back_project(u, v, 2).cast<float>(), {0, 0, -1}, 1e-6f});
+      wall.points.push_back({kSearchCamera.back_project(u, v, 2).cast<float>(), {0, 0, -1}, 1e-6f});
     }
   }
   const auto search = make_search({}, kSearchCamera);

@@ -12,7 +12,7 @@ using Eigen::Vector3f;
 
 // Lengths of a body of 1.75 m, metres.
 constexpr float kUsualHeight = 1.75f;
-constexpr float kHip = 0.92f, kSeat = 0.47f;  // height of the hips, standing and sitting
+constexpr float kHip = 0.92f, kSeat = 0.47f;      // height of the hips, standing and sitting
 constexpr float kShoulder = 0.5f, kHead = 0.71f;  // above the hips
 constexpr float kThigh = 0.44f, kShin = 0.4f, kUpperArm = 0.3f, kForearm = 0.26f;
 

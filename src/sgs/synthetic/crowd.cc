@@ -211,8 +211,7 @@ std::vector<float> Crowd::steps(double time_s) const {
     const Vector3f half = now[i].half_height * now[i].u - before[i].half_height * before[i].u;
     const Vector3f moved = now[i].centre - before[i].centre;
     const bool quad = now[i].kind == Primitive::Kind::kQuad;
-    out.push_back(quad ? moved.norm()
-                       : std::max((moved + half).norm(), (moved - half).norm()));
+    out.push_back(quad ? moved.norm() : std::max((moved + half).norm(), (moved - half).norm()));
   }
   return out;
 }

@@ -81,7 +81,8 @@ TEST(Crowd, LeavesTheRestOfThePictureAsItIs) {
         }
       }
     EXPECT_GT(covered, 500);
-    EXPECT_LT((crowded[i].truth_T_world_camera->t - empty[i].truth_T_world_camera->t).norm(), 1e-12);
+    EXPECT_LT((crowded[i].truth_T_world_camera->t - empty[i].truth_T_world_camera->t).norm(),
+              1e-12);
   }
 }
 

@@ -43,8 +43,8 @@ class CastMasks final : public MovingMasks {
     const double t = schedule_.frames[static_cast<std::size_t>(index)].color_s;
     const std::vector<Primitive> movers = crowd_.at(t);
     const std::vector<float> steps = crowd_.steps(t);
-    RayRequest request{options_.camera, row_poses(motion_, options_.camera, t,
-                                                  sensor_.model().rolling_shutter_s)};
+    RayRequest request{options_.camera,
+                       row_poses(motion_, options_.camera, t, sensor_.model().rolling_shutter_s)};
     if (lens_) request.lens = &*lens_;
     request.movers = movers;
     const RayImage seen = cast_rays(*scene_, request, pool_);

@@ -279,8 +279,7 @@ template <class Rays>
 void fill_pixel(const Scene& scene, const RayRequest& request, const Rays& rays, int i,
                 const TileHits& hits, std::size_t pixel, RayImage& out) {
   const std::size_t j = static_cast<std::size_t>(i);
-  const Primitive& p =
-      Surfaces(scene, request.movers)[static_cast<std::size_t>(hits.id[j])];
+  const Primitive& p = Surfaces(scene, request.movers)[static_cast<std::size_t>(hits.id[j])];
   const Eigen::Vector3f d = rays.direction(i);
   const Eigen::Vector3f point = rays.o + hits.t[j] * d;
   Eigen::Vector3f normal = p.normal(point);

@@ -19,11 +19,11 @@ namespace sgs::synthetic {
 /// What the rays of an image hit. Row-major, one entry per pixel.
 struct RayImage {
   int width = 0, height = 0;
-  std::vector<float> depth;            ///< along the optical axis, metres, exact; 0 = nothing
-  std::vector<float> cosine;           ///< between ray and surface normal
+  std::vector<float> depth;   ///< along the optical axis, metres, exact; 0 = nothing
+  std::vector<float> cosine;  ///< between ray and surface normal
   /// Index of the primitive, those of the request's movers after the scene's; 0xffff = nothing.
   std::vector<std::uint16_t> surface;
-  std::vector<Eigen::Array4f> color;   ///< 0..1 red green blue, sharp; empty unless asked for
+  std::vector<Eigen::Array4f> color;  ///< 0..1 red green blue, sharp; empty unless asked for
   std::vector<float> paint;  ///< luma of the surface in any light, blurred; empty unless asked for
 };
 

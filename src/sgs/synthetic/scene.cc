@@ -68,8 +68,7 @@ std::vector<Eigen::Vector3f> Primitive::hull() const {
     return corners;
   }
   Eigen::Vector3f half(radius, radius, kind == Kind::kSphere ? radius : half_height);
-  if (kind == Kind::kCapsule)
-    half = half_height * u.cwiseAbs() + Eigen::Vector3f::Constant(radius);
+  if (kind == Kind::kCapsule) half = half_height * u.cwiseAbs() + Eigen::Vector3f::Constant(radius);
   for (float a : {-1.f, 1.f})
     for (float b : {-1.f, 1.f})
       for (float c : {-1.f, 1.f})

@@ -20,7 +20,8 @@ struct Primitive {
   Eigen::Vector3f v = Eigen::Vector3f::UnitY();  ///< quad: second axis; capsule: across it (unit)
   Eigen::Vector3f n = Eigen::Vector3f::UnitZ();  ///< quad: u x v, the side that is seen
   float half_u = 0, half_v = 0;                  ///< quad: half sizes
-  float radius = 0, half_height = 0;  ///< sphere; standing cylinder with a lid; capsule: to its caps
+  float radius = 0,
+        half_height = 0;  ///< sphere; standing cylinder with a lid; capsule: to its caps
   bool two_sided = false;
   const Texture* texture = nullptr;                  ///< none = plain
   Eigen::Vector2f offset = Eigen::Vector2f::Zero();  ///< added to surface coordinates, metres

@@ -34,7 +34,9 @@ class SyntheticSource final : public dataset::FrameSource {
     real_.emplace(model, *scene_, movers, sensor_.registration_shift(), options);
   }
 
-  std::string name() const override { return "synth:" + scene_text(options_) + ":" + options_.level; }
+  std::string name() const override {
+    return "synth:" + scene_text(options_) + ":" + options_.level;
+  }
   PinholeCamera camera() const override { return options_.camera; }
   std::optional<std::int64_t> size() const override {
     return static_cast<std::int64_t>(schedule_.frames.size());
@@ -92,8 +94,8 @@ class SyntheticSource final : public dataset::FrameSource {
     SE3 half_motion;
     if (model.exposure_s > 0)
       half_motion = pose(times.color_s + model.exposure_s / 2).inverse() * middle;
-    frame.color =
-        sensor_.color(view, half_motion, sensor_.gain(times.color_s - schedule_.start_s), times.slot, pool_);
+    frame.color = sensor_.color(view, half_motion, sensor_.gain(times.color_s - schedule_.start_s),
+                                times.slot, pool_);
     if (model.hard) {
       const std::vector<Primitive> later = movers_at(times.depth_s);
       request = {options_.camera, rows(times.depth_s, model.rolling_shutter_s)};

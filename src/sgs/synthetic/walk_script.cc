@@ -46,8 +46,7 @@ Vector2f on_way(const std::vector<Stop>& stops, double time_s) {
   if (next == stops.begin()) return stops.front().right_ahead;
   if (next == stops.end()) return stops.back().right_ahead;
   const Stop& last = *std::prev(next);
-  const float share =
-      static_cast<float>((time_s - last.time_s) / (next->time_s - last.time_s));
+  const float share = static_cast<float>((time_s - last.time_s) / (next->time_s - last.time_s));
   return last.right_ahead + share * (next->right_ahead - last.right_ahead);
 }
 
@@ -64,9 +63,7 @@ bool sits_at(const std::vector<Stop>& stops, double time_s) {
   return next != stops.begin() && std::prev(next)->sits;
 }
 
-float nearest_turn(float wanted, float now) {
-  return now + std::remainder(wanted - now, 2 * kPi);
-}
+float nearest_turn(float wanted, float now) { return now + std::remainder(wanted - now, 2 * kPi); }
 
 }  // namespace
 
@@ -111,7 +108,7 @@ float Stage::towards_camera(double time_s) const {
 WalkScript::WalkScript(const Stage& stage, const std::vector<Stop>& stops, bool faces_camera)
     : start_s_(stage.start_s()) {
   constexpr float kStep_s = 1 / static_cast<float>(kPostureRate_hz);
-  constexpr float kSlow = 0.15f, kBrisk = 1.2f, kStride_m = 1.3f;  // m/s; of two steps
+  constexpr float kSlow = 0.15f, kBrisk = 1.2f, kStride_m = 1.3f;    // m/s; of two steps
   constexpr float kTurning = 5, kSittingDown = 1.2f, kChanging = 3;  // a second
   Posture now;
   now.yaw = stage.towards_camera(start_s_);

@@ -284,9 +284,8 @@ JointAligner::Extension JointAligner::extend(const Alignment& a, const Vector6d&
   if (a.geometry) geometry_.note_movers(a.T_local_camera);
   if (vision_.wants_keyframe(a.T_local_camera, a.fit)) {
     const int before = vision_.keyframes();
-    vision_.insert_keyframe(
-        a.T_local_camera, a.fit, readout, a.points_motion.velocity,
-        [&](int u, int v) { return still_surface(u, v, a); });
+    vision_.insert_keyframe(a.T_local_camera, a.fit, readout, a.points_motion.velocity,
+                            [&](int u, int v) { return still_surface(u, v, a); });
     out.keyframe = vision_.keyframes() > before;
   }
   const bool unexplained =

@@ -89,7 +89,8 @@ struct KeyframeConfig {
   }
 };
 
-/// What stands in space that was seen to be free: somebody who walks through, or what was put there.
+/// What stands in space that was seen to be free: somebody who walks through, or what was put
+/// there.
 struct MoversConfig {
   bool ignore = false;
   bool blocks = false;

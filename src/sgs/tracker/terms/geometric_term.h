@@ -95,8 +95,8 @@ class GeometricTerm {
   double time_s_ = 0;                        // its stamp
   registration::MovingBlocks moving_;
   Trial trial_;
-  std::size_t movers_ = 0;  // points, as counted last
-  registration::FrameMotion motion_;         // that its points are corrected for
+  std::size_t movers_ = 0;            // points, as counted last
+  registration::FrameMotion motion_;  // that its points are corrected for
   SE3 T_reference_local_;
   std::optional<SE3> T_searched_;  // pose of the last full search with these points
   bool prepared_ = false;

@@ -37,9 +37,8 @@ bool Trial::stayed(const Eigen::Vector3f& point, double time_s) const {
 }
 
 void Trial::forget(double time_s) {
-  std::erase_if(cells_, [&](const auto& cell) {
-    return time_s - cell.second.last_s > kLongestGap_s;
-  });
+  std::erase_if(cells_,
+                [&](const auto& cell) { return time_s - cell.second.last_s > kLongestGap_s; });
 }
 
 }  // namespace sgs::tracker

@@ -198,10 +198,9 @@ bool VisualTerm::wants_keyframe(const SE3& T_local_camera, const Fit& fit) const
   if (keyframes_.empty() || !is_near(keyframes_[newest_], T_local_camera, 1.0)) return true;
   // A camera that has hardly moved sees less of its keyframe only where something has come before
   // it: another keyframe would see no more, and start from this one's errors.
-  const bool stands = config_.keyframes.patient &&
-                      is_near(keyframes_[newest_], T_local_camera, kHardlyMoved);
-  return fit.newest_share_ <
-         (stands ? kLeastShare : 1.0) * config_.keyframes.keyframe_visible;
+  const bool stands =
+      config_.keyframes.patient && is_near(keyframes_[newest_], T_local_camera, kHardlyMoved);
+  return fit.newest_share_ < (stands ? kLeastShare : 1.0) * config_.keyframes.keyframe_visible;
 }
 
 void VisualTerm::insert_keyframe(const SE3& T_local_camera, const Fit& fit, const Vector6d& readout,
