@@ -64,23 +64,6 @@ TEST(PlaneFactor, GradientAndHessianAgreeWithCentralDifferences) {
   }
 }
 
-template <class Loss>
-void expect_loss_to_agree_with_its_weight(const Loss& loss) {
-  constexpr double h = 1e-6;
-  EXPECT_NEAR(loss.cost(1e-3), 1e-6, 1e-10);
-  EXPECT_NEAR(loss.weight(0), 1, 1e-12);
-  for (const double e : {0.1, 1.0, 2.5, 7.0, 40.0}) {
-    const double slope = (loss.cost(e + h) - loss.cost(e - h)) / (2 * h);
-    EXPECT_NEAR(slope, 2 * e * loss.weight(e), 1e-5 * (1 + slope));
-  }
-}
-
-TEST(RobustLoss, WeightsAreTheSlopesOfCosts) {
-  expect_loss_to_agree_with_its_weight(Huber<double>{2.4});
-  expect_loss_to_agree_with_its_weight(Cauchy<double>{2.4});
-  expect_loss_to_agree_with_its_weight(GemanMcClure<double>{2.4});
-}
-
 TEST(PlaneFactor, VanishesAtTruthAndRejectsOutliers) {
   Pair p;
   p.put_target_at(Vector3d::Zero());

@@ -10,19 +10,6 @@ namespace {
 
 constexpr std::size_t kChunk = 256;  // source points summed in float
 
-// What `use` makes of the point-to-plane factor with the loss that is configured.
-template <class Use>
-auto with_plane_factor(const FactorConfig& config, const Use& use) {
-  const float k = static_cast<float>(config.huber), reject = static_cast<float>(config.reject);
-  if (config.loss == FactorLoss::kCauchy) {
-    return use(PlaneFactor<float, Cauchy<float>>{{k}, reject});
-  }
-  if (config.loss == FactorLoss::kGemanMcClure) {
-    return use(PlaneFactor<float, GemanMcClure<float>>{{k}, reject});
-  }
-  return use(PlaneFactor<float>{{k}, reject});
-}
-
 struct Pose {
   explicit Pose(const SE3& T) : R(T.R.cast<float>()), t(T.t.cast<float>()) {}
   Eigen::Matrix3f R;
@@ -55,30 +42,31 @@ Linearization GeometricCost::relinearize(const SourceCloud& source,
       source.covariances.size() == source.points.size() && covariances.size() == targets.size();
   SGS_CHECK(!gicp_ || has_ellipses, "G-ICP needs ellipses of sources and targets");
   const Pose pose(T_reference_camera);
-  const GicpFactor<float> gicp{{static_cast<float>(config_.huber)},
-                               static_cast<float>(config_.reject)};
-  return with_plane_factor(config_, [&](const auto& plane) {
-    Linearization total;
-    ChunkSums<float> sums;
-    for (std::size_t begin = 0; begin < matches_.size(); begin += kChunk) {
-      const std::size_t end = std::min(begin + kChunk, matches_.size());
-      for (std::size_t i = begin; i < end; ++i) {
-        if (matches_[i] < 0) continue;
-        const auto k = static_cast<std::size_t>(matches_[i]);
-        const SourcePoint& a = source.points[i];
-        const TargetPoint& b = targets[k];
-        if (gicp_) {
-          gicp.linearize(a.point, source.covariances[i], b.point, covariances[k], pose.R, pose.t,
-                         sums);
-        } else {
-          plane.linearize(a.point, a.variance_m2, b.point, b.normal, b.variance_m2, pose.R, pose.t,
-                          sums);
-        }
+  const float huber = static_cast<float>(config_.huber),
+              reject = static_cast<float>(config_.reject);
+  const PlaneFactor<float> plane{{huber}, reject};
+  const GicpFactor<float> gicp{{huber}, reject};
+
+  Linearization total;
+  ChunkSums<float> sums;
+  for (std::size_t begin = 0; begin < matches_.size(); begin += kChunk) {
+    const std::size_t end = std::min(begin + kChunk, matches_.size());
+    for (std::size_t i = begin; i < end; ++i) {
+      if (matches_[i] < 0) continue;
+      const auto k = static_cast<std::size_t>(matches_[i]);
+      const SourcePoint& a = source.points[i];
+      const TargetPoint& b = targets[k];
+      if (gicp_) {
+        gicp.linearize(a.point, source.covariances[i], b.point, covariances[k], pose.R, pose.t,
+                       sums);
+      } else {
+        plane.linearize(a.point, a.variance_m2, b.point, b.normal, b.variance_m2, pose.R, pose.t,
+                        sums);
       }
-      sums.flush_into(total);
     }
-    return total;
-  });
+    sums.flush_into(total);
+  }
+  return total;
 }
 
 double GeometricCost::error(const SourceCloud& source, const CorrespondenceSearch& search,
@@ -87,27 +75,27 @@ double GeometricCost::error(const SourceCloud& source, const CorrespondenceSearc
   const auto targets = search.targets();
   const auto covariances = search.covariances();
   const Pose pose(T_reference_camera);
-  const GicpFactor<float> gicp{{static_cast<float>(config_.huber)},
-                               static_cast<float>(config_.reject)};
-  return with_plane_factor(config_, [&](const auto& plane) {
-    double total = 0;
-    for (std::size_t begin = 0; begin < matches_.size(); begin += kChunk) {
-      const std::size_t end = std::min(begin + kChunk, matches_.size());
-      float sum = 0;
-      for (std::size_t i = begin; i < end; ++i) {
-        if (matches_[i] < 0) continue;
-        const auto k = static_cast<std::size_t>(matches_[i]);
-        const SourcePoint& a = source.points[i];
-        const TargetPoint& b = targets[k];
-        sum += gicp_ ? gicp.error(a.point, source.covariances[i], b.point, covariances[k], pose.R,
-                                  pose.t)
-                     : plane.error(a.point, a.variance_m2, b.point, b.normal, b.variance_m2, pose.R,
-                                   pose.t);
-      }
-      total += static_cast<double>(sum);
+  const float huber = static_cast<float>(config_.huber),
+              reject = static_cast<float>(config_.reject);
+  const PlaneFactor<float> plane{{huber}, reject};
+  const GicpFactor<float> gicp{{huber}, reject};
+  double total = 0;
+  for (std::size_t begin = 0; begin < matches_.size(); begin += kChunk) {
+    const std::size_t end = std::min(begin + kChunk, matches_.size());
+    float sum = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (matches_[i] < 0) continue;
+      const auto k = static_cast<std::size_t>(matches_[i]);
+      const SourcePoint& a = source.points[i];
+      const TargetPoint& b = targets[k];
+      sum += gicp_ ? gicp.error(a.point, source.covariances[i], b.point, covariances[k], pose.R,
+                                pose.t)
+                   : plane.error(a.point, a.variance_m2, b.point, b.normal, b.variance_m2, pose.R,
+                                 pose.t);
     }
-    return total;
-  });
+    total += static_cast<double>(sum);
+  }
+  return total;
 }
 
 double GeometricCost::overlap(const SourceCloud& source, const CorrespondenceSearch& search,

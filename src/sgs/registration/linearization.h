@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cmath>
-
 #include "sgs/geometry/se3.h"
 
 namespace sgs::registration {
@@ -67,28 +65,6 @@ struct Huber {
   Scalar k;
   Scalar cost(Scalar e) const { return e <= k ? e * e : 2 * k * e - k * k; }
   Scalar weight(Scalar e) const { return e <= k ? Scalar(1) : k / e; }
-};
-
-// The general robust loss (Barron: A General and Adaptive Robust Loss Function, CVPR 2019) at two
-// of its shapes, in the form of Huber above: a cost of e^2 near zero.
-
-/// Shape 0: far residuals pull ever less.
-template <class Scalar>
-struct Cauchy {
-  Scalar k;
-  Scalar cost(Scalar e) const { return 2 * k * k * std::log1p(e * e / (2 * k * k)); }
-  Scalar weight(Scalar e) const { return 1 / (1 + e * e / (2 * k * k)); }
-};
-
-/// Shape -2: far residuals do not pull at all.
-template <class Scalar>
-struct GemanMcClure {
-  Scalar k;
-  Scalar cost(Scalar e) const { return e * e / (1 + e * e / (4 * k * k)); }
-  Scalar weight(Scalar e) const {
-    const Scalar inverse = 1 / (1 + e * e / (4 * k * k));
-    return inverse * inverse;
-  }
 };
 
 }  // namespace sgs::registration

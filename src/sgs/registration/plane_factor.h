@@ -17,12 +17,12 @@
 
 namespace sgs::registration {
 
-template <class Scalar, class Loss = Huber<Scalar>>
+template <class Scalar>
 struct PlaneFactor {
   using Vector3 = Eigen::Matrix<Scalar, 3, 1>;
   using Matrix3 = Eigen::Matrix<Scalar, 3, 3>;
 
-  Loss robust{Scalar(2.5)};
+  Huber<Scalar> robust{Scalar(2.5)};
   Scalar reject = 10;  ///< standard deviations beyond which a pair is no inlier
 
   /// Robust cost of one pair; a rejected one costs what it would at the limit.

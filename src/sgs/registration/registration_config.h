@@ -26,13 +26,6 @@ constexpr auto enum_names(FactorType) {
   return std::to_array<EnumName<FactorType>>({{kPlane, "plane"}, {kGicp, "gicp"}});
 }
 
-enum class FactorLoss { kHuber, kCauchy, kGemanMcClure };
-constexpr auto enum_names(FactorLoss) {
-  using enum FactorLoss;
-  return std::to_array<EnumName<FactorLoss>>(
-      {{kHuber, "huber"}, {kCauchy, "cauchy"}, {kGemanMcClure, "geman_mcclure"}});
-}
-
 enum class SolverMethod { kGaussNewton, kLevenbergMarquardt };
 constexpr auto enum_names(SolverMethod) {
   using enum SolverMethod;
@@ -100,14 +93,12 @@ struct SearchConfig {
 /// The residual and its robust weight.
 struct FactorConfig {
   FactorType type = FactorType::kPlane;
-  FactorLoss loss = FactorLoss::kHuber;
   double huber = 2.5;
   double reject = 10;
 
   void declare(ParameterList& p) {
     p.add("type", type, "Point to plane with the noise along the normal, or G-ICP ellipses.");
-    p.add("loss", loss, "How residuals are weighted down (type plane; ellipses: huber).");
-    p.add("huber", huber, "Residuals beyond this are weighted down.", "sigma", {0.1, 100});
+    p.add("huber", huber, "Residuals beyond this are weighted down (Huber).", "sigma", {0.1, 100});
     p.add("reject", reject, "Residuals beyond this are dropped.", "sigma", {1, 1e9});
   }
 };
