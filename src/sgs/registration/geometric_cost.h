@@ -7,7 +7,6 @@
 
 #include "sgs/registration/correspondence_search.h"
 #include "sgs/registration/linearization.h"
-#include "sgs/registration/moving_blocks.h"
 
 namespace sgs::registration {
 
@@ -18,9 +17,9 @@ class GeometricCost {
  public:
   explicit GeometricCost(const FactorConfig& config);
 
-  /// Searches anew at `T` and linearises there, without the points in `moving`.
+  /// Searches anew at `T` and linearises there.
   Linearization linearize(const SourceCloud& source, const CorrespondenceSearch& search,
-                          const SE3& T_reference_camera, const MovingBlocks& moving = {});
+                          const SE3& T_reference_camera);
   /// Linearises at `T` with the matches of the last linearize() of the same cloud and search: the
   /// search is the dear part, and near the optimum it finds the same pairs again.
   Linearization relinearize(const SourceCloud& source, const CorrespondenceSearch& search,

@@ -110,7 +110,7 @@ PhotometricLinearization linearize(const PhotometricReference& reference, int le
                                    const GrayPyramid& current, const DepthImage& current_depth,
                                    const SE3& T_world_camera, const AffineBrightness& brightness,
                                    const PhotometricConfig& config, const ReadoutMotion& readout,
-                                   bool readout_is_free, double noise, const MovingBlocks* moving) {
+                                   bool readout_is_free, double noise) {
   SGS_CHECK(level >= 0 && level < reference.levels() && level < current.levels(),
             "no such pyramid level");
   const SE3 T = T_world_camera.inverse() * reference.T_world_keyframe();
@@ -130,7 +130,6 @@ PhotometricLinearization linearize(const PhotometricReference& reference, int le
   const double sigma = noise * config.sigma_at(level);
   view.inverse_variance = f(1 / (sigma * sigma));
   view.with_readout = readout_is_free;
-  view.moving = moving != nullptr && moving->any() ? moving : nullptr;
   const PhotometricSums sums = sum_photometric(view, reference.points(level));
 
   PhotometricLinearization out;
@@ -140,48 +139,6 @@ PhotometricLinearization linearize(const PhotometricReference& reference, int le
   out.cost = 0.5 * (config.t_dof + 1) * sums.log_sum;
   eliminate_brightness(sums, brightness, config, out);
   return out;
-}
-
-void vote_flow(const PhotometricReference& reference, int level, const GrayPyramid& current,
-               const DepthImage& current_depth, const SE3& T_world_camera,
-               const AffineBrightness& brightness, const PhotometricConfig& config,
-               FlowVotes& votes) {
-  constexpr float kLeastGradient = 1, kNear_m = 0.1f;
-  const GrayPyramid::Level& image = current.level(level);
-  const SE3 T = T_world_camera.inverse() * reference.T_world_keyframe();
-  const Eigen::Matrix3f R = T.R.cast<float>();
-  const Eigen::Vector3f t = T.t.cast<float>();
-  const auto f = [](double x) { return static_cast<float>(x); };
-  const float fx = f(image.camera.fx), fy = f(image.camera.fy), cx = f(image.camera.cx),
-              cy = f(image.camera.cy);
-  struct Off {
-    int u, v;
-    float residual, gradient;
-  };
-  std::vector<Off> all;
-  std::vector<float> residuals;
-  for (const PhotometricPoint& p : reference.points(level)) {
-    const Eigen::Vector3f x = R * p.p_keyframe + t;
-    if (!(x.z() > kNear_m)) continue;
-    const float u = x.x() / x.z() * fx + cx, v = x.y() / x.z() * fy + cy;
-    if (!(u >= 2 && v >= 2 && u < f(image.camera.width - 3) && v < f(image.camera.height - 3)))
-      continue;
-    const int full_u = full_pixel(static_cast<int>(u), level, current_depth.width());
-    const int full_v = full_pixel(static_cast<int>(v), level, current_depth.height());
-    const float measured = current_depth(full_u, full_v);
-    const float gate = f(config.depth_gate_m) + f(config.depth_gate_ratio) * x.z();
-    if (measured > 0 && std::abs(measured - x.z()) > gate) continue;
-    const GraySample s = image.interpolate(u, v);
-    if (std::isnan(s.intensity + s.gx + s.gy)) continue;
-    const float r = s.intensity - f(brightness.gain) * p.intensity - f(brightness.offset);
-    all.push_back({full_u, full_v, r, std::max(kLeastGradient, std::hypot(s.gx, s.gy))});
-    residuals.push_back(r);
-  }
-  if (residuals.empty()) return;
-  const auto middle = residuals.begin() + static_cast<std::ptrdiff_t>(residuals.size() / 2);
-  std::nth_element(residuals.begin(), middle, residuals.end());
-  const float px = static_cast<float>(1 << level);
-  for (const Off& o : all) votes.add(o.u, o.v, px * std::abs(o.residual - *middle) / o.gradient);
 }
 
 }  // namespace sgs::registration

@@ -10,7 +10,6 @@
 #include "sgs/core/config.h"
 #include "sgs/geometry/se3.h"
 #include "sgs/registration/cloud_sampler.h"
-#include "sgs/registration/moving_blocks.h"
 #include "sgs/registration/rolling_shutter.h"
 
 namespace sgs::registration {
@@ -144,21 +143,13 @@ struct PhotometricLinearization {
 /// (`readout`) turns X by o times its rotation, so its derivative is o (g x X)^T.
 /// A pixel is hidden where `current_depth` (full size; 0 = unknown passes) differs from its depth
 /// by more than the gate. `readout_is_free` off leaves the derivatives by the readout out, which
-/// are then zero. `noise`: by how much wider than config.sigma_at() residuals are; `moving`: pixels
-/// there do not count. Deterministic
+/// are then zero. `noise`: by how much wider than config.sigma_at() residuals are. Deterministic
 /// for a given instruction set, allocation-free, thread-safe.
 PhotometricLinearization linearize(const PhotometricReference& reference, int level,
                                    const GrayPyramid& current, const DepthImage& current_depth,
                                    const SE3& T_world_camera, const AffineBrightness& brightness,
                                    const PhotometricConfig& config,
                                    const ReadoutMotion& readout = {}, bool readout_is_free = true,
-                                   double noise = 1, const MovingBlocks* moving = nullptr);
-
-/// Adds by how far each pixel of a reference appears to be off at a pose, along its gradient: its
-/// residual, less the median of all, over the gradient. Hidden ones as in linearize().
-void vote_flow(const PhotometricReference& reference, int level, const GrayPyramid& current,
-               const DepthImage& current_depth, const SE3& T_world_camera,
-               const AffineBrightness& brightness, const PhotometricConfig& config,
-               FlowVotes& votes);
+                                   double noise = 1);
 
 }  // namespace sgs::registration

@@ -129,7 +129,6 @@ HWY_NOINLINE int LookUp(const PhotometricView& view, std::size_t count, Block& b
     if (measured > 0 && std::abs(measured - z) > view.depth_gate_m + view.depth_gate_ratio * z) {
       continue;
     }
-    if (view.moving != nullptr && view.moving->at(du, dv)) continue;
     const GraySample s = view.image->interpolate(u, v);
     if (std::isnan(s.intensity + s.gx + s.gy)) continue;  // the camera did not see it
     block.x.values[used] = block.x.values[i];

@@ -5,7 +5,6 @@
 #include <span>
 
 #include "sgs/camera/pyramid.h"
-#include "sgs/registration/moving_blocks.h"
 #include "sgs/registration/photometric.h"
 
 namespace sgs::registration {
@@ -24,8 +23,7 @@ struct PhotometricView {
   float gain = 1, offset = 0;
   float depth_gate_m = 0, depth_gate_ratio = 0;
   float t_dof = 1, inverse_variance = 1;
-  const MovingBlocks* moving = nullptr;  ///< pixels there do not count; null: none
-  bool with_readout = true;              ///< off: the rows and columns of the readout stay zero
+  bool with_readout = true;  ///< off: the rows and columns of the readout stay zero
 };
 
 /// Normal equations before anything is eliminated.

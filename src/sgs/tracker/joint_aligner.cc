@@ -96,7 +96,6 @@ Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout, b
     if (level < coarsest) a.fit.update_belief(readout.belief(a.T_local_camera));
     a.points_motion = readout.of_frame(a.fit.readout(), a.T_local_camera);
     geometry_.set_motion(a.points_motion);
-    leave_out_movers(a);
     align_level(level, with_geometry, from, a);
   }
   finish(with_geometry, a);
@@ -133,17 +132,7 @@ Alignment JointAligner::start(const SE3& T_start, const ReadoutModel& readout, b
   return a;
 }
 
-// Anew at each level: what is off because the pose is comes back when the pose is better.
-void JointAligner::leave_out_movers(Alignment& a) {
-  if (!config_.geometry.movers.blocks || !a.fit.has_references()) return;
-  const CpuTimer timer(times_.visual);
-  const auto moving = a.fit.find_moving(a.T_local_camera);
-  a.fit.set_moving(moving);
-  geometry_.set_moving(moving);
-}
-
 void JointAligner::finish(bool with_geometry, Alignment& a) {
-  leave_out_movers(a);
   if (with_geometry) a.geometry = geometry_at(a.T_local_camera);
   if (a.fit.has_references()) a.picture = picture_at(a.T_local_camera, a.fit);
   a.lost_reason = judge(a);

@@ -122,7 +122,6 @@ class JointAligner {
   Alignment align(const SE3& T_start, const ReadoutModel& readout, bool with_geometry, From from);
   Alignment start(const SE3& T_start, const ReadoutModel& readout, bool with_geometry);
   void finish(bool with_geometry, Alignment& a);
-  void leave_out_movers(Alignment& a);
   // While an alignment lasts, geometry_ holds its points and matches; what outlives it is the value
   // alone.
   void align_level(int level, bool with_geometry, From from, Alignment& a);

@@ -93,7 +93,6 @@ struct KeyframeConfig {
 /// there.
 struct MoversConfig {
   bool ignore = false;
-  bool blocks = false;
   double margin_m = 0.1;
   double margin_ratio = 0.03;
   double trial_s = 3;
@@ -102,8 +101,6 @@ struct MoversConfig {
   void declare(ParameterList& p) {
     p.add("ignore", ignore,
           "Leave out what stands before known surface until it has stood there for trial_s.");
-    p.add("blocks", blocks,
-          "Leave out parts of the picture that are off much farther than most of it.");
     p.add("margin_m", margin_m, "It stands so far before it at least.", "m", {0.01, 10});
     p.add("margin_ratio", margin_ratio, "And by this share of its distance more.", "", {0, 1});
     p.add("trial_s", trial_s, "What has stood in one place for so long belongs to the world.", "s",

@@ -3,7 +3,6 @@
 #include "sgs/tracker/terms/geometric_term.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "sgs/camera/depth_lag.h"
 
@@ -67,7 +66,6 @@ void GeometricTerm::set_frame(const RgbdFrame& frame, const LocalPast& past,
   frame_ = frame.index;
   time_s_ = frame.timestamp_s;
   movers_ = 0;
-  moving_ = {};
   prepared_ = false;
   T_searched_.reset();
   motion_ = {};
@@ -82,11 +80,6 @@ void GeometricTerm::set_motion(const FrameMotion& motion) {
   move_points(source_, readout, lag, depth_->height());
   coarse_source_.points.clear();
   coarse_source_.covariances.clear();
-}
-
-void GeometricTerm::set_moving(const registration::MovingBlocks& moving) {
-  if (moving.any() || moving_.any()) T_searched_.reset();
-  moving_ = moving;
 }
 
 void GeometricTerm::prepare(const SE3& T_local_predicted) {
@@ -104,7 +97,7 @@ registration::Linearization GeometricTerm::linearize(const SE3& T_local_camera) 
     return cost_.relinearize(source_, *search_, T);
   }
   T_searched_ = T;
-  return cost_.linearize(source_, *search_, T, moving_);
+  return cost_.linearize(source_, *search_, T);
 }
 
 registration::Linearization GeometricTerm::linearize_coarse(const SE3& T_local_camera, int stride) {
@@ -117,8 +110,7 @@ registration::Linearization GeometricTerm::linearize_coarse(const SE3& T_local_c
       }
     }
   }
-  auto sum =
-      coarse_cost_.linearize(coarse_source_, *search_, in_reference(T_local_camera), moving_);
+  auto sum = coarse_cost_.linearize(coarse_source_, *search_, in_reference(T_local_camera));
   sum.H *= stride;
   sum.b *= stride;
   sum.error *= stride;
@@ -149,13 +141,6 @@ bool GeometricTerm::stands_in_free_space(const Eigen::Vector3f& point,
 
 bool GeometricTerm::moves(const Eigen::Vector3f& point, const SE3& T_local_camera) const {
   if (!config_.movers.ignore || !prepared_) return false;
-  if (moving_.any()) {
-    const Eigen::Vector2d pixel = camera_.project(point.cast<double>());
-    const int u = static_cast<int>(std::lround(pixel.x())),
-              v = static_cast<int>(std::lround(pixel.y()));
-    if (u >= 0 && v >= 0 && u < camera_.width && v < camera_.height && moving_.at(u, v))
-      return true;
-  }
   if (!stands_in_free_space(point, in_reference(T_local_camera))) return false;
   return !trial_.stayed((T_local_camera * point.cast<double>()).cast<float>(), time_s_);
 }
@@ -174,7 +159,7 @@ void GeometricTerm::note_movers(const SE3& T_local_camera) {
   if (!config_.movers.ignore || !prepared_) return;
   const SE3 T = in_reference(T_local_camera);
   for (const registration::SourcePoint& p : source_.points) {
-    if (moving_.at(p.u, p.v) || !stands_in_free_space(p.point, T)) continue;
+    if (!stands_in_free_space(p.point, T)) continue;
     trial_.see((T_local_camera * p.point.cast<double>()).cast<float>(), time_s_);
   }
   if (frame_ % kForgetsEvery == 0) trial_.forget(time_s_);

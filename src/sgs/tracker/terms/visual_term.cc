@@ -124,7 +124,7 @@ degeneracy::NormalEquations VisualTerm::Fit::linearize(int level, const SE3& T_l
     if (level >= reference.levels()) continue;
     r.last = registration::linearize(reference, level, term_->pyramid_, term_->frame_->depth,
                                      T_local_camera, r.brightness, term_->config_.photometric,
-                                     readout, readout_free_, term_->noise_[at], &moving_);
+                                     readout, readout_free_, term_->noise_[at]);
     sum_.H += r.last.H;
     sum_.b += r.last.b;
     sum_.H_pose_readout += r.last.H_pose_readout;
@@ -147,20 +147,6 @@ degeneracy::NormalEquations VisualTerm::Fit::linearize(int level, const SE3& T_l
   const Eigen::Matrix<double, 6, 3> G = sum_.H_pose_readout * H_readout.inverse();
   return {sum_.H - G * sum_.H_pose_readout.transpose(), sum_.b - G * b_readout,
           sum_.cost + 0.5 * off.dot(belief_.information * off)};
-}
-
-registration::MovingBlocks VisualTerm::Fit::find_moving(const SE3& T_local_camera) const {
-  constexpr int kLevel = 2;  // far enough to see where a step leads to, near enough to tell limbs
-  const GrayPyramid& pyramid = term_->pyramid_;
-  const int level = std::min(kLevel, pyramid.levels() - 1);
-  registration::FlowVotes votes(pyramid.level(0).camera.width, pyramid.level(0).camera.height);
-  for (const Reference& r : references_) {
-    const auto& reference = term_->keyframes_[r.keyframe].reference;
-    if (level >= reference.levels()) continue;
-    registration::vote_flow(reference, level, pyramid, term_->frame_->depth, T_local_camera,
-                            r.brightness, term_->config_.photometric, votes);
-  }
-  return votes.judge();
 }
 
 void VisualTerm::Fit::back_substitute(const Vector6d& xi) {

@@ -97,10 +97,6 @@ class VisualTerm::Fit {
   /// The same once the pose is known better: the estimate stays.
   void update_belief(const ReadoutEstimator::Belief& belief) { belief_ = belief; }
 
-  /// Where the picture, taken from that pose, moves by itself.
-  registration::MovingBlocks find_moving(const SE3& T_local_camera) const;
-  /// Pixels there do not count from now on.
-  void set_moving(const registration::MovingBlocks& moving) { moving_ = moving; }
   /// Normal equations of all references at a level, gains, offsets and the readout's rotation
   /// eliminated; needs references.
   degeneracy::NormalEquations linearize(int level, const SE3& T_local_camera);
@@ -132,7 +128,6 @@ class VisualTerm::Fit {
 
   const VisualTerm* term_ = nullptr;
   std::vector<Reference> references_;
-  registration::MovingBlocks moving_;
   ReadoutEstimator::Belief belief_;
   Vector6d readout_ = Vector6d::Zero();
   bool readout_free_ = false;                   // at the level of the last linearize()
