@@ -297,7 +297,7 @@ Diagnostics JointAligner::describe(const Alignment& a) const {
     d.inliers = a.geometry->inliers;
     d.cost = a.geometry->cost;
     d.overlap = a.geometry->overlap;
-    d.movers = a.geometry->movers;
+    if (config_.geometry.movers.ignore) d.movers = a.geometry->movers;
     note_spectrum(a.geometry->spectrum, d);
   }
   if (a.picture) {
