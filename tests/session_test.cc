@@ -71,6 +71,37 @@ void expect_same_bits(const SessionRun& a, const SessionRun& b) {
   }
 }
 
+/// A camera that stands, a room that is empty at first, and then two people in it.
+std::vector<std::shared_ptr<const RgbdFrame>> walked_through() {
+  std::vector<std::shared_ptr<const RgbdFrame>> frames;
+  for (const char* input : {"synth:room+still:kinect", "synth:room+walkers40+still:kinect"}) {
+    auto options = *synthetic::parse_synth_spec(input);
+    options.frames = 20;
+    options.camera = {320, 240, 267.7, 269.6, 159.8, 123.55};
+    auto source = synthetic::make_synthetic_source(options);
+    EXPECT_TRUE(source) << source.error().text();
+    while (auto item = dataset::read_item(**source)) {
+      auto frame = std::make_shared<RgbdFrame>(*item->frame);
+      frame->index = static_cast<std::int64_t>(frames.size());
+      frame->timestamp_s = static_cast<double>(frames.size()) / 30;
+      frames.push_back(std::move(frame));
+    }
+  }
+  return frames;
+}
+
+TEST(Session, WhoWalksThroughAKnownRoomMovesNoCamera) {
+  const auto frames = walked_through();
+  auto config = session_config();
+  config.mapper.iterations_per_frame = 0;
+  config.tracker.movers.ignore = config.tracker.visual_keyframes.patient = true;
+  const SessionRun done = run(frames, config, 1);
+  for (const StampedPose& pose : done.poses) {
+    const SE3 T = done.poses.front().T_world_camera.inverse() * pose.T_world_camera;
+    EXPECT_LT(T.t.norm(), 0.005) << pose.timestamp_s;
+  }
+}
+
 TEST(Session, SameBitsForAnyNumberOfThreads) {
   const auto frames = small_sequence(14);
   const auto config = session_config();

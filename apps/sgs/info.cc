@@ -45,6 +45,10 @@ int print_scenes() {
   for (const auto& scene : synthetic::scene_names()) {
     print("synth:{:<34} {:>5} frames  {}\n", scene.name, scene.default_frames, scene.description);
   }
+  print("\nOptions, each after a + behind the name (synth:room+walkers40+still:kinect):\n");
+  for (const auto& option : synthetic::scene_options()) {
+    print("  +{:<12} {}\n", option.name, option.description);
+  }
   return kExitDone;
 }
 

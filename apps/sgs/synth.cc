@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <memory>
 
 #include "commands.h"
@@ -11,10 +13,47 @@
 #include "sgs/dataset/prefetch.h"
 #include "sgs/dataset/tum_writer.h"
 #include "sgs/input/input.h"
+#include "sgs/io/atomic_file.h"
+#include "sgs/io/image_io.h"
+#include "sgs/synthetic/moving_masks.h"
 #include "sgs/synthetic/source.h"
 
 namespace sgs::app {
 namespace {
+
+/// Writes the truth of what moves beside the frames: masks/ and masks.txt.
+class MaskWriter {
+ public:
+  /// Does nothing where nobody is in the scene.
+  static Result<MaskWriter> create(const synthetic::SynthOptions& scene,
+                                   const std::filesystem::path& folder) {
+    SGS_ASSIGN_OR_RETURN(auto masks, synthetic::make_moving_masks(scene));
+    if (masks) {
+      SGS_RETURN_IF_ERROR(io::make_folder(folder / "masks"));
+      SGS_RETURN_IF_ERROR(
+          io::write_file(folder / "masks.txt", "# timestamp filename share_of_movers\n"));
+    }
+    return MaskWriter(std::move(masks), folder);
+  }
+
+  Status add(const RgbdFrame& frame) {
+    if (!masks_) return {};
+    const GrayImage mask = masks_->mask(frame.index);
+    const auto still = std::count(mask.data(), mask.data() + mask.size(), std::uint8_t{0});
+    const double share = 1 - static_cast<double>(still) / static_cast<double>(mask.size());
+    const std::string name = fmt::format("masks/{:.6f}.png", frame.timestamp_s);
+    SGS_RETURN_IF_ERROR(io::save_gray(folder_ / name, mask));
+    return io::append_file(folder_ / "masks.txt",
+                           fmt::format("{:.6f} {} {:.4f}\n", frame.timestamp_s, name, share));
+  }
+
+ private:
+  MaskWriter(std::unique_ptr<synthetic::MovingMasks> masks, std::filesystem::path folder)
+      : masks_(std::move(masks)), folder_(std::move(folder)) {}
+
+  std::unique_ptr<synthetic::MovingMasks> masks_;
+  std::filesystem::path folder_;
+};
 
 struct SynthCommand {
   run::InputSpec input;
@@ -48,6 +87,8 @@ int run_synth(const SynthCommand& command) {
   options.distortion = synthetic::synth_lens(*scene);
   auto writer = dataset::TumSequenceWriter::create(command.folder, source.camera(), options);
   if (!writer) return report(writer.error());
+  auto masks = MaskWriter::create(*scene, command.folder);
+  if (!masks) return report(masks.error());
   Progress progress("frames", source.size(), command.quiet);
   RgbdFrame frame;
   Error error;
@@ -56,6 +97,7 @@ int run_synth(const SynthCommand& command) {
     if (status == dataset::FrameRead::kEnd) break;
     if (status != dataset::FrameRead::kOk) continue;
     if (const auto written = writer->add(frame); !written) return report(written.error());
+    if (const auto written = masks->add(frame); !written) return report(written.error());
     progress.step("");
   }
   progress.finish();
@@ -69,7 +111,8 @@ void add_synth(CLI::App& app, Action& action) {
   auto command = std::make_shared<SynthCommand>();
   auto* sub = app.add_subcommand("synth", "Render a synthetic sequence to disk (TUM layout)");
   sub->add_option("NAME", command->scene,
-                  "Scene, see `sgs info --scenes`; NAME:LEVEL chooses the sensor")
+                  "Scene, see `sgs info --scenes`; NAME:LEVEL chooses the sensor, NAME+OPTION who "
+                  "moves in it: then the truth of what moves is written, too (masks.txt)")
       ->required();
   sub->add_option("OUT", command->folder, "Folder to create")->required();
   sub->add_option("--trajectory", command->input.trajectory, "TUM file: fly along this motion");

@@ -15,6 +15,8 @@ namespace sgs::io {
 
 /// The bytes of a PNG file, deflated for speed rather than size.
 Result<std::string> encode_png_color(const ColorImage& image);
+/// The same of one channel with 8 bits.
+Result<std::string> encode_png_grey8(const GrayImage& image);
 /// The same of one channel with 16 bits.
 Result<std::string> encode_png_grey16(const Image<std::uint16_t>& image);
 /// The bytes of a JPEG file (4:2:0); `quality` 1..100.

@@ -183,4 +183,9 @@ Status save_depth(const fs::path& path, const DepthImage& image, double depth_sc
   return write_encoded(path, encode_png_grey16(raw));
 }
 
+Status save_gray(const fs::path& path, const GrayImage& image) {
+  SGS_CHECK(!image.empty(), "an empty image cannot be written");
+  return write_encoded(path, encode_png_grey8(image));
+}
+
 }  // namespace sgs::io

@@ -52,4 +52,7 @@ Result<std::string> encode_jpeg(const ColorImage& image, int jpeg_quality);
 /// fit below 65535, becomes 0.
 Status save_depth(const std::filesystem::path& path, const DepthImage& image, double depth_scale);
 
+/// Writes an 8-bit PNG without colour, such as a mask.
+Status save_gray(const std::filesystem::path& path, const GrayImage& image);
+
 }  // namespace sgs::io

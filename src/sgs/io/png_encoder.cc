@@ -96,6 +96,10 @@ Result<std::string> encode_png_color(const ColorImage& image) {
   return encode_png(image, {8, PNG_COLOR_TYPE_RGB});
 }
 
+Result<std::string> encode_png_grey8(const GrayImage& image) {
+  return encode_png(image, {8, PNG_COLOR_TYPE_GRAY});
+}
+
 Result<std::string> encode_png_grey16(const Image<std::uint16_t>& image) {
   return encode_png(image, {16, PNG_COLOR_TYPE_GRAY});
 }

@@ -32,6 +32,15 @@ class CorrespondenceSearch {
   virtual bool occupied(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float radius_m,
                         float distance_m) const = 0;
 
+  /// Whether `point` (reference frame) stands more than `margin_m` before all surface that is known
+  /// around its pixel: in space that was seen to be free. False where too little is known there, or
+  /// the method cannot tell.
+  virtual bool stands_before(const Eigen::Vector3f& point, float margin_m) const {
+    static_cast<void>(point);
+    static_cast<void>(margin_m);
+    return false;
+  }
+
   virtual SE3 T_local_reference() const = 0;
   /// Targets in the reference frame, and their ellipses (empty if the cloud has none).
   virtual std::span<const TargetPoint> targets() const = 0;

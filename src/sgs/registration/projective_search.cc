@@ -115,4 +115,19 @@ bool ProjectiveSearch::occupied(const Eigen::Vector3f& point, const Eigen::Vecto
   return false;
 }
 
+bool ProjectiveSearch::stands_before(const Eigen::Vector3f& point, float margin_m) const {
+  constexpr int kEnoughCells = 3;
+  const int centre = cell(point);
+  if (centre < 0) return false;
+  int known = 0;
+  for (int row = centre - width_; row <= centre + width_; row += width_) {
+    for (int cell = row - 1; cell <= row + 1; ++cell) {
+      if (cells_[static_cast<std::size_t>(cell)] < 0) continue;
+      if (depths_[static_cast<std::size_t>(cell)] < point.z() + margin_m) return false;
+      ++known;
+    }
+  }
+  return known >= kEnoughCells;
+}
+
 }  // namespace sgs::registration

@@ -21,6 +21,7 @@ class ProjectiveSearch : public CorrespondenceSearch {
              std::vector<int>& matches) const override;
   bool occupied(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, float radius_m,
                 float distance_m) const override;
+  bool stands_before(const Eigen::Vector3f& point, float margin_m) const override;
   SE3 T_local_reference() const override { return T_local_reference_; }
   std::span<const TargetPoint> targets() const override { return targets_; }
   std::span<const Eigen::Matrix3f> covariances() const override { return covariances_; }

@@ -210,5 +210,28 @@ TEST(ProjectiveSearch, PointsBehindBesideAndAtInfinityAreIgnored) {
   EXPECT_TRUE(search->targets().empty());
 }
 
+TEST(ProjectiveSearch, TellsWhatStandsBeforeAllThatIsKnown) {
+  TargetCloud wall;  // at 2 m, in the left half of the picture
+  for (int v = 0; v < 240; v += 4) {
+    for (int u = 0; u < 160; u += 4) {
+      wall.points.push_back({kSearchCamera.back_project(u, v, 2).cast<float>(), {0, 0, -1}, 1e-6f});
+    }
+  }
+  const auto search = make_search({}, kSearchCamera);
+  search->prepare(wall, SE3{});
+  const auto at = [](int u, float z) {
+    return Eigen::Vector3f(kSearchCamera.back_project(u, 120, double{z}).cast<float>());
+  };
+  EXPECT_TRUE(search->stands_before(at(80, 1.5f), 0.1f));
+  EXPECT_FALSE(search->stands_before(at(80, 1.95f), 0.1f)) << "on the wall";
+  EXPECT_FALSE(search->stands_before(at(80, 2.5f), 0.1f)) << "behind it";
+  EXPECT_FALSE(search->stands_before(at(240, 1.5f), 0.1f)) << "nothing is known there";
+  SearchConfig nearest;
+  nearest.method = SearchMethod::kNearest;
+  const auto other = make_search(nearest, kSearchCamera);
+  other->prepare(wall, SE3{});
+  EXPECT_FALSE(other->stands_before(at(80, 1.5f), 0.1f));
+}
+
 }  // namespace
 }  // namespace sgs::registration

@@ -252,6 +252,19 @@ bool Session::wants_mapping_keyframe(const FrameRecord& record) const {
          video_time_ - last_mapping_keyframe_ >= config_.keyframe_interval;
 }
 
+namespace {
+
+// What moves is not learned from.
+std::shared_ptr<const RgbdFrame> without_movers(std::shared_ptr<const RgbdFrame> frame,
+                                                const tracker::TrackResult& result) {
+  if (!result.still) return frame;
+  auto out = std::make_shared<RgbdFrame>(*frame);
+  out->seen = result.still;
+  return out;
+}
+
+}  // namespace
+
 void Session::hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame,
                              const tracker::TrackResult& result, FrameRecord& record) {
   if (known_) {
@@ -269,7 +282,7 @@ void Session::hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame,
     last_mapping_keyframe_ = video_time_;
     ++mapping_keyframes_;
     keyframe_pending_ = false;
-    job.keyframe = frame_of_one_time(frame, result.motion.lag());
+    job.keyframe = without_movers(frame_of_one_time(frame, result.motion.lag()), result);
   }
   job.revision = revision_;
   worker_->submit(std::move(job));

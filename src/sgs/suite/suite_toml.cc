@@ -127,7 +127,7 @@ Status read(const toml::node& node, const Source& source, Sequence& out) {
         "a scene of the generator, the folder of a recording, or names to look for in --data");
   }
   if (out.scene.empty()) return {};
-  const auto scene = synthetic::find_scene(out.scene);
+  const auto scene = synthetic::parse_synth_spec("synth:" + out.scene);
   return scene ? Status() : source.wrong(node, scene.error().message, scene.error().remedy);
 }
 

@@ -67,7 +67,8 @@ struct Infrared::Fields {
         losses(image.width, image.height, cell, hash64(now, 5)) {}
 };
 
-Infrared::Infrared(const InfraredModel& model, const Scene& scene, const LensCamera& color,
+Infrared::Infrared(const InfraredModel& model, const Scene& scene,
+                   std::span<const Primitive> movers, const LensCamera& color,
                    const Eigen::Vector2d& shift_px, std::uint64_t seed)
     : model_(model),
       color_(color),
@@ -77,7 +78,7 @@ Infrared::Infrared(const InfraredModel& model, const Scene& scene, const LensCam
       seed_(hash64(seed, hash_name("infrared"))) {
   constexpr float kDark = 0.04f, kMirror = 0.15f;  // of the light that paint throws back
   Random random(hash64(seed_, 1));
-  for (const Primitive& p : scene.primitives) {
+  const auto make = [&](const Primitive& p) {
     Material m;
     const bool dark = random.chance(model.dark_objects), shiny = random.chance(model.shiny_objects);
     // Screens are dark glass.
@@ -85,7 +86,9 @@ Infrared::Infrared(const InfraredModel& model, const Scene& scene, const LensCam
     if (p.glow > 0 || (is_small(p) && shiny)) m.shiny = true;
     if (m.shiny) m.reflectance = std::min(m.reflectance, kMirror);
     materials_.push_back(m);
-  }
+  };
+  for (const Primitive& p : scene.primitives) make(p);
+  for (const Primitive& p : movers) make(p);
 }
 
 // Light falls with the square of the distance, and twice with the cosine: it is spread over more

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "sgs/core/image.h"
@@ -22,9 +23,9 @@ namespace sgs::synthetic {
 class Infrared {
  public:
   /// `color` is the colour camera behind its lens; `shift_px` is what the driver's table is wrong
-  /// by. The scene's small things get materials, drawn from the seed.
-  Infrared(const InfraredModel& model, const Scene& scene, const LensCamera& color,
-           const Eigen::Vector2d& shift_px, std::uint64_t seed);
+  /// by. The small things of the scene and among the movers get materials, drawn from the seed.
+  Infrared(const InfraredModel& model, const Scene& scene, std::span<const Primitive> movers,
+           const LensCamera& color, const Eigen::Vector2d& shift_px, std::uint64_t seed);
 
   const PinholeCamera& camera() const { return camera_; }
   /// Maps points of the infrared camera into the colour camera: both look the same way.
@@ -54,7 +55,7 @@ class Infrared {
   SE3 T_color_infrared_;
   Eigen::Vector2d shift_px_;
   std::uint64_t seed_;
-  std::vector<Material> materials_;  // of the scene's primitives
+  std::vector<Material> materials_;  // of the scene's primitives, then of the movers
 };
 
 }  // namespace sgs::synthetic

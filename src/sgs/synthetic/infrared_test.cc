@@ -33,7 +33,7 @@ Infrared infrared(const InfraredModel& model, const Distortion& lens = {},
                   const Eigen::Vector2d& shift = {0, 0}) {
   Scene scene;
   furnish(scene);
-  return Infrared(model, scene, {kColorCamera, lens}, shift, 3);
+  return Infrared(model, scene, {}, {kColorCamera, lens}, shift, 3);
 }
 
 RayImage wall_in_infrared(float depth, float cosine = 1, std::uint16_t surface = 0) {

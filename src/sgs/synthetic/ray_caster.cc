@@ -87,8 +87,32 @@ void hit_quad(const Primitive& p, int id, const Rays& r, int count, TileHits& hi
   }
 }
 
+// A ray meets a capsule where it meets the endless cylinder around the axis, between the caps, or
+// else the sphere at the end on whose side that was.
+float hit_capsule(const Primitive& p, const Eigen::Vector3f& o, const Eigen::Vector3f& d) {
+  const Eigen::Vector3f c = o - p.centre;
+  const float along_o = c.dot(p.u), along_d = d.dot(p.u);
+  const Eigen::Vector3f c_side = c - along_o * p.u, d_side = d - along_d * p.u;
+  const float aa = d_side.squaredNorm(), bb = c_side.dot(d_side);
+  const float cc = c_side.squaredNorm() - p.radius * p.radius;
+  const float q = bb * bb - aa * cc;
+  if (q < 0) return kFar;
+  constexpr float kParallel = 1e-9f;
+  const float t = aa > kParallel ? (-bb - std::sqrt(q)) / aa : 0;
+  const float along = along_o + t * along_d;
+  if (aa > kParallel && std::abs(along) <= p.half_height) return t > kNear ? t : kFar;
+  const bool top = aa > kParallel ? along > 0 : along_d < 0;
+  const Eigen::Vector3f s = c - (top ? p.half_height : -p.half_height) * p.u;
+  const float sa = d.squaredNorm(), sb = s.dot(d), sc = s.squaredNorm() - p.radius * p.radius;
+  const float sq = sb * sb - sa * sc;
+  if (sq < 0) return kFar;
+  const float ts = (-sb - std::sqrt(sq)) / sa;
+  return ts > kNear ? ts : kFar;
+}
+
 // Nearest positive ray parameter at which the ray meets a curved primitive, or kFar.
 float hit_curved(const Primitive& p, const Eigen::Vector3f& o, const Eigen::Vector3f& d) {
+  if (p.kind == Primitive::Kind::kCapsule) return hit_capsule(p, o, d);
   const Eigen::Vector3f c = o - p.centre;
   const bool sphere = p.kind == Primitive::Kind::kSphere;
   const float aa = sphere ? d.squaredNorm() : d.head<2>().squaredNorm();
@@ -105,13 +129,27 @@ float hit_curved(const Primitive& p, const Eigen::Vector3f& o, const Eigen::Vect
   return t;
 }
 
+// The scene's, then the movers'.
+class Surfaces {
+ public:
+  Surfaces(const Scene& scene, std::span<const Primitive> movers)
+      : still_(scene.primitives), movers_(movers) {}
+  std::size_t size() const { return still_.size() + movers_.size(); }
+  const Primitive& operator[](std::size_t i) const {
+    return i < still_.size() ? still_[i] : movers_[i - still_.size()];
+  }
+
+ private:
+  std::span<const Primitive> still_, movers_;
+};
+
 template <class Rays>
-void hit_row(const Scene& scene, const std::vector<int>& list, const Rays& r, int count,
+void hit_row(const Surfaces& surfaces, const std::vector<int>& list, const Rays& r, int count,
              TileHits& hits) {
   hits.t.fill(kFar);
   hits.id.fill(-1);
   for (int id : list) {
-    const Primitive& p = scene.primitives[static_cast<std::size_t>(id)];
+    const Primitive& p = surfaces[static_cast<std::size_t>(id)];
     if (p.kind == Primitive::Kind::kQuad) {
       hit_quad(p, id, r, count, hits);
       continue;
@@ -176,12 +214,13 @@ class StripFields {
 // The hull of every primitive in the camera frame of a strip of rows, for culling tiles.
 class StripCuller {
  public:
-  StripCuller(const Scene& scene, const PinholeCamera& camera, const SE3& pose, const Field& rows)
+  StripCuller(const Surfaces& surfaces, const PinholeCamera& camera, const SE3& pose,
+              const Field& rows)
       : camera_(camera) {
     const Eigen::Matrix3f R = pose.R.transpose().cast<float>();
     const Eigen::Vector3f t = pose.t.cast<float>();
-    for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
-      Entry entry{static_cast<int>(i), scene.primitives[i].hull()};
+    for (std::size_t i = 0; i < surfaces.size(); ++i) {
+      Entry entry{static_cast<int>(i), surfaces[i].hull()};
       for (Eigen::Vector3f& p : entry.hull) p = R * (p - t);
       if (!outside(entry, 1, rows, float(camera.fy))) entries_.push_back(std::move(entry));
     }
@@ -240,7 +279,7 @@ template <class Rays>
 void fill_pixel(const Scene& scene, const RayRequest& request, const Rays& rays, int i,
                 const TileHits& hits, std::size_t pixel, RayImage& out) {
   const std::size_t j = static_cast<std::size_t>(i);
-  const Primitive& p = scene.primitives[static_cast<std::size_t>(hits.id[j])];
+  const Primitive& p = Surfaces(scene, request.movers)[static_cast<std::size_t>(hits.id[j])];
   const Eigen::Vector3f d = rays.direction(i);
   const Eigen::Vector3f point = rays.o + hits.t[j] * d;
   Eigen::Vector3f normal = p.normal(point);
@@ -257,7 +296,7 @@ void fill_pixel(const Scene& scene, const RayRequest& request, const Rays& rays,
 template <class Rays>
 void fill_row(const Scene& scene, const RayRequest& request, const std::vector<int>& list,
               const Rays& rays, int count, std::size_t first, TileHits& hits, RayImage& out) {
-  hit_row(scene, list, rays, count, hits);
+  hit_row(Surfaces(scene, request.movers), list, rays, count, hits);
   for (int i = 0; i < count; ++i) {
     if (hits.id[static_cast<std::size_t>(i)] < 0) continue;
     fill_pixel(scene, request, rays, i, hits, first + static_cast<std::size_t>(i), out);
@@ -285,7 +324,8 @@ RayImage cast_rays(const Scene& scene, const RayRequest& request, ThreadPool& po
   pool.run((h + kTile - 1) / kTile, [&](int strip, int) {
     const int y0 = strip * kTile, y1 = std::min(h, y0 + kTile);
     const StripFields fields(request, y0, y1);
-    const StripCuller culler(scene, request.camera, pose_of((y0 + y1) / 2), fields.rows());
+    const StripCuller culler(Surfaces(scene, request.movers), request.camera,
+                             pose_of((y0 + y1) / 2), fields.rows());
     std::vector<int> list;
     TileHits hits;
     for (int x0 = 0; x0 < w; x0 += kTile) {

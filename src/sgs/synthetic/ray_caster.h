@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "sgs/camera/pinhole.h"
@@ -18,10 +19,11 @@ namespace sgs::synthetic {
 /// What the rays of an image hit. Row-major, one entry per pixel.
 struct RayImage {
   int width = 0, height = 0;
-  std::vector<float> depth;            ///< along the optical axis, metres, exact; 0 = nothing
-  std::vector<float> cosine;           ///< between ray and surface normal
-  std::vector<std::uint16_t> surface;  ///< index of the primitive, 0xffff = nothing
-  std::vector<Eigen::Array4f> color;   ///< 0..1 red green blue, sharp; empty unless asked for
+  std::vector<float> depth;   ///< along the optical axis, metres, exact; 0 = nothing
+  std::vector<float> cosine;  ///< between ray and surface normal
+  /// Index of the primitive, those of the request's movers after the scene's; 0xffff = nothing.
+  std::vector<std::uint16_t> surface;
+  std::vector<Eigen::Array4f> color;  ///< 0..1 red green blue, sharp; empty unless asked for
   std::vector<float> paint;  ///< luma of the surface in any light, blurred; empty unless asked for
 };
 
@@ -31,6 +33,8 @@ struct RayRequest {
   std::vector<SE3> row_poses;  ///< T_world_camera of every row (rolling shutter), or a single one
   Eigen::Vector2d shift_px{0, 0};  ///< of the rays from the pixels' centres; not behind a lens
   const LensRays* lens = nullptr;  ///< the rays of `camera` behind a lens; none = straight ones
+  /// Surfaces beside those of the scene, where they are at the image's time.
+  std::span<const Primitive> movers = {};
   bool with_color = false;
   bool with_paint = false;
 };

@@ -13,14 +13,15 @@ namespace sgs::synthetic {
 
 /// One analytic surface in the world frame (metres).
 struct Primitive {
-  enum class Kind { kQuad, kSphere, kCylinder };
+  enum class Kind { kQuad, kSphere, kCylinder, kCapsule };
   Kind kind = Kind::kQuad;
   Eigen::Vector3f centre = Eigen::Vector3f::Zero();
-  Eigen::Vector3f u = Eigen::Vector3f::UnitX();  ///< quad: first axis (unit)
-  Eigen::Vector3f v = Eigen::Vector3f::UnitY();  ///< quad: second axis (unit)
+  Eigen::Vector3f u = Eigen::Vector3f::UnitX();  ///< quad: first axis; capsule: along it (unit)
+  Eigen::Vector3f v = Eigen::Vector3f::UnitY();  ///< quad: second axis; capsule: across it (unit)
   Eigen::Vector3f n = Eigen::Vector3f::UnitZ();  ///< quad: u x v, the side that is seen
   float half_u = 0, half_v = 0;                  ///< quad: half sizes
-  float radius = 0, half_height = 0;             ///< sphere; standing cylinder with a lid
+  float radius = 0,
+        half_height = 0;  ///< sphere; standing cylinder with a lid; capsule: to its caps
   bool two_sided = false;
   const Texture* texture = nullptr;                  ///< none = plain
   Eigen::Vector2f offset = Eigen::Vector2f::Zero();  ///< added to surface coordinates, metres

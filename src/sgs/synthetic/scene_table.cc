@@ -73,17 +73,76 @@ Status check_level(const std::string& level) {
               "known levels, the nearest first: " + nearest_first(known, level));
 }
 
+const std::vector<SceneOption>& scene_options() {
+  static const std::vector<SceneOption> options = {
+      {"walkers20", "somebody walks through, about 20 % of the view in the mean"},
+      {"walkers40", "two walk through, 40 %"},
+      {"walkers60", "three walk through, 60 %"},
+      {"follower", "somebody stays before the camera"},
+      {"box", "somebody pushes a box and leaves it there"},
+      {"plain", "their clothes have no pattern"},
+      {"still", "the camera stands"},
+      {"turning", "the camera stands and turns to and fro"},
+  };
+  return options;
+}
+
+namespace {
+
+Status apply_option(const std::string& name, SynthOptions& out) {
+  constexpr std::string_view kWalkers = "walkers";
+  if (name.starts_with(kWalkers)) {
+    for (const int percent : {20, 40, 60})
+      if (name == fmt::format("{}{}", kWalkers, percent)) {
+        out.crowd.view_percent = percent;
+        return {};
+      }
+  }
+  if (name == "follower") return out.crowd.follower = true, Status();
+  if (name == "box") return out.crowd.box = true, Status();
+  if (name == "plain") return out.crowd.plain = true, Status();
+  if (name == "still") return out.motion = CameraMotion::kStill, Status();
+  if (name == "turning") return out.motion = CameraMotion::kTurning, Status();
+  std::vector<std::string> names;
+  for (const SceneOption& option : scene_options()) names.push_back(option.name);
+  return fail(ErrorCode::kInvalidArgument,
+              fmt::format("no option of a synthetic scene is called '{}'", name),
+              "known options, the nearest first: " + nearest_first(names, name));
+}
+
+}  // namespace
+
+std::string scene_text(const SynthOptions& options) {
+  std::string text = options.scene;
+  const CrowdOptions& c = options.crowd;
+  if (c.view_percent > 0) text += fmt::format("+walkers{}", c.view_percent);
+  if (c.follower) text += "+follower";
+  if (c.box) text += "+box";
+  if (c.plain) text += "+plain";
+  if (options.motion == CameraMotion::kStill) text += "+still";
+  if (options.motion == CameraMotion::kTurning) text += "+turning";
+  return text;
+}
+
 Result<SynthOptions> parse_synth_spec(std::string_view spec) {
   if (!is_synth_spec(spec))
     return fail(ErrorCode::kInvalidArgument, fmt::format("'{}' names no synthetic input", spec),
-                "write synth:NAME or synth:NAME:LEVEL");
+                "write synth:NAME or synth:NAME:LEVEL, or synth:NAME+OPTION:LEVEL");
   spec.remove_prefix(6);
   SynthOptions options;
   const std::size_t colon = spec.find(':');
-  options.scene = spec.substr(0, colon);
+  const std::string_view scene = spec.substr(0, colon);
+  std::size_t plus = scene.find('+');
+  options.scene = scene.substr(0, plus);
   if (colon != std::string_view::npos) options.level = spec.substr(colon + 1);
   if (auto info = find_scene(options.scene); !info) return tl::unexpected<Error>(info.error());
   SGS_RETURN_IF_ERROR(check_level(options.level));
+  while (plus != std::string_view::npos) {
+    const std::size_t next = scene.find('+', plus + 1);
+    SGS_RETURN_IF_ERROR(
+        apply_option(std::string(scene.substr(plus + 1, next - plus - 1)), options));
+    plus = next;
+  }
   return options;
 }
 

@@ -19,11 +19,29 @@
 
 namespace sgs::synthetic {
 
+/// Who moves through a scene (docs/datasets.md). Nobody by default.
+struct CrowdOptions {
+  int view_percent = 0;   ///< of the view that walkers take in the mean, about; 0 = no walkers
+  bool plain = false;     ///< clothes of one colour, instead of patterns
+  bool follower = false;  ///< somebody stays before the camera, wherever it goes
+  bool box = false;       ///< somebody pushes a box and leaves it there
+  bool empty() const { return view_percent == 0 && !follower && !box; }
+};
+
+/// How the camera moves in a scene.
+enum class CameraMotion {
+  kAsGiven,  ///< along the trajectory or as the scene has it
+  kStill,    ///< stands where it is in the middle of that
+  kTurning,  ///< turns to and fro there, by 35 degrees
+};
+
 /// What to render. Everything random (textures, clutter, hand motion, noise) follows from `seed`.
 struct SynthOptions {
   std::string scene;             ///< one of scene_names()
   std::string level = "kinect";  ///< sensor: clean, kinect, hard, varied or real
   std::uint64_t seed = 1;
+  CrowdOptions crowd;
+  CameraMotion motion = CameraMotion::kAsGiven;
   /// Camera motion in a world with z up and the floor at z = 0 (e.g. a TUM ground-truth file); the
   /// scene is laid out around it. Empty = the scene's own hand-held motion.
   std::optional<Trajectory> trajectory;
@@ -46,9 +64,19 @@ struct SceneInfo {
 /// All scenes, in the order of the benchmark suite.
 const std::vector<SceneInfo>& scene_names();
 
-/// Reads an input of the form `synth:NAME[:LEVEL]` into options that are otherwise default. An
-/// unknown name or level is an error that lists the known ones, the nearest first.
+/// What may follow a scene's name in an input, each after a `+`, and what it does.
+struct SceneOption {
+  std::string name, description;
+};
+const std::vector<SceneOption>& scene_options();
+
+/// Reads an input of the form `synth:NAME[+OPTION...][:LEVEL]` into options that are otherwise
+/// default. An unknown name, option or level is an error that lists the known ones, the nearest
+/// first.
 Result<SynthOptions> parse_synth_spec(std::string_view spec);
+
+/// Scene and options as they are written in an input: NAME[+OPTION...].
+std::string scene_text(const SynthOptions& options);
 
 /// True for inputs that parse_synth_spec() is meant for.
 inline bool is_synth_spec(std::string_view input) { return input.starts_with("synth:"); }

@@ -401,6 +401,24 @@ TEST(TrackablePoints, WhatAFrameLooksThroughGoesIfItIsOld) {
   EXPECT_EQ(points.remove_in(space, pose_at(0)), 0);
 }
 
+TEST(TrackablePoints, WhatHasMovedAwayGoesThoughItIsNew) {
+  const registration::SamplingConfig sampling;
+  registration::SourceCloud source;
+  registration::make_sampler(sampling, kCamera, false)
+      ->sample(render(room(), true, pose_at(0), 0).depth, source);
+  const registration::FreeSpace space(source, kCamera, sampling.step_px);
+  registration::SourceCloud near = source, nearly = source;
+  for (registration::SourcePoint& p : near.points) p.point *= 0.7f;
+  for (registration::SourcePoint& p : nearly.points) p.point *= 0.97f;
+
+  Points points({0.03f, 0.03f});
+  const int gone = points.see(near, pose_at(0));
+  EXPECT_GT(points.remove_in(space, pose_at(0), 0.2f), gone / 2);
+  Points others({0.03f, 0.03f});
+  others.see(nearly, pose_at(0));
+  EXPECT_EQ(others.remove_in(space, pose_at(0), 0.2f), 0);
+}
+
 TEST(TrackablePoints, EndSomewhere) {
   registration::SourceCloud source;
   registration::make_sampler({}, kCamera, false)

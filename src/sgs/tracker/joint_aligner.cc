@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <utility>
 
 #include "sgs/degeneracy/planarity.h"
 #include "sgs/tracker/describe.h"
@@ -71,6 +72,7 @@ JointAligner::JointAligner(const SpectralConfig& config, const PinholeCamera& ca
                            const SE3& T_local_world)
     : config_(config),
       afar_(weights_afar(config.degeneracy)),
+      camera_(camera),
       past_(T_local_world),
       geometry_(config.geometry, camera, T_local_world),
       vision_(config.vision) {}
@@ -179,6 +181,7 @@ Alignment::Geometry JointAligner::geometry_at(const SE3& T) {
   Alignment::Geometry g;
   g.inliers = l.inliers;
   g.cost = l.error;
+  g.movers = geometry_.count_movers(T);
   g.overlap = geometry_.overlap(T);
   g.spectrum = degeneracy::spectrum(l.H);
   g.H = degeneracy::fuse_removed(normal_equations(l), K, {}, config_.degeneracy).H;
@@ -227,15 +230,58 @@ LostReason JointAligner::why_unseen(const Alignment& a) const {
   return a.picture->holds ? LostReason::kUnseenAxis : LostReason::kPoorPictureFit;
 }
 
+std::shared_ptr<const PixelMask> JointAligner::still_pixels(const RgbdFrame& frame,
+                                                            const Alignment& a) const {
+  if (!a.geometry || a.geometry->movers <= 0) return nullptr;
+  constexpr int kBlock_px = 8;
+  const int columns = (camera_.width + kBlock_px - 1) / kBlock_px;
+  const int rows = (camera_.height + kBlock_px - 1) / kBlock_px;
+  PixelMask still(camera_.width, camera_.height, std::uint8_t{1});
+  const auto blank = [&](int column, int row) {  // a block and its neighbours: silhouettes
+    for (int v = std::max(0, (row - 1) * kBlock_px);
+         v < std::min(camera_.height, (row + 2) * kBlock_px); ++v) {
+      const int begin = std::max(0, (column - 1) * kBlock_px);
+      const int end = std::min(camera_.width, (column + 2) * kBlock_px);
+      std::fill(still.row(v) + begin, still.row(v) + end, std::uint8_t{0});
+    }
+  };
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const int u = std::min(column * kBlock_px + kBlock_px / 2, camera_.width - 1);
+      const int v = std::min(row * kBlock_px + kBlock_px / 2, camera_.height - 1);
+      const float z = frame.depth(u, v);
+      if (!(z > 0)) continue;
+      const Eigen::Vector3f point = camera_.back_project(u, v, double{z}).cast<float>();
+      if (geometry_.moves(point, a.T_local_camera)) blank(column, row);
+    }
+  }
+  if (frame.seen) {
+    std::transform(still.data(), still.data() + still.size(), frame.seen->data(), still.data(),
+                   [](std::uint8_t x, std::uint8_t seen) {
+                     return x != 0 && seen != 0 ? std::uint8_t{1} : std::uint8_t{0};
+                   });
+  }
+  return std::make_shared<const PixelMask>(std::move(still));
+}
+
+// Of the pixel, unless what is seen there moves.
+registration::InverseDepthPlane JointAligner::still_surface(int u, int v,
+                                                            const Alignment& a) const {
+  const auto plane = geometry_.surface_with_colour(u, v, a.points_motion.lag());
+  if (!(plane.q > 0) || !a.geometry || a.geometry->movers <= 0) return plane;
+  const Eigen::Vector3f point = camera_.back_project(u, v, 1 / double{plane.q}).cast<float>();
+  return geometry_.moves(point, a.T_local_camera) ? registration::InverseDepthPlane{} : plane;
+}
+
 JointAligner::Extension JointAligner::extend(const Alignment& a, const Vector6d& readout) {
   Extension out;
   vision_.compare_references(a.fit);
   if (check_frame() != LostReason::kNone) return out;
+  if (a.geometry) geometry_.note_movers(a.T_local_camera);
   if (vision_.wants_keyframe(a.T_local_camera, a.fit)) {
     const int before = vision_.keyframes();
-    vision_.insert_keyframe(
-        a.T_local_camera, a.fit, readout, a.points_motion,
-        [&](int u, int v) { return geometry_.surface_with_colour(u, v, a.points_motion.lag()); });
+    vision_.insert_keyframe(a.T_local_camera, a.fit, readout, a.points_motion,
+                            [&](int u, int v) { return still_surface(u, v, a); });
     out.keyframe = vision_.keyframes() > before;
   }
   const bool unexplained =
@@ -258,6 +304,7 @@ Diagnostics JointAligner::describe(const Alignment& a) const {
     d.inliers = a.geometry->inliers;
     d.cost = a.geometry->cost;
     d.overlap = a.geometry->overlap;
+    if (config_.geometry.movers.ignore) d.movers = a.geometry->movers;
     note_spectrum(a.geometry->spectrum, d);
   }
   if (a.picture) {

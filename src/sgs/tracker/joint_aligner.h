@@ -21,6 +21,7 @@ struct Alignment {
     int inliers = 0;
     double cost = 0;
     double overlap = 0;
+    double movers = 0;  ///< share of the points that stand where nothing stood (MoversConfig)
     degeneracy::Spectrum spectrum;  ///< of the registration alone
     Matrix6d H = Matrix6d::Zero();  ///< as it enters the joint equations
     bool holds = false;             ///< enough points are matched
@@ -87,6 +88,8 @@ class JointAligner {
   /// What geometry and picture say of a pose that something else has found: nothing moves but the
   /// brightness of the picture.
   Alignment measure(const SE3& T, const ReadoutModel& readout);
+  /// Pixels of the aligned frame that it saw and where nothing moves; null: those it saw.
+  std::shared_ptr<const PixelMask> still_pixels(const RgbdFrame& frame, const Alignment& a) const;
   /// Which of the maps took in the frame.
   struct Extension {
     bool keyframe = false;  ///< a new one of the visual term
@@ -131,11 +134,13 @@ class JointAligner {
   bool can_be_registered() const {
     return geometry_.has_targets() && check_frame() == LostReason::kNone;
   }
+  registration::InverseDepthPlane still_surface(int u, int v, const Alignment& a) const;
   LostReason judge(const Alignment& a) const;
   LostReason why_unseen(const Alignment& a) const;
 
   SpectralConfig config_;
   degeneracy::DegeneracyConfig afar_;
+  PinholeCamera camera_;
   LocalPast past_;
   GeometricTerm geometry_;
   VisualTerm vision_;

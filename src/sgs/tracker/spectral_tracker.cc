@@ -76,6 +76,7 @@ TrackResult SpectralTracker::track(const RgbdFrame& frame, const history::Revisi
   const bool keyframe = !policy_.in_doubt() && extend_map(frame, alignment, readout, rate);
   TrackResult result = tracked(alignment);
   result.keyframe = keyframe;
+  result.still = aligner_.still_pixels(frame, alignment);
   result.motion = alignment.points_motion;
   result.motion.readout = readout;
   return result;

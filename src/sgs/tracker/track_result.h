@@ -5,9 +5,11 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 
 #include "sgs/core/enum_names.h"
+#include "sgs/core/image.h"
 #include "sgs/geometry/se3.h"
 #include "sgs/registration/rolling_shutter.h"
 #include "sgs/tracker/lost_reason.h"
@@ -65,6 +67,7 @@ struct Diagnostics {
   int inliers = 0;             ///< matched ones at the final pose
   int visual_inliers = 0;      ///< photometric pixels or features used
   double overlap = kNone;      ///< share of source points explained by the map
+  double movers = kNone;       ///< share of source points that stand where nothing stood
   double cost = kNone;         ///< joint cost at the final pose
   double visual_cost = kNone;  ///< mean photometric cost per pixel (1 = as its noise model expects)
   double depth_delay_s = kNone;  ///< of depth after its stamp, as learned so far
@@ -87,6 +90,9 @@ struct TrackResult {
   std::optional<Matrix6d> information;
   /// How the camera moved while the frame was measured; zero where not known.
   registration::FrameMotion motion;
+  /// Pixels that the camera saw and where nothing moves: all that a map may learn from; null where
+  /// that are those of RgbdFrame::seen.
+  std::shared_ptr<const PixelMask> still;
   Diagnostics diagnostics;
 };
 

@@ -20,6 +20,7 @@ void TrackerConfig::declare(ParameterList& p) {
   p.add_group("solver", solver);
   p.add_group("motion", motion);
   p.add_group("keyframe", keyframe);
+  p.add_group("movers", movers);
   p.add_group("loss", loss);
   p.add_group("target", target);
   p.add_group("degeneracy", degeneracy);
@@ -70,7 +71,8 @@ GeometryConfig::GeometryConfig(const TrackerConfig& all)
       search(all.search),
       factor(all.factor),
       target(all.target),
-      keyframe(all.keyframe) {}
+      keyframe(all.keyframe),
+      movers(all.movers) {}
 
 VisionConfig::VisionConfig(const TrackerConfig& all)
     : photometric(all.photometric), keyframes(all.visual_keyframes) {}

@@ -91,6 +91,30 @@ struct KeyframeConfig {
   }
 };
 
+/// What stands in space that was seen to be free: somebody who walks through, or what was put
+/// there.
+struct MoversConfig {
+  bool ignore = false;
+  double margin_m = 0.1;
+  double margin_ratio = 0.03;
+  double trial_s = 3;
+  double clear_m = 0.2;
+
+  void declare(ParameterList& p) {
+    p.add("ignore", ignore,
+          "Leave out what stands before known surface until it has stood there for trial_s.");
+    p.add("margin_m", margin_m, "It stands so far before it at least.", "m", {0.01, 10});
+    p.add("margin_ratio", margin_ratio, "And by this share of its distance more.", "", {0, 1});
+    p.add("trial_s", trial_s, "What has stood in one place for so long belongs to the world.", "s",
+          {0, 1e6});
+    p.add("clear_m", clear_m,
+          "Targets that a tracking keyframe looks through by more are removed, however new; 0: "
+          "only those of a long way ago.",
+          "m", {0, 10});
+    p.for_users({"ignore"});
+  }
+};
+
 /// When a pose is not to be trusted.
 struct LossConfig {
   int min_points = 150;
@@ -174,6 +198,7 @@ struct VisualKeyframeConfig {
   double keyframe_visible = 0.75;
   int max_references = 2;
   double revisit_distance = 0.45;
+  bool patient = false;
 
   void declare(ParameterList& p) {
     p.add("keyframe_translation", keyframe_translation,
@@ -187,6 +212,8 @@ struct VisualKeyframeConfig {
     p.add("revisit_distance", revisit_distance,
           "How far the view of an older keyframe may be off to serve again.", "image widths",
           {0, 2});
+    p.add("patient", patient,
+          "A camera that has hardly moved keeps its keyframe though something hides much of it.");
   }
 };
 
@@ -370,6 +397,7 @@ struct TrackerConfig {
   registration::SolverConfig solver;
   MotionConfig motion;
   KeyframeConfig keyframe;
+  MoversConfig movers;
   LossConfig loss;
   TargetConfig target;
   degeneracy::DegeneracyConfig degeneracy;
@@ -399,6 +427,7 @@ struct GeometryConfig {
   registration::FactorConfig factor;
   TargetConfig target;
   KeyframeConfig keyframe;
+  MoversConfig movers;
 
   explicit GeometryConfig(const TrackerConfig& all);
 };

@@ -23,8 +23,9 @@ class SnapshotTargets : public TargetMap {
   void update(const LocalPast& past, const map::SnapshotPtr& snapshot) override;
   void insert(const registration::SourceCloud& source, const Observer& keyframe,
               const registration::CorrespondenceSearch* search) override;
-  void remove_in(const registration::FreeSpace& space, const SE3& T_local_camera) override {
-    before_.remove_in(space, T_local_camera);
+  void remove_in(const registration::FreeSpace& space, const SE3& T_local_camera,
+                 float new_margin_m) override {
+    before_.remove_in(space, T_local_camera, new_margin_m);
   }
   const registration::TargetCloud& cloud() const override;
   bool wants_keyframes() const override { return !has_snapshot_; }

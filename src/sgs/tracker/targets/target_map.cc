@@ -16,8 +16,9 @@ class GridTargets : public TargetMap {
               const registration::CorrespondenceSearch* search) override {
     points_.insert(source, keyframe, search);
   }
-  void remove_in(const registration::FreeSpace& space, const SE3& T_local_camera) override {
-    points_.remove_in(space, T_local_camera);
+  void remove_in(const registration::FreeSpace& space, const SE3& T_local_camera,
+                 float new_margin_m) override {
+    points_.remove_in(space, T_local_camera, new_margin_m);
   }
   const registration::TargetCloud& cloud() const override { return points_.cloud(); }
   bool wants_keyframes() const override { return true; }

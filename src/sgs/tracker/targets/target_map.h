@@ -23,8 +23,10 @@ class TargetMap {
   /// prepared for this frame, or null for the first one.
   virtual void insert(const registration::SourceCloud& source, const Observer& keyframe,
                       const registration::CorrespondenceSearch* search) = 0;
-  /// Removes those of the tracker's own targets that a camera at `T_local_camera` looks through.
-  virtual void remove_in(const registration::FreeSpace& space, const SE3& T_local_camera) = 0;
+  /// Removes those of the tracker's own targets that a camera at `T_local_camera` looks through
+  /// (TrackablePoints::remove_in).
+  virtual void remove_in(const registration::FreeSpace& space, const SE3& T_local_camera,
+                         float new_margin_m) = 0;
   /// Whether insert() does anything now.
   virtual bool wants_keyframes() const = 0;
   virtual const registration::TargetCloud& cloud() const = 0;

@@ -64,13 +64,15 @@ double TrackablePoints::path_to(const SE3& T_local_camera) const {
   return last.path_m + (T_local_camera.t - past_.at(last.frame).t).norm();
 }
 
-int TrackablePoints::remove_in(const registration::FreeSpace& space, const SE3& T_local_camera) {
+int TrackablePoints::remove_in(const registration::FreeSpace& space, const SE3& T_local_camera,
+                               float new_margin_m) {
   constexpr double kLongWay_m = 10;
   const double path_m = path_to(T_local_camera);
   const auto lately =
       std::find_if(keyframes_.begin(), keyframes_.end(),
                    [&](const Keyframe& keyframe) { return path_m - keyframe.path_m < kLongWay_m; });
-  const std::size_t end = lately == keyframes_.begin() ? 0 : std::prev(lately)->end;
+  const std::size_t old = lately == keyframes_.begin() ? 0 : std::prev(lately)->end;
+  const std::size_t end = new_margin_m > 0 ? cloud_.points.size() : old;
   if (end == 0) return 0;
   const SE3 inverse = T_local_camera.inverse();
   const Eigen::Matrix3f R = inverse.R.cast<float>();
@@ -83,7 +85,8 @@ int TrackablePoints::remove_in(const registration::FreeSpace& space, const SE3& 
   for (const auto& range : blocks_.in_view(space.view(), T_local_camera, behind)) {
     for (std::size_t i = range.begin; i < std::min(range.end, end); ++i) {
       const registration::TargetPoint& p = cloud_.points[i];
-      if (p.alive() && space.contains(R * p.point + t, spacing_.distance_m / 2)) remove(i);
+      const float margin_m = i < old ? spacing_.distance_m / 2 : new_margin_m;
+      if (p.alive() && space.contains(R * p.point + t, margin_m)) remove(i);
     }
   }
   return static_cast<int>(before - alive_);

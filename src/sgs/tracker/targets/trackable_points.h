@@ -46,8 +46,11 @@ class TrackablePoints {
   /// Removes the points that a camera at `T_local_camera` looks through by more than half of the
   /// spacing's distance, if they were seen a long way ago: what is nearer on the way contradicts
   /// the frame by what the depth camera errs, and holds the pose all the same; what is further
-  /// differs by the drift since. Returns how many there were.
-  int remove_in(const registration::FreeSpace& space, const SE3& T_local_camera);
+  /// differs by the drift since. What is newer goes where it is looked through by more than
+  /// `new_margin_m`, which neither explains: it has moved away; 0: it stays. Returns how many there
+  /// were.
+  int remove_in(const registration::FreeSpace& space, const SE3& T_local_camera,
+                float new_margin_m = 0);
   /// What is believed of the past now: comes before the first keyframe and with every frame, the
   /// keyframes so far in its path. Points move with the keyframes that saw them, and along their
   /// rays where depth is another.

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/tracker/terms/geometric_term.h"
 
+#include <algorithm>
+
 #include "sgs/camera/depth_lag.h"
 
 namespace sgs::tracker {
@@ -49,7 +51,8 @@ GeometricTerm::GeometricTerm(const GeometryConfig& config, const PinholeCamera& 
       search_(registration::make_search(config.search, camera)),
       targets_(make_target_map(config, T_local_world, camera.fx)),
       cost_(config.factor),
-      coarse_cost_(config.factor) {
+      coarse_cost_(config.factor),
+      trial_(config.movers.trial_s) {
   registration::SamplingConfig target_points = config.points;
   target_points.step_px = config.target.step_px;
   target_sampler_ = make_sampler(target_points, camera, needs_ellipses(config));
@@ -61,6 +64,8 @@ void GeometricTerm::set_frame(const RgbdFrame& frame, const LocalPast& past,
   targets_->update(past, snapshot);
   depth_ = &frame.depth;
   frame_ = frame.index;
+  time_s_ = frame.timestamp_s;
+  movers_ = 0;
   prepared_ = false;
   T_searched_.reset();
   motion_ = {};
@@ -118,8 +123,46 @@ double GeometricTerm::error(const SE3& T_local_camera) const {
 }
 
 double GeometricTerm::overlap(const SE3& T_local_camera) const {
-  return cost_.overlap(source_, *search_, in_reference(T_local_camera),
-                       config_.keyframe.overlap_distance_m);
+  const double of_all = cost_.overlap(source_, *search_, in_reference(T_local_camera),
+                                      config_.keyframe.overlap_distance_m);
+  if (movers_ == 0) return of_all;
+  const auto all = static_cast<double>(source_.points.size());
+  return std::min(1.0, of_all * all / std::max(1.0, all - static_cast<double>(movers_)));
+}
+
+bool GeometricTerm::stands_in_free_space(const Eigen::Vector3f& point,
+                                         const SE3& T_reference_camera) const {
+  const Eigen::Vector3f there =
+      T_reference_camera.R.cast<float>() * point + T_reference_camera.t.cast<float>();
+  const auto margin_m = static_cast<float>(config_.movers.margin_m) +
+                        static_cast<float>(config_.movers.margin_ratio) * point.z();
+  return search_->stands_before(there, margin_m);
+}
+
+bool GeometricTerm::moves(const Eigen::Vector3f& point, const SE3& T_local_camera) const {
+  if (!config_.movers.ignore || !prepared_) return false;
+  if (!stands_in_free_space(point, in_reference(T_local_camera))) return false;
+  return !trial_.stayed((T_local_camera * point.cast<double>()).cast<float>(), time_s_);
+}
+
+double GeometricTerm::count_movers(const SE3& T_local_camera) {
+  movers_ = 0;
+  if (!config_.movers.ignore || source_.points.empty()) return 0;
+  for (const registration::SourcePoint& p : source_.points) {
+    movers_ += moves(p.point, T_local_camera) ? 1 : 0;
+  }
+  return static_cast<double>(movers_) / static_cast<double>(source_.points.size());
+}
+
+void GeometricTerm::note_movers(const SE3& T_local_camera) {
+  constexpr std::int64_t kForgetsEvery = 30;  // frames
+  if (!config_.movers.ignore || !prepared_) return;
+  const SE3 T = in_reference(T_local_camera);
+  for (const registration::SourcePoint& p : source_.points) {
+    if (!stands_in_free_space(p.point, T)) continue;
+    trial_.see((T_local_camera * p.point.cast<double>()).cast<float>(), time_s_);
+  }
+  if (frame_ % kForgetsEvery == 0) trial_.forget(time_s_);
 }
 
 GeometricTerm::MatchedTargets GeometricTerm::matched_targets() const {
@@ -167,7 +210,13 @@ void GeometricTerm::insert_keyframe(const SE3& T_local_camera, const FrameMotion
   move_points(keyframe_source_, motion.readout, motion.lag(), depth_->height());
   if (config_.keyframe.clear_view && has_targets()) {
     targets_->remove_in(registration::FreeSpace(keyframe_source_, camera_, config_.target.step_px),
-                        T_local_camera);
+                        T_local_camera,
+                        config_.movers.ignore ? static_cast<float>(config_.movers.clear_m) : 0.0f);
+  }
+  if (config_.movers.ignore) {
+    std::erase_if(keyframe_source_.points, [&](const registration::SourcePoint& p) {
+      return moves(p.point, T_local_camera);
+    });
   }
   targets_->insert(keyframe_source_, {frame_, T_local_camera, motion},
                    prepared_ ? search_.get() : nullptr);

@@ -12,6 +12,7 @@
 #include "sgs/registration/geometric_cost.h"
 #include "sgs/registration/rolling_shutter.h"
 #include "sgs/tracker/targets/target_map.h"
+#include "sgs/tracker/terms/trial.h"
 #include "sgs/tracker/tracker_config.h"
 
 namespace sgs::tracker {
@@ -42,8 +43,17 @@ class GeometricTerm {
   double error(const SE3& T_local_camera) const;
   /// The same from every `stride`-th point, scaled up: for the first, coarse steps.
   registration::Linearization linearize_coarse(const SE3& T_local_camera, int stride);
-  /// Share of the frame's points the map explains, with the matches of the last linearize().
+  /// Share of the frame's points the map explains, with the matches of the last linearize(); those
+  /// that the last count_movers() found do not count.
   double overlap(const SE3& T_local_camera) const;
+  /// Finds the points that stand in space that was seen to be free and have not stayed there so
+  /// far, for a frame taken at that pose. Their share of all points.
+  double count_movers(const SE3& T_local_camera);
+  /// Whether that is so of a point (camera coordinates, metres); false before prepare().
+  bool moves(const Eigen::Vector3f& point, const SE3& T_local_camera) const;
+  /// Notes where they are, so that what stays there becomes part of the world: once a frame, of an
+  /// accepted pose.
+  void note_movers(const SE3& T_local_camera);
   /// Targets matched in the last linearize(): their numbers in the search, normals and opacities.
   struct MatchedTargets {
     std::vector<int> indices;
@@ -66,6 +76,7 @@ class GeometricTerm {
   const TargetMap& targets() const { return *targets_; }
 
  private:
+  bool stands_in_free_space(const Eigen::Vector3f& point, const SE3& T_reference_camera) const;
   SE3 in_reference(const SE3& T_local_camera) const { return T_reference_local_ * T_local_camera; }
 
   GeometryConfig config_;
@@ -79,7 +90,10 @@ class GeometricTerm {
   registration::SourceCloud coarse_source_;  // every n-th point of source_, made on demand
   const DepthImage* depth_ = nullptr;        // of the current frame
   std::int64_t frame_ = 0;                   // its index
-  registration::FrameMotion motion_;         // that its points are corrected for
+  double time_s_ = 0;                        // its stamp
+  Trial trial_;
+  std::size_t movers_ = 0;            // points, as counted last
+  registration::FrameMotion motion_;  // that its points are corrected for
   SE3 T_reference_local_;
   std::optional<SE3> T_searched_;  // pose of the last full search with these points
   bool prepared_ = false;

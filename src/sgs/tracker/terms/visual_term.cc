@@ -20,6 +20,8 @@ constexpr double kFarWorse = 2.5;
 constexpr int kContradictions = 5;
 // Coarser levels have too few pixels for three more unknowns: the readout is as believed there.
 constexpr int kCoarsestReadoutLevel = 1;
+// Share of the limits within which a camera has hardly moved, and how much less it may see then.
+constexpr double kHardlyMoved = 0.3, kLeastShare = 0.4;
 // Of fewer pixels no width of a distribution is known.
 constexpr int kEnoughPixels = 100;
 
@@ -179,8 +181,12 @@ bool VisualTerm::is_near(const Keyframe& keyframe, const SE3& T_local_camera, do
 }
 
 bool VisualTerm::wants_keyframe(const SE3& T_local_camera, const Fit& fit) const {
-  return keyframes_.empty() || !is_near(keyframes_[newest_], T_local_camera, 1.0) ||
-         fit.newest_share_ < config_.keyframes.keyframe_visible;
+  if (keyframes_.empty() || !is_near(keyframes_[newest_], T_local_camera, 1.0)) return true;
+  // A camera that has hardly moved sees less of its keyframe only where something has come before
+  // it: another keyframe would see no more, and start from this one's errors.
+  const bool stands =
+      config_.keyframes.patient && is_near(keyframes_[newest_], T_local_camera, kHardlyMoved);
+  return fit.newest_share_ < (stands ? kLeastShare : 1.0) * config_.keyframes.keyframe_visible;
 }
 
 void VisualTerm::insert_keyframe(const SE3& T_local_camera, const Fit& fit, const Vector6d& readout,
