@@ -53,8 +53,8 @@ struct FrameMotion {
 
   /// From a row's colour to its depth.
   Vector6d lag() const { return depth_delay_s * velocity; }
-  /// A calibration tells the delay, `later_s` more than the one before: that takes the place of what
-  /// was learned. Returns the camera's twist over the time by which the delay grows.
+  /// A calibration tells the delay, `later_s` more than the one before: that takes the place of
+  /// what was learned. Returns the camera's twist over the time by which the delay grows.
   Vector6d recalibrate(double later_s) {
     const double grows_s = later_s - learned_delay_s;
     depth_delay_s += grows_s;

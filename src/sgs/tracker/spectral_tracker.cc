@@ -289,17 +289,16 @@ Alignment SpectralTracker::align_picture(const SE3& T_start, double timestamp_s)
 }
 
 ReadoutModel SpectralTracker::readout_model(double timestamp_s, const MotionModel& motion) const {
-  return {
-      [this, timestamp_s, &motion](const SE3& T_local_camera) {
-        return readout_.predict(motion.rate_to(T_local_camera, timestamp_s),
-                                aligner_.vision().newest_keyframe());
-      },
-      // Not the rate to the pose that is looked for: points that follow a pose's own velocity
-      // make it swing to and fro.
-      [this, &motion](const Vector6d& seen, const SE3&) {
-        return registration::FrameMotion{frame_readout(seen), motion.steady_rate(), depth_delay_s_,
-                                         delay_.delay_s()};
-      }};
+  return {[this, timestamp_s, &motion](const SE3& T_local_camera) {
+            return readout_.predict(motion.rate_to(T_local_camera, timestamp_s),
+                                    aligner_.vision().newest_keyframe());
+          },
+          // Not the rate to the pose that is looked for: points that follow a pose's own velocity
+          // make it swing to and fro.
+          [this, &motion](const Vector6d& seen, const SE3&) {
+            return registration::FrameMotion{frame_readout(seen), motion.steady_rate(),
+                                             depth_delay_s_, delay_.delay_s()};
+          }};
 }
 
 // Camera twist over the readout of the frame: what is seen, without the keyframe's share.
