@@ -10,6 +10,7 @@
 #include "sgs/synthetic/moving_masks.h"
 #include "sgs/synthetic/ray_caster.h"
 #include "sgs/synthetic/schedule.h"
+#include "sgs/synthetic/test_frames.h"
 
 namespace sgs::synthetic {
 namespace {
@@ -20,16 +21,6 @@ SynthOptions small(const std::string& spec, int frames) {
   options.threads = 2;
   options.camera = {160, 120, 133.85, 134.8, 79.6, 61.5};
   return options;
-}
-
-std::vector<RgbdFrame> frames_of(const SynthOptions& options) {
-  auto source = make_synthetic_source(options);
-  EXPECT_TRUE(source.has_value());
-  std::vector<RgbdFrame> frames;
-  RgbdFrame frame;
-  Error error;
-  while ((*source)->next(frame, error) == dataset::FrameRead::kOk) frames.push_back(frame);
-  return frames;
 }
 
 // Nobody within a pixel: silhouettes are softened.

@@ -10,7 +10,7 @@
 #include "sgs/dataset/tum_writer.h"
 #include "sgs/io/temporary_folder.h"
 #include "sgs/synthetic/sensor_model.h"
-#include "sgs/synthetic/source.h"
+#include "sgs/synthetic/test_frames.h"
 
 namespace sgs::synthetic {
 namespace {
@@ -24,16 +24,6 @@ SynthOptions small_camera(int frames, std::uint64_t seed = 1) {
   options.threads = 2;
   options.camera = {160, 120, 133.85, 134.8, 79.6, 61.5};
   return options;
-}
-
-std::vector<RgbdFrame> frames_of(const SynthOptions& options) {
-  auto source = make_synthetic_source(options);
-  EXPECT_TRUE(source.has_value());
-  std::vector<RgbdFrame> frames;
-  RgbdFrame frame;
-  Error error;
-  while ((*source)->next(frame, error) == dataset::FrameRead::kOk) frames.push_back(frame);
-  return frames;
 }
 
 template <class T>
