@@ -143,10 +143,14 @@ class Resume:
         code, said, _ = sgs("run", recording, "-o", scratch / "whole", *small)
         check(code in (0, 3), said)
         self.whole = self.results(scratch / "whole")
-        # A lack of memory in the middle is a run that stops with a checkpoint.
-        for fault in range(3000, 12000, 500):
-            arguments = ["run", recording, "-o", self.stopped, *small]
-            sgs(*arguments, fault=f"memory:{fault}", start=self.start)
+        # A lack of memory in the middle is a run that stops with a checkpoint; where the middle is
+        # depends on how often memory is asked for before and after the frames.
+        arguments = ["run", recording, "-o", self.stopped, *small]
+        calls = sgs(*arguments, fault="memory:0", start=self.start)[2]
+        tries = 40
+        for part in sorted(range(1, tries), key=lambda part: abs(2 * part - tries)):
+            subprocess.run(["rm", "-rf", self.stopped], check=True)
+            sgs(*arguments, fault=f"memory:{calls * part // tries}", start=self.start)
             if (self.stopped / "checkpoint.txt").exists():
                 break
         check((self.stopped / "checkpoint.txt").exists(), "no run that can be gone on with")
