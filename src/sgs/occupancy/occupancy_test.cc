@@ -94,7 +94,8 @@ TEST(OccupancyVolume, ARoom) {
   EXPECT_EQ(at(0.02, 1.5, 1), Cell::kOccupied);
   EXPECT_EQ(at(0.08, 1.5, 1), Cell::kFree);
   EXPECT_EQ(at(-0.03, 1.5, 1), Cell::kUnknown);
-  EXPECT_EQ(at(2, 1, kFloor_m), Cell::kOccupied);
+  EXPECT_EQ(at(3.52, 2.52, kFloor_m), Cell::kOccupied);
+  EXPECT_EQ(at(2, 1.5, kFloor_m), Cell::kUnknown);  // below the view of both cameras
   EXPECT_EQ(at(100, 1, 1), Cell::kUnknown);
 }
 

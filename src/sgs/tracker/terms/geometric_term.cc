@@ -41,6 +41,20 @@ bool needs_ellipses(const GeometryConfig& config) {
   return config.factor.type == registration::FactorType::kGicp;
 }
 
+/// Keeps the points for which `keep` holds, each with its ellipse.
+template <class Keep>
+void keep_where(registration::SourceCloud& cloud, const Keep& keep) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    if (!keep(cloud.points[i])) continue;
+    cloud.points[kept] = cloud.points[i];
+    if (!cloud.covariances.empty()) cloud.covariances[kept] = cloud.covariances[i];
+    ++kept;
+  }
+  cloud.points.resize(kept);
+  if (!cloud.covariances.empty()) cloud.covariances.resize(kept);
+}
+
 }  // namespace
 
 GeometricTerm::GeometricTerm(const GeometryConfig& config, const PinholeCamera& camera,
@@ -214,9 +228,8 @@ void GeometricTerm::insert_keyframe(const SE3& T_local_camera, const FrameMotion
                         config_.movers.ignore ? static_cast<float>(config_.movers.clear_m) : 0.0f);
   }
   if (config_.movers.ignore) {
-    std::erase_if(keyframe_source_.points, [&](const registration::SourcePoint& p) {
-      return moves(p.point, T_local_camera);
-    });
+    keep_where(keyframe_source_,
+               [&](const registration::SourcePoint& p) { return !moves(p.point, T_local_camera); });
   }
   targets_->insert(keyframe_source_, {frame_, T_local_camera, motion},
                    prepared_ ? search_.get() : nullptr);
