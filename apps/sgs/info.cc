@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "camera_json.h"
 #include "commands.h"
 #include "info_map.h"
 #include "input_options.h"
@@ -159,22 +160,10 @@ int print_sequence(const InfoOptions& options) {
                            {"frames_in_folder", if_counted(info.frames_in_folder)},
                            {"first_time_s", info.first_time_s},
                            {"last_time_s", if_counted(info.last_time_s)},
-                           {"width", c.camera.width},
-                           {"height", c.camera.height},
-                           {"fx", c.camera.fx},
-                           {"fy", c.camera.fy},
-                           {"cx", c.camera.cx},
-                           {"cy", c.camera.cy},
                            {"lens", to_string(c.distortion.model)},
                            {"distortion", c.distortion.written()},
                            {"depth_scale", c.depth_scale},
-                           {"delivered",
-                            {{"width", info.delivered.width},
-                             {"height", info.delivered.height},
-                             {"fx", info.delivered.fx},
-                             {"fy", info.delivered.fy},
-                             {"cx", info.delivered.cx},
-                             {"cy", info.delivered.cy}}},
+                           {"delivered", camera_json(info.delivered)},
                            {"sparse", info.sparse},
                            {"calibration_source", info.calibration_source},
                            {"unit_source", info.unit_source},
@@ -186,6 +175,7 @@ int print_sequence(const InfoOptions& options) {
                            {"depth_without_color", info.depth_without_color},
                            {"missing_images", info.missing_images},
                            {"warnings", info.warnings}};
+    json.update(camera_json(c.camera));
     if (info.depth_delays) {
       json["depth_delay_s"] = {{"least", info.depth_delays->least_s},
                                {"median", info.depth_delays->median_s},

@@ -4,8 +4,10 @@
 
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
+#include <utility>
 #include <vector>
 
+#include "camera_json.h"
 #include "commands.h"
 #include "sgs/core/print.h"
 #include "sgs/mapfile/map_file.h"
@@ -45,18 +47,12 @@ std::vector<double> listed(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z
 void print_json(const MapSummary& m) {
   nlohmann::json sessions = nlohmann::json::array();
   for (const auto& s : m.sessions) {
-    sessions.push_back({{"name", s.name},
-                        {"version", s.version},
-                        {"frames", s.frames},
-                        {"first_time_s", s.first_s},
-                        {"last_time_s", s.last_s},
-                        {"width", s.camera.width},
-                        {"height", s.camera.height},
-                        {"fx", s.camera.fx},
-                        {"fy", s.camera.fy},
-                        {"cx", s.camera.cx},
-                        {"cy", s.camera.cy},
-                        {"depth_calibrated", !s.calibration.empty()}});
+    nlohmann::json session = {
+        {"name", s.name},          {"version", s.version},
+        {"frames", s.frames},      {"first_time_s", s.first_s},
+        {"last_time_s", s.last_s}, {"depth_calibrated", !s.calibration.empty()}};
+    session.update(camera_json(s.camera));
+    sessions.push_back(std::move(session));
   }
   nlohmann::json json = {{"format", mapfile::kFormat}, {"bytes", m.bytes},
                          {"gaussians", m.gaussians},   {"gaussian_bytes", m.gaussian_bytes},

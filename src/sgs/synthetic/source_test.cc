@@ -15,6 +15,7 @@
 #include "sgs/camera/depth_noise.h"
 #include "sgs/synthetic/scene.h"
 #include "sgs/synthetic/sensor.h"
+#include "sgs/synthetic/test_frames.h"
 
 namespace sgs::synthetic {
 namespace {
@@ -26,17 +27,6 @@ SynthOptions small(const std::string& scene, const std::string& level) {
   options.threads = 2;
   options.camera = {160, 120, 133.85, 134.8, 79.6, 61.5};
   return options;
-}
-
-std::vector<RgbdFrame> read_all(const SynthOptions& options) {
-  auto source = make_synthetic_source(options);
-  EXPECT_TRUE(source.has_value());
-  std::vector<RgbdFrame> frames;
-  RgbdFrame frame;
-  Error error;
-  while ((*source)->next(frame, error) == dataset::FrameRead::kOk) frames.push_back(frame);
-  EXPECT_EQ(static_cast<std::int64_t>(frames.size()), *(*source)->size());
-  return frames;
 }
 
 bool same_pixels(const RgbdFrame& a, const RgbdFrame& b) {
@@ -117,7 +107,7 @@ TEST_P(EveryScene, SensorSeesEnough) {
   const auto info = std::find_if(scene_names().begin(), scene_names().end(),
                                  [&](const SceneInfo& i) { return i.name == GetParam(); });
   double gradient = 0;
-  const std::vector<RgbdFrame> frames = read_all(options);
+  const std::vector<RgbdFrame> frames = frames_of(options);
   ASSERT_FALSE(frames.empty());
   for (const RgbdFrame& f : frames) {
     EXPECT_GT(valid_fraction(f.depth), 0.5) << f.index;
@@ -133,7 +123,7 @@ TEST_P(EveryScene, SensorSeesEnough) {
 TEST(Source, DualIsPlainForThreeSecondsInTheMiddle) {
   SynthOptions options = small("dual", "kinect");
   options.rate_hz = 4;
-  const auto frames = read_all(options);
+  const auto frames = frames_of(options);
   ASSERT_EQ(frames.size(), 80u);
   for (const RgbdFrame& f : frames) {
     const double from_middle = std::abs(f.timestamp_s - 1 - 10);
@@ -157,11 +147,11 @@ INSTANTIATE_TEST_SUITE_P(Scenes, EveryScene, testing::ValuesIn(all_names()),
 TEST(Source, SameBitsForAnyNumberOfThreadsAndOthersForOtherSeeds) {
   SynthOptions options = small("room_desk", "hard");
   options.frames = 4;
-  const auto two = read_all(options);
+  const auto two = frames_of(options);
   options.threads = 1;
-  const auto one = read_all(options);
+  const auto one = frames_of(options);
   options.seed = 2;
-  const auto other = read_all(options);
+  const auto other = frames_of(options);
   ASSERT_EQ(one.size(), two.size());
   for (std::size_t i = 0; i < one.size(); ++i) EXPECT_TRUE(same_pixels(one[i], two[i]));
   EXPECT_FALSE(same_pixels(one[0], other[0]));
@@ -170,16 +160,16 @@ TEST(Source, SameBitsForAnyNumberOfThreadsAndOthersForOtherSeeds) {
 TEST(Source, LengthLimitDoesNotChangeTheFrames) {
   SynthOptions options = small("structure_texture_near", "kinect");
   options.frames = 2;
-  const auto two = read_all(options);
+  const auto two = frames_of(options);
   options.frames = 5;
-  const auto five = read_all(options);
+  const auto five = frames_of(options);
   EXPECT_TRUE(same_pixels(two[1], five[1]));
 }
 
 TEST(Source, DepthIsWhatSixteenBitsHold) {
   SynthOptions options = small("room", "clean");
   options.frames = 1;
-  const DepthImage depth = read_all(options)[0].depth;
+  const DepthImage depth = frames_of(options)[0].depth;
   for (std::size_t i = 0; i < depth.size(); ++i) {
     const double raw = std::round(double{depth.data()[i]} * 5000);
     ASSERT_EQ(depth.data()[i], static_cast<float>(raw / 5000));
@@ -356,7 +346,7 @@ TEST(RealMotion, KeepsTheSceneInView) {
     SynthOptions options = small(scene, "kinect");
     options.trajectory = Trajectory(poses);
     options.rate_hz = 2;
-    const auto frames = read_all(options);
+    const auto frames = frames_of(options);
     ASSERT_GT(frames.size(), 20u);
     const auto good = std::count_if(frames.begin(), frames.end(), [](const RgbdFrame& f) {
       return valid_fraction(f.depth) >= 0.7;

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <vector>
 
 #include "sgs/synthetic/source.h"
@@ -18,6 +19,7 @@ inline std::vector<RgbdFrame> frames_of(const SynthOptions& options) {
   RgbdFrame frame;
   Error error;
   while ((*source)->next(frame, error) == dataset::FrameRead::kOk) frames.push_back(frame);
+  EXPECT_EQ(static_cast<std::int64_t>(frames.size()), *(*source)->size());
   return frames;
 }
 
