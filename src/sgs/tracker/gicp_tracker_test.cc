@@ -326,9 +326,10 @@ INSTANTIATE_TEST_SUITE_P(Sources, SnapshotTargetsTest,
 struct Points : TrackablePoints {
   using TrackablePoints::TrackablePoints;
   int see(const registration::SourceCloud& source, const SE3& T,
-          const registration::CorrespondenceSearch* search = nullptr) {
+          const registration::CorrespondenceSearch* search = nullptr,
+          const registration::FrameMotion& motion = {}) {
     const auto frame = static_cast<std::int64_t>(now.path.size());
-    const int added = insert(source, {frame, T, {}}, search);
+    const int added = insert(source, {frame, T, motion}, search);
     now.path.append({frame, 0.1 * static_cast<double>(frame), T});
     follow();
     return added;
@@ -344,6 +345,17 @@ struct Points : TrackablePoints {
     }
     moved.push_back({last.timestamp_s, last.T_odom_camera, shift * last.T_odom_camera});
     now = history::revised(now, {PoseCorrection(moved)});
+    follow();
+  }
+  /// Depth is by so much later than its stamps; the camera was where it was.
+  void calibrate(double delay_s) {
+    DepthCalibration calibration;
+    calibration.camera = kCamera;
+    calibration.delay_s = delay_s;
+    const history::Path::Entry last = now.path.back();
+    const MovedPose same{last.timestamp_s, last.T_odom_camera, last.T_odom_camera};
+    now = history::revised(
+        now, {PoseCorrection({same}), std::make_shared<const DepthCalibration>(calibration)});
     follow();
   }
   void follow() {
@@ -373,6 +385,33 @@ TEST(TrackablePoints, AddsOnlyWhereNothingIsAndFollowsKeyframes) {
   alone.move_last(0.1);
   EXPECT_LT((alone.cloud().points[5].point - before.point - Eigen::Vector3f(0.1f, 0, 0)).norm(),
             1e-5f);
+}
+
+// Points lie where the delay that was learned by then says. A calibration knows it better: it takes
+// the place of what was learned, and comes on top of the stamps alone.
+TEST(TrackablePoints, ACalibratedDelayTakesThePlaceOfTheLearnedOne) {
+  constexpr double kStamped_s = -0.01, kLearned_s = -0.016, kSpeed_m_s = 0.5;
+  registration::SourceCloud source;
+  registration::make_sampler({}, kCamera, false)
+      ->sample(render(room(), true, pose_at(0), 0).depth, source);
+  registration::FrameMotion motion;
+  motion.velocity(3) = kSpeed_m_s;
+  motion.depth_delay_s = kStamped_s + kLearned_s;
+  motion.learned_delay_s = kLearned_s;
+  for (const double calibrated_s : {kLearned_s, kLearned_s - 0.004}) {
+    Points points({0.03f, 0.03f});
+    points.see(source, SE3{}, nullptr, motion);
+    const Eigen::Vector3f before = points.cloud().points[5].point;
+    points.calibrate(calibrated_s);
+    const Eigen::Vector3f moved = points.cloud().points[5].point - before;
+    const auto expected = static_cast<float>((calibrated_s - kLearned_s) * kSpeed_m_s);
+    EXPECT_LT((moved - Eigen::Vector3f(expected, 0, 0)).norm(), 1e-5f) << calibrated_s;
+    // What another calibration says more, comes on top of this one.
+    points.calibrate(calibrated_s + 0.002);
+    const Eigen::Vector3f further = points.cloud().points[5].point - before - moved;
+    EXPECT_LT((further - Eigen::Vector3f(0.002f * static_cast<float>(kSpeed_m_s), 0, 0)).norm(),
+              1e-5f);
+  }
 }
 
 // A wall that was seen a long way ago and now lies before the one that is measured hides it:
