@@ -176,13 +176,13 @@ RunState state_of(const RunResult& result) {
 }
 
 /// Results, and that they are there. Once more where somebody removed the folder meanwhile.
-void write_end(const slam::Session& session, const Run& run, RunFolder& folder) {
+void write_end(const slam::Session& session, const Run& run, RunFolder& folder, int threads) {
   for (int attempt = 0; attempt < 2; ++attempt) {
     const int made_again = folder.lock()->times_made_again();
     save_run(run, folder);
     if (session.place_search() == nullptr) {
       folder.save(files::kLastingMap,
-                  [&](const auto& path) { return save_lasting_map(path, session, run); });
+                  [&](const auto& path) { return save_lasting_map(path, session, run, threads); });
     }
     folder.end(run.state.stage, run.frames.size(), run.state.reason);
     if (made_again == folder.lock()->times_made_again()) return;
@@ -293,7 +293,7 @@ Result<RunResult> run_in(Input& input, const InputSpec& spec, const RunConfig& a
   if (!chosen) result.too_few = too_few_frames(run.frames, spec, input.info).value_or("");
   run.state = state_of(result);
   run.metrics.state = run.state.word();
-  write_end(*session, run, folder);
+  write_end(*session, run, folder, options.threads);
   if (!options.trace.empty()) {
     if (const auto traced = io::write_file(
             options.trace, chrome_trace(times, clock ? clock->events : std::vector<InputEvent>{}));

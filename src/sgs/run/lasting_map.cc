@@ -30,7 +30,8 @@ mapfile::MapSession session_of(const Run& run) {
 
 }  // namespace
 
-Status save_lasting_map(const fs::path& path, const slam::Session& session, const Run& run) {
+Status save_lasting_map(const fs::path& path, const slam::Session& session, const Run& run,
+                        int threads) {
   mapfile::MapContents contents;
   contents.sessions = {session_of(run)};
   mapfile::MapGaussians& gaussians = contents.gaussians;
@@ -40,8 +41,12 @@ Status save_lasting_map(const fs::path& path, const slam::Session& session, cons
     gaussians.born_in.assign(gaussians.born_s.size(), 0);
   }
   contents.views = slam::known_views(session);
-  contents.view = [&session, &run](std::size_t number) {
-    return slam::known_view(session, run.trajectory, number);
+  ThreadPool pool(threads);
+  const std::vector<SE3> poses = slam::agreeing_poses(session, run.trajectory, pool);
+  contents.view = [&](std::size_t number) {
+    tracker::KnownView view = slam::known_view(session, run.trajectory, number);
+    view.T_world_camera = poses[number];
+    return view;
   };
   return mapfile::save_map(path, contents);
 }

@@ -12,9 +12,10 @@
 namespace sgs::run {
 
 /// Writes the map that others can come back to (mapfile/map_file.h): the Gaussians, births and
-/// views of a finished session. `run` is what became of it.
+/// views of a finished session, these at poses that agree with each other. `run` is what became of
+/// it.
 Status save_lasting_map(const std::filesystem::path& path, const slam::Session& session,
-                        const Run& run);
+                        const Run& run, int threads);
 
 /// Gives a session that has not begun the map of InputSpec::map. Depths are corrected as that map's
 /// were where they come from the same camera and nothing else corrects them (`calibrated`).

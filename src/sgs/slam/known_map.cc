@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "sgs/loops/agreeing_poses.h"
 #include "sgs/slam/session.h"
 
 namespace sgs::slam {
@@ -55,6 +56,12 @@ tracker::KnownView known_view(const Session& session, const Trajectory& path, st
     view.motion.recalibrate(change->delay_s());
   }
   return view;
+}
+
+std::vector<SE3> agreeing_poses(const Session& session, const Trajectory& path, ThreadPool& pool) {
+  const auto view = [&](std::size_t number) { return known_view(session, path, number); };
+  return loops::agreeing_poses({known_views(session), view}, session.config().loops,
+                               session.config().tracker, pool);
 }
 
 }  // namespace sgs::slam

@@ -9,6 +9,7 @@
 
 #include "sgs/camera/depth_calibration.h"
 #include "sgs/core/error.h"
+#include "sgs/core/thread_pool.h"
 #include "sgs/geometry/trajectory.h"
 #include "sgs/map/gaussian.h"
 #include "sgs/tracker/known_view.h"
@@ -36,5 +37,7 @@ std::vector<double> births_of(const Session& session, const map::Snapshot& snaps
 std::size_t known_views(const Session& session);
 /// Such a view, at the pose that the session's trajectory ends with; `path` is that trajectory.
 tracker::KnownView known_view(const Session& session, const Trajectory& path, std::size_t number);
+/// Poses of all of them that agree with each other (loops::agreeing_poses()).
+std::vector<SE3> agreeing_poses(const Session& session, const Trajectory& path, ThreadPool& pool);
 
 }  // namespace sgs::slam

@@ -153,6 +153,7 @@ void SpectralTracker::know(const KnownView& view, const history::Revision& revis
   if (!search_) {
     search_.emplace();
     search_->needed_inliers = config_.relocaliser.pose.relocalisation_min_inliers;
+    if (revision.calibration) delay_.shift(0, revision.calibration->delay_sigma_s);
   }
   RgbdFrame frame = seen_from(view, camera_);
   frame.index = revision.path.back().frame;
