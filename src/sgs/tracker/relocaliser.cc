@@ -10,7 +10,8 @@ namespace sgs::tracker {
 namespace {
 
 constexpr int kEnoughWidth_px = 320;
-constexpr std::size_t kCompared = 6;
+constexpr std::size_t kCompared = 6, kComparedOfMap = 12;
+constexpr int kFeaturesOfMap = 1000;
 
 /// How often an image is halved before it is kept.
 int kept_level(const PinholeCamera& camera) {
@@ -24,19 +25,24 @@ int kept_level(const PinholeCamera& camera) {
 void Relocaliser::add_keyframe(const RgbdFrame& frame, const history::CalibrationPtr& calibration) {
   if (static_cast<int>(keyframes_.size()) >= config_.memory.keyframes) keyframes_.pop_front();
   keyframes_.push_back(
-      {frame.index, CompactView(frame, kept_level(frame.camera)), calibration, ferns_.code(frame)});
+      {frame.index, ferns_.code(frame), CompactView(frame, kept_level(frame.camera)), calibration});
 }
 
-void Relocaliser::know(const KnownView& view, const RgbdFrame& frame,
-                       const history::CalibrationPtr& calibration) {
+void Relocaliser::know(const KnownView& view, const RgbdFrame& frame) {
   auto known = std::find_if(known_.begin(), known_.end(),
                             [&](const KnownViews& k) { return k.fern_seed == view.fern_seed; });
   if (known == known_.end()) {
     known_.push_back({view.fern_seed, features::Ferns(view.fern_seed), {}});
     known = known_.end() - 1;
   }
-  known->keyframes.push_back(
-      {frame.index, CompactView(frame, kept_level(frame.camera)), calibration, view.ferns});
+  features::OrbExtractor extractor(orb(kFeaturesOfMap));
+  known->keyframes.push_back({frame.index, view.ferns, {}, nullptr, extractor.extract(frame)});
+}
+
+features::OrbConfig Relocaliser::orb(int features) const {
+  features::OrbConfig out = config_.orb;
+  out.features = std::min(out.features, features);
+  return out;
 }
 
 // The newest one, too: a camera that was lost for a moment is mostly still there.
@@ -56,22 +62,25 @@ std::vector<Relocaliser::Keyframe*> Relocaliser::most_alike(const RgbdFrame& fra
   std::vector<Keyframe*> out;
   if (!keyframes_.empty()) out.push_back(&keyframes_.back());
   for (const auto& [similarity, k] : alike) {
-    if (out.size() < kCompared) out.push_back(k);
+    if (out.size() < (known_.empty() ? kCompared : kComparedOfMap)) out.push_back(k);
   }
   return out;
 }
 
 std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame, const LocalPast& past) {
   last_look_ = {};
-  features::OrbConfig orb = config_.orb;
-  orb.features = std::min(orb.features, config_.memory.features);
-  features::OrbExtractor extractor(orb);
-  const CompactView view(frame, kept_level(frame.camera));
+  const bool has_map = !known_.empty();
+  features::OrbExtractor extractor(orb(has_map ? kFeaturesOfMap : config_.memory.features));
+  const CompactView view(frame, has_map ? 0 : kept_level(frame.camera));
   const features::OrbFrame current = extractor.extract(view.frame());
   if (static_cast<int>(current.keypoints.size()) < config_.pose.min_matches) return std::nullopt;
   features::VisualMap map(config_.pose);
   const std::vector<Keyframe*> compared = most_alike(frame);
   for (Keyframe* keyframe : compared) {
+    if (keyframe->view.empty()) {
+      map.insert(keyframe->features, past.at(keyframe->frame));
+      continue;
+    }
     const history::CalibrationPtr& now = past.revision().calibration;
     if (const auto change = history::depth_change(keyframe->calibration, now)) {
       keyframe->view.change_depth(*change);

@@ -11,6 +11,7 @@
 
 #include "sgs/camera/compact_view.h"
 #include "sgs/features/ferns.h"
+#include "sgs/features/orb.h"
 #include "sgs/tracker/known_view.h"
 #include "sgs/tracker/local_past.h"
 #include "sgs/tracker/tracker_config.h"
@@ -20,15 +21,15 @@ namespace sgs::tracker {
 /// Finds the camera again after it was lost: among all visual keyframes those that look most alike
 /// (features::Ferns), and of these ORB features matched without a prediction. Keyframes are kept at
 /// about 320 pixels of width; features are extracted only when they are needed, so that a run that
-/// is never lost never pays for them.
+/// is never lost never pays for them. A camera with a foreign map may see it from elsewhere than it
+/// was made from: of its views more are compared, by more features, of the whole picture.
 class Relocaliser {
  public:
   explicit Relocaliser(const RelocaliserConfig& config) : config_(config) {}
 
   /// Remembers a view of a finished map for good; `frame` is what a camera like that of the frames
   /// to come saw there, under the view's index in the path.
-  void know(const KnownView& view, const RgbdFrame& frame,
-            const history::CalibrationPtr& calibration);
+  void know(const KnownView& view, const RgbdFrame& frame);
   /// Remembers a keyframe (what is needed of it is copied), its depth corrected by `calibration`;
   /// the oldest makes room.
   void add_keyframe(const RgbdFrame& frame, const history::CalibrationPtr& calibration);
@@ -46,9 +47,10 @@ class Relocaliser {
  private:
   struct Keyframe {
     std::int64_t frame;  // its index
-    CompactView view;
-    history::CalibrationPtr calibration;  // of its depth
     features::FernCode ferns;
+    CompactView view;                     // empty where there are features
+    history::CalibrationPtr calibration;  // of its depth
+    features::OrbFrame features = {};     // of a view of a map
   };
   /// Views of a map whose codes answer the same questions.
   struct KnownViews {
@@ -56,6 +58,8 @@ class Relocaliser {
     features::Ferns ferns;
     std::vector<Keyframe> keyframes;
   };
+  /// At most so many features are extracted of a picture.
+  features::OrbConfig orb(int features) const;
   std::vector<Keyframe*> most_alike(const RgbdFrame& frame);
 
   RelocaliserConfig config_;

@@ -157,7 +157,7 @@ void SpectralTracker::know(const KnownView& view, const history::Revision& revis
   }
   RgbdFrame frame = seen_from(view, camera_);
   frame.index = revision.path.back().frame;
-  relocaliser_.know(view, frame, revision.calibration);
+  relocaliser_.know(view, frame);
   aligner_.look_at(frame, revision, nullptr);
   Alignment a;
   a.T_local_camera = aligner_.past().at(frame.index);
@@ -208,9 +208,17 @@ void SpectralTracker::note_look(double timestamp_s) {
 
 // Whether a place that features have found is right in a map that the camera has not been seen in
 // yet: surfaces and picture have to say so both, and a second frame has to see itself next to it.
+// Who sees the map from farther away sees much that it does not show: then less has to be explained
+// by surfaces, where hardly a feature that is alike contradicts the others.
 bool SpectralTracker::is_first_place(const Alignment& a, double timestamp_s) {
+  constexpr double kPartlyExplained = 0.35, kUnanimous = 0.8;
+  const Relocaliser::Look& look = relocaliser_.last_look();
   const Evidence evidence = evidence_of(a);
-  if (!policy_.is_found(evidence) || !evidence.explained_by_surfaces || !evidence.picture_holds) {
+  const bool seen_from_afar = a.geometry && a.geometry->holds &&
+                              a.geometry->overlap >= kPartlyExplained &&
+                              look.inliers >= kUnanimous * look.matches;
+  if (!policy_.is_found(evidence) || !evidence.picture_holds ||
+      !(evidence.explained_by_surfaces || seen_from_afar)) {
     ++search_->refused;
     return false;
   }
