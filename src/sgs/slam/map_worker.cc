@@ -26,10 +26,29 @@ LaggedWorker<MapWorker::Order>::Tasks MapWorker::tasks() {
   LaggedWorker<Order>::Tasks tasks;
   tasks.work = [this](Order& order) { process(order); };
   tasks.publish = [this](const Order* order) { show(order); };
-  // A live mapper with at least one keyframe always has something to do.
-  tasks.has_idle_work = [this] { return !keyframes_.empty(); };
+  // A live mapper with at least one keyframe of its own always has something to do.
+  tasks.has_idle_work = [this] { return keyframes_.size() > known_keyframes_; };
   tasks.idle_work = [this] { iterate_live(); };
   return tasks;
+}
+
+// The thread has nothing to do before the first job, live before it can ask for the lock: its state is
+// free to be set here.
+void MapWorker::know(const std::vector<map::Gaussian>& gaussians,
+                     const std::vector<std::int32_t>& view_of,
+                     const std::vector<mapper::KnownKeyframe>& views,
+                     const history::Revision& revision) {
+  SGS_CHECK(submitted_ == 0 && keyframes_.empty(), "to be called before anything else");
+  const auto lock = worker_.lock();
+  mapper_.know(gaussians, view_of, views);
+  revision_ = revision;
+  submitted_revision_ = revision.number();
+  for (const mapper::KnownKeyframe& view : views) {
+    keyframes_.push_back({view.frame.index, view.frame.timestamp_s, view.T_world_camera});
+  }
+  known_keyframes_ = keyframes_.size();
+  publish();
+  live_view_ = newest_;
 }
 
 // Both worlds move alike: what refinement has found stays.

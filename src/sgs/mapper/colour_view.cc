@@ -1,0 +1,40 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/mapper/colour_view.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sgs/core/error.h"
+
+namespace sgs::mapper {
+namespace {
+
+std::uint8_t to_byte(float value) {
+  return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 255));
+}
+
+}  // namespace
+
+void colour_view(const render::Rendering& rendering, RgbdFrame& frame) {
+  constexpr float kOpaque = 0.5f;
+  SGS_CHECK(rendering.alpha.width() == frame.color.width() &&
+                rendering.alpha.height() == frame.color.height(),
+            "a rendering of the frame's size");
+  auto seen = std::make_shared<PixelMask>(frame.color.width(), frame.color.height());
+  for (int v = 0; v < frame.color.height(); ++v) {
+    for (int u = 0; u < frame.color.width(); ++u) {
+      const bool shown = rendering.alpha(u, v) >= kOpaque && frame.sees(u, v);
+      (*seen)(u, v) = shown ? 1 : 0;
+      if (!shown) continue;
+      const render::Rgbf& c = rendering.color(u, v);
+      const float rendered = 0.299f * c.r + 0.587f * c.g + 0.114f * c.b;
+      const float brighter = static_cast<float>(frame.color(u, v).g) / 255 - rendered;
+      frame.color(u, v) = {to_byte(c.r + brighter), to_byte(c.g + brighter),
+                           to_byte(c.b + brighter)};
+    }
+  }
+  frame.seen = std::move(seen);
+}
+
+}  // namespace sgs::mapper
