@@ -48,6 +48,7 @@ void LoopCloser::know(const tracker::KnownView& view, const RgbdFrame& frame,
                       const history::Revision& revision,
                       const std::optional<graph::UncertainPose>& way) {
   constexpr double kFarFromIt_s = 10;  // lost for so long a camera may be anywhere in a house
+  constexpr double kLeastDepth_m = 0.1;  // of a view that another camera hardly has
   skeleton_.follow(revision);
   if (skeleton_.size() == 0) {
     fern_seed_ = view.fern_seed;
@@ -57,7 +58,7 @@ void LoopCloser::know(const tracker::KnownView& view, const RgbdFrame& frame,
   Node node;
   node.frame = place.frame;
   node.timestamp_s = place.timestamp_s;
-  node.mean_depth_m = registration::mean_depth(frame.depth, kFarthestDepth_m);
+  node.mean_depth_m = std::max(kLeastDepth_m, registration::mean_depth(frame.depth, kFarthestDepth_m));
   node.motion = view.motion;
   node.view = frame.camera == view.view.camera() ? view.view : CompactView(frame);
   // Other questions: those of brightness and depth are answered by the view.
@@ -80,11 +81,10 @@ void LoopCloser::know(const graph::Edge& loop) {
   loops_solved_ = skeleton_.loops().size();
 }
 
-// The camera has found itself at a place that is known: so well it knows where it is, and to no
-// other node.
-void LoopCloser::tie_to_known_place() {
+// The camera has found itself by an alignment to what is known, as a loop is found: as well it knows
+// where it is.
+void LoopCloser::tie_to_known_place(const Matrix6d& normal_equations) {
   if (!std::exchange(is_apart_, false)) return;
-  constexpr double kShift_m = 0.05, kTurn_rad = 0.03;
   const int newest = skeleton_.size() - 1;
   int nearest = -1;
   double least = 0;
@@ -95,11 +95,13 @@ void LoopCloser::tie_to_known_place() {
     if (nearest < 0 || distance < least) std::tie(nearest, least) = std::pair(k, distance);
   }
   if (nearest < 0) return;
-  Vector6d information;
-  information << Eigen::Vector3d::Constant(1 / (kTurn_rad * kTurn_rad)),
-      Eigen::Vector3d::Constant(1 / (kShift_m * kShift_m));
-  know({nearest, newest, skeleton_.pose(nearest).inverse() * skeleton_.pose(newest),
-        information.asDiagonal(), false});
+  // One frame tells it, against views of another day: less well than a loop that neighbours confirm.
+  DriftConfig drift = config_.drift;
+  drift.floor_m = std::max(drift.floor_m, 0.01);
+  const Matrix6d information = edge_information(
+      normal_equations, skeleton_.node(newest).mean_depth_m, config_.min_information, drift);
+  know({nearest, newest, skeleton_.pose(nearest).inverse() * skeleton_.pose(newest), information,
+        false});
 }
 
 // Loops that were measured with another depth are not believed.
@@ -158,7 +160,7 @@ void LoopCloser::add_node(const RgbdFrame& frame, const tracker::TrackResult& re
       motion_covariance(*result.information, node.mean_depth_m, path_m_, gap_s_, config_.drift);
   skeleton_.add(std::move(node), covariance);
   mend_way();
-  tie_to_known_place();
+  tie_to_known_place(*result.information);
   skeleton_.note_left(camera_, config_.left_distance);
   skeleton_.bound_views(camera_, static_cast<std::size_t>(config_.memory_mb) * 1'000'000);
   skeleton_.join_ways(pending_);

@@ -65,7 +65,7 @@ class LoopCloser {
   void add_node(const RgbdFrame& frame, const tracker::TrackResult& result);
   std::vector<int> candidates(const std::vector<graph::UncertainPose>& predicted) const;
   void mend_way();
-  void tie_to_known_place();
+  void tie_to_known_place(const Matrix6d& normal_equations);
   void look_for_loops();
   void accept_supported();
   bool is_time_to_solve() const;

@@ -102,7 +102,7 @@ struct Links {
   template <class Archive>
   void archive(Archive& a) {
     std::uint64_t count = graph.edges.size();
-    a(graph.session, count);
+    a(graph.session, graph.T_map_camera, count);
     for (std::uint64_t i = 0; i < count; ++i) {
       if constexpr (Archive::kReads) {
         if (a.failed()) return;
@@ -115,7 +115,9 @@ struct Links {
   /// Whether it can be that of so many views and sessions.
   bool consistent(std::size_t views, std::size_t sessions) const {
     const auto is_view = [&](int k) { return k >= 0 && static_cast<std::size_t>(k) < views; };
-    return graph.session.size() == views &&
+    return graph.session.size() == views && graph.T_map_camera.size() == views &&
+           std::all_of(graph.T_map_camera.begin(), graph.T_map_camera.end(),
+                       [](const SE3& T) { return T.all_finite(); }) &&
            std::is_sorted(graph.session.begin(), graph.session.end()) &&
            (views == 0 || graph.session.back() < sessions) &&
            std::all_of(graph.edges.begin(), graph.edges.end(), [&](const graph::Edge& e) {
@@ -186,7 +188,9 @@ Status save_map(const fs::path& path, const MapContents& contents) {
   const std::size_t count = contents.gaussians.splats.gaussians.size();
   SGS_CHECK(contents.gaussians.born_in.size() == count && contents.gaussians.born_s.size() == count,
             "each Gaussian was born");
-  SGS_CHECK(contents.graph.session.size() == contents.views, "each view is of a session");
+  SGS_CHECK(contents.graph.session.size() == contents.views &&
+                contents.graph.T_map_camera.size() == contents.views,
+            "each view is of a session");
   Chunks chunks(contents);
   return write_chunks(path, [&] { return chunks.next(); });
 }
@@ -240,7 +244,7 @@ Result<tracker::KnownView> MapFile::view(std::size_t number) const {
 
 Result<MapGraph> MapFile::graph() const {
   const auto chunks = file_.chunks(ChunkKind::kGraph);
-  if (chunks.empty()) return MapGraph{std::vector<std::uint16_t>(views_.size(), 0), {}};
+  if (chunks.empty()) return MapGraph{std::vector<std::uint16_t>(views_.size(), 0), {}, {}};
   SGS_ASSIGN_OR_RETURN(const std::string bytes, file_.unpacked(chunks.front()));
   Links links;
   ArchiveReader archive(bytes);

@@ -43,6 +43,8 @@ struct MapGaussians {
 /// How the views of a map hang together.
 struct MapGraph {
   std::vector<std::uint16_t> session;  ///< of each view; those of a session follow each other
+  /// From where the Gaussians look like each view: its pose as the mapper has refined it.
+  std::vector<SE3> T_map_camera;
   /// Between views, by their numbers: first the way from each view to the next, then loops.
   std::vector<graph::Edge> edges;
 };
@@ -73,7 +75,7 @@ class MapFile {
   Result<MapGaussians> gaussians() const;
   std::size_t views() const { return views_.size(); }
   Result<tracker::KnownView> view(std::size_t number) const;
-  /// Of maps from before it was kept: all views of session 0, and no edges.
+  /// Of maps from before it was kept: all views of session 0, no refined poses and no edges.
   Result<MapGraph> graph() const;
 
  private:

@@ -56,6 +56,7 @@ MapContents small_map() {
   map.views = 2;
   map.view = [](std::size_t i) { return view_at(static_cast<double>(i), 3); };
   map.graph.session = {0, 0};
+  map.graph.T_map_camera.resize(2);
   return map;
 }
 
@@ -123,7 +124,7 @@ TEST(MapFile, KeepsSessionsAndHowViewsHangTogether) {
   written.sessions.push_back({"room again", "0.1", kCamera, 1, 2, 30, ""});
   written.gaussians.born_in[4] = 1;
   const SE3 way(so3_exp({0.1, 0.2, -0.1}), {1, 2, 3});
-  written.graph = {{0, 1}, {{0, 1, way, 5 * Matrix6d::Identity(), false}}};
+  written.graph = {{0, 1}, {SE3{}, way}, {{0, 1, way, 5 * Matrix6d::Identity(), false}}};
   ASSERT_TRUE(save_map(scratch / "m", written));
   const auto map = MapFile::open(scratch / "m");
   ASSERT_TRUE(map) << map.error().text();
@@ -132,6 +133,7 @@ TEST(MapFile, KeepsSessionsAndHowViewsHangTogether) {
   const auto graph = map->graph();
   ASSERT_TRUE(graph) << graph.error().text();
   EXPECT_EQ(graph->session, written.graph.session);
+  EXPECT_EQ(graph->T_map_camera[1].t, way.t);
   ASSERT_EQ(graph->edges.size(), 1u);
   EXPECT_EQ(graph->edges[0].T_from_to.t, way.t);
   EXPECT_EQ(graph->edges[0].information, written.graph.edges[0].information);

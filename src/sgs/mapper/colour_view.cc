@@ -17,7 +17,7 @@ std::uint8_t to_byte(float value) {
 }  // namespace
 
 void colour_view(const render::Rendering& rendering, RgbdFrame& frame) {
-  constexpr float kOpaque = 0.5f;
+  constexpr float kOpaque = 0.5f, kDark = 0.02f, kMostTimes = 2;
   SGS_CHECK(rendering.alpha.width() == frame.color.width() &&
                 rendering.alpha.height() == frame.color.height(),
             "a rendering of the frame's size");
@@ -29,9 +29,11 @@ void colour_view(const render::Rendering& rendering, RgbdFrame& frame) {
       if (!shown) continue;
       const render::Rgbf& c = rendering.color(u, v);
       const float rendered = 0.299f * c.r + 0.587f * c.g + 0.114f * c.b;
-      const float brighter = static_cast<float>(frame.color(u, v).g) / 255 - rendered;
-      frame.color(u, v) = {to_byte(c.r + brighter), to_byte(c.g + brighter),
-                           to_byte(c.b + brighter)};
+      const float measured = static_cast<float>(frame.color(u, v).g) / 255;
+      const float times = std::clamp(measured / std::max(rendered, kDark), 1 / kMostTimes, kMostTimes);
+      const float rest = measured - times * rendered;
+      frame.color(u, v) = {to_byte(times * c.r + rest), to_byte(times * c.g + rest),
+                           to_byte(times * c.b + rest)};
     }
   }
   frame.seen = std::move(seen);

@@ -8,7 +8,7 @@
 namespace sgs::mapper {
 
 /// Gives a grey frame the colours that the map shows from its place: of each pixel the rendered
-/// colour, moved to the brightness that was measured. What the map does not show there counts as
+/// colour, at the brightness that was measured. What the map does not show there counts as
 /// not seen. `rendering` has the frame's size.
 void colour_view(const render::Rendering& rendering, RgbdFrame& frame);
 

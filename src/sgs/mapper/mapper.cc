@@ -271,6 +271,7 @@ void Mapper::know(const std::vector<map::Gaussian>& gaussians,
                   const std::vector<std::int32_t>& view_of,
                   const std::vector<KnownKeyframe>& views) {
   constexpr std::uint32_t kSteps = 1024;  // like one that has been learned for long
+  constexpr std::size_t kVisits = 12;     // of a keyframe, where keyframes and steps are as usual
   const float growth = std::log(2.0f);
   Impl& m = *impl_;
   SGS_CHECK(m.keyframes.empty() && m.awaited.empty() && m.store.size() == 0, "a new mapper");
@@ -291,12 +292,19 @@ void Mapper::know(const std::vector<map::Gaussian>& gaussians,
     m.rasterizer->render(m.store.average, m.camera, view.T_world_camera, m.rendering);
     colour_view(m.rendering, frame);
     const std::size_t index = m.keyframes.size();
-    m.keyframes.emplace_back(frame, view.T_world_camera, m.config.insertion.max_depth_m);
+    MapKeyframe& keyframe =
+        m.keyframes.emplace_back(frame, view.T_world_camera, m.config.insertion.max_depth_m);
+    keyframe.T_odom_camera = view.T_odom_camera;
+    if (m.config.refinement.exposure && index > 0) {
+      const ExposureSums sums = exposure_sums(keyframe, m.rendering);
+      update_gain(keyframe, sums.measured, sums.rendered, m.config.refinement.exposure_prior, 1);
+    }
     m.schedule.add_keyframe(index);
-    (void)m.schedule.next();  // it has had its turn: new keyframes come first
     m.cull_keyframes();
     m.memory.make_room(m.keyframes, m.training_views, m.views.bytes());
   }
+  // They have had their turns, as often as the map was learned from a keyframe: new ones come first.
+  for (std::size_t k = 0; k < kVisits * views.size(); ++k) (void)m.schedule.next();
   m.changed = true;
 }
 

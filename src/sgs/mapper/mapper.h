@@ -27,7 +27,8 @@ struct IterationReport {
 /// A view of a finished map that is learned from again.
 struct KnownKeyframe {
   RgbdFrame frame;  ///< in grey, of the mapper's camera; its index is that of its pose in the path
-  SE3 T_world_camera;
+  SE3 T_world_camera;  ///< refined
+  SE3 T_odom_camera;   ///< where the tracker holds it to be
 };
 
 /// Optimises the Gaussian map from keyframes with given poses. Synchronous and deterministic for a

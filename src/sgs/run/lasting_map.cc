@@ -48,7 +48,8 @@ Status save_lasting_map(const fs::path& path, const slam::Session& session, cons
   contents.view = [&session, &run](std::size_t number) {
     return slam::known_view(session, run.trajectory, number);
   };
-  contents.graph = {slam::sessions_of_views(session), slam::edges_of_views(session)};
+  contents.graph = {slam::sessions_of_views(session), slam::places_in_map(session),
+                    slam::edges_of_views(session)};
   return mapfile::save_map(path, contents);
 }
 
@@ -67,6 +68,7 @@ Result<slam::KnownMap> known_map_of(const mapfile::MapFile& file) {
   known.sessions = static_cast<std::uint16_t>(file.sessions().size());
   SGS_ASSIGN_OR_RETURN(auto graph, file.graph());
   known.session_of = std::move(graph.session);
+  known.T_map_camera = std::move(graph.T_map_camera);
   known.edges = std::move(graph.edges);
   return known;
 }

@@ -68,6 +68,16 @@ tracker::KnownView known_view(const Session& session, const Trajectory& path, st
   return view;
 }
 
+std::vector<SE3> places_in_map(const Session& session) {
+  const PoseCorrection to_map = session.odom_to_map();
+  std::vector<SE3> out;
+  for (const loops::Node* node : nodes_with_views(session.skeleton())) {
+    const SE3& T = session.revision().path.at(node->frame);
+    out.push_back(to_map.empty() ? T : to_map.corrected(T, node->timestamp_s));
+  }
+  return out;
+}
+
 std::vector<std::uint16_t> sessions_of_views(const Session& session) {
   std::vector<std::uint16_t> out;
   for (const loops::Node* node : nodes_with_views(session.skeleton())) {

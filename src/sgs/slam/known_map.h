@@ -38,6 +38,7 @@ struct KnownMap {
   std::uint16_t sessions = 1;              ///< that were there before
   std::vector<Birth> births;               ///< of the Gaussians
   std::vector<std::uint16_t> session_of;   ///< of each view
+  std::vector<SE3> T_map_camera;           ///< from where it looks like each view; may be empty
   std::vector<graph::Edge> edges;          ///< between views: ways from one to the next, loops
 };
 
@@ -50,6 +51,8 @@ std::vector<Birth> births_of(const Session& session, const map::Snapshot& snapsh
 std::size_t known_views(const Session& session);
 /// Such a view, at the pose that the session's trajectory ends with; `path` is that trajectory.
 tracker::KnownView known_view(const Session& session, const Trajectory& path, std::size_t number);
+/// From where the map looks like each of them.
+std::vector<SE3> places_in_map(const Session& session);
 /// In which session each of them was seen.
 std::vector<std::uint16_t> sessions_of_views(const Session& session);
 /// How they hang together, by their numbers: the way from each to the next, then loops.

@@ -67,6 +67,18 @@ void MapWorker::follow(const history::Revision& revision) {
   publish();
 }
 
+// The newest one; where there are only views of a map that is gone on with, the nearest of these.
+const KeyframePose& MapWorker::keyframe_before(const SE3& T_odom_camera) const {
+  if (keyframes_.size() > known_keyframes_) return keyframes_.back();
+  const auto unlikeness = [&](const KeyframePose& k) {
+    const SE3 T = revision_.path.at(k.frame_index).inverse() * T_odom_camera;
+    return T.t.norm() + T.angle();  // a turn of 1 rad like a metre
+  };
+  return *std::min_element(
+      keyframes_.begin(), keyframes_.end(),
+      [&](const auto& a, const auto& b) { return unlikeness(a) < unlikeness(b); });
+}
+
 void MapWorker::process(const MapJob& job) {
   follow(job.revision);
   if (job.keyframe) {
@@ -75,7 +87,8 @@ void MapWorker::process(const MapJob& job) {
     // A tracker with a world of its own does not notice that keyframes move; the newest keyframe's
     // correction carries its poses into the refined map.
     if (!tracker_follows_map_ && !keyframes_.empty()) {
-      keyframe.T_world_camera = T_world_odom(keyframes_.back(), revision_.path) * T_odom_camera;
+      keyframe.T_world_camera =
+          T_world_odom(keyframe_before(T_odom_camera), revision_.path) * T_odom_camera;
     }
     if (mapper_.add_keyframe(job.keyframe, keyframe.T_world_camera, T_odom_camera) >= 0) {
       keyframes_.push_back(keyframe);

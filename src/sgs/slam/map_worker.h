@@ -108,6 +108,7 @@ class MapWorker {
   void replay(const MapJob& job);
   std::string state(std::string before);
   void follow(const history::Revision& revision);
+  const KeyframePose& keyframe_before(const SE3& T_odom_camera) const;
   void publish();
 
   SessionConfig config_;

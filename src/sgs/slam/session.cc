@@ -146,7 +146,10 @@ Status Session::go_on_with(const KnownMap& map) {
     std::optional<graph::UncertainPose> way;
     if (ways[i] != nullptr) way = {ways[i]->T_from_to, ways[i]->information.inverse()};
     closer.know(view, *frame, revision_, way);
-    keyframes.push_back({*frame_of_one_time(frame, view.motion.lag()), view.T_world_camera});
+    const SE3& T_map_camera =
+        map.T_map_camera.empty() ? view.T_world_camera : map.T_map_camera[i];
+    keyframes.push_back(
+        {*frame_of_one_time(frame, view.motion.lag()), T_map_camera, view.T_world_camera});
   }
   for (const graph::Edge& e : map.edges) {
     if (ways[static_cast<std::size_t>(e.to)] != &e) closer.know(e);

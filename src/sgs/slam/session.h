@@ -151,6 +151,10 @@ class Session {
   std::span<const KeyframePose> keyframes() const {
     return std::span(worker_->keyframes()).subspan(earlier_.views.size());
   }
+  /// Carries poses of the path to where the map looks like what was seen from them (after finish()).
+  PoseCorrection odom_to_map() const {
+    return odom_to_world(worker_->keyframes(), revision_.path);
+  }
   /// Seed of the questions that the codes of nodes answer.
   std::uint64_t fern_seed() const;
   std::int64_t iterations() const { return worker_->iterations(); }
