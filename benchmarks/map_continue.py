@@ -69,7 +69,9 @@ def move_poses(path, times, moved):
 
 def psnr(args, folder):
     """dB of a run's frames against its map."""
-    subprocess.run([args.sgs, "eval", str(folder), "--quiet"], check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(
+        [args.sgs, "eval", str(folder), "--quiet"], check=True, stdout=subprocess.DEVNULL
+    )
     return json.loads((folder / "metrics.json").read_text())["psnr_db"]
 
 
@@ -78,7 +80,7 @@ def part_of(folder, frames, out):
     shutil.rmtree(out, ignore_errors=True)
     shutil.copytree(folder, out, ignore=shutil.ignore_patterns("*.sgsmap", "renders", "*.html"))
     config = out / "config.toml"
-    text, count = re.subn(r'(?m)^frames = .*$', f'frames = "{frames}"', config.read_text())
+    text, count = re.subn(r"(?m)^frames = .*$", f'frames = "{frames}"', config.read_text())
     assert count == 1
     config.write_text(text)
     return out
@@ -136,7 +138,9 @@ def main():
     for name, frames in (("first", f"{first}:{middle}"), ("second", f"{middle}:{last}")):
         part = part_of(out / "whole", frames, out / f"whole_{name}")
         result[f"psnr_whole_{name}_db"] = psnr(args, part)
-    result["psnr_first_before_db"] = json.loads((out / "map" / "metrics.json").read_text())["psnr_db"]
+    result["psnr_first_before_db"] = json.loads((out / "map" / "metrics.json").read_text())[
+        "psnr_db"
+    ]
     print(json.dumps(result, indent=1))
 
 

@@ -82,11 +82,10 @@ void print_json(const MapSummary& m, nlohmann::json places) {
     session.update(camera_json(s.camera));
     sessions.push_back(std::move(session));
   }
-  nlohmann::json json = {{"format", mapfile::kFormat}, {"bytes", m.bytes},
-                         {"gaussians", m.gaussians},   {"gaussian_bytes", m.gaussian_bytes},
-                         {"cubes", m.cubes},           {"views", m.views},
-                         {"view_bytes", m.view_bytes}, {"sessions", sessions},
-                         {"places", std::move(places)}};
+  nlohmann::json json = {
+      {"format", mapfile::kFormat},         {"bytes", m.bytes},     {"gaussians", m.gaussians},
+      {"gaussian_bytes", m.gaussian_bytes}, {"cubes", m.cubes},     {"views", m.views},
+      {"view_bytes", m.view_bytes},         {"sessions", sessions}, {"places", std::move(places)}};
   if (!m.bounds.isEmpty()) {
     json["bounds_m"] = {{"min", listed(m.bounds.min())}, {"max", listed(m.bounds.max())}};
   }
@@ -111,8 +110,8 @@ void print_text(const std::string& path, const MapSummary& m) {
         "session {}    {}: {} frames, {:.3f} to {:.3f} s, camera {}x{} fx {:.6g} fy {:.6g}, depth "
         "{}, sgs {}; {} Gaussians, {} views\n",
         i, s.name, s.frames, s.first_s, s.last_s, s.camera.width, s.camera.height, s.camera.fx,
-        s.camera.fy, s.calibration.empty() ? "as measured" : "calibrated", s.version,
-        m.born[i], m.seen[i]);
+        s.camera.fy, s.calibration.empty() ? "as measured" : "calibrated", s.version, m.born[i],
+        m.seen[i]);
   }
 }
 

@@ -97,11 +97,11 @@ int run_and_report(const RunCommand& command, const run::RunConfig& config, run:
 
 /// Options that decide what a run computes, and where: not to be given again with --resume.
 constexpr std::array<const char*, 25> kFixedByRun = {
-    "INPUT",         "--output",     "--preset",      "--config",      "--set",    "--tracker",
-    "--frames",      "--camera",     "--depth-scale", "--max-width",   "--topics", "--extrinsics",
-    "--truth-topic", "--trajectory", "--synth-seed",  "--calibration", "--seed",   "--record",
-    "--preload",     "--realtime",   "--poses",       "--wait",        "--stamps", "--localize",
-    "--continue"};
+    "INPUT",         "--output",     "--preset",      "--config",      "--set",
+    "--tracker",     "--frames",     "--camera",      "--depth-scale", "--max-width",
+    "--topics",      "--extrinsics", "--truth-topic", "--trajectory",  "--synth-seed",
+    "--calibration", "--seed",       "--record",      "--preload",     "--realtime",
+    "--poses",       "--wait",       "--stamps",      "--localize",    "--continue"};
 
 /// Goes on with a run: everything is as it was, but for how it is watched and scored.
 int resume_command(RunCommand command) {

@@ -129,9 +129,7 @@ class Maps(unittest.TestCase):
         for a, b in zip(first["places"], told["places"]):
             self.assertLess(math.dist(a["pose"][:3], b["pose"][:3]), 0.02)
         # Frames that the map has, and earlier ones: clocks of sessions have nothing to do with it.
-        self.sgs(
-            "run", self.room, "--frames", "20:50", "--continue", second, "-o", third, *SMALL
-        )
+        self.sgs("run", self.room, "--frames", "20:50", "--continue", second, "-o", third, *SMALL)
         told = self.info(third / "map.sgsmap")
         self.assertEqual([s["frames"] for s in told["sessions"]], [60, FRAMES - 60, 30])
         self.assert_in_world_of_first(third, 25)

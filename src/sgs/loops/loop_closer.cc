@@ -47,7 +47,7 @@ LoopCloser::LoopCloser(const LoopConfig& config, const tracker::TrackerConfig& t
 void LoopCloser::know(const tracker::KnownView& view, const RgbdFrame& frame,
                       const history::Revision& revision,
                       const std::optional<graph::UncertainPose>& way) {
-  constexpr double kFarFromIt_s = 10;  // lost for so long a camera may be anywhere in a house
+  constexpr double kFarFromIt_s = 10;    // lost for so long a camera may be anywhere in a house
   constexpr double kLeastDepth_m = 0.1;  // of a view that another camera hardly has
   skeleton_.follow(revision);
   if (skeleton_.size() == 0) {
@@ -58,7 +58,8 @@ void LoopCloser::know(const tracker::KnownView& view, const RgbdFrame& frame,
   Node node;
   node.frame = place.frame;
   node.timestamp_s = place.timestamp_s;
-  node.mean_depth_m = std::max(kLeastDepth_m, registration::mean_depth(frame.depth, kFarthestDepth_m));
+  node.mean_depth_m =
+      std::max(kLeastDepth_m, registration::mean_depth(frame.depth, kFarthestDepth_m));
   node.motion = view.motion;
   node.view = frame.camera == view.view.camera() ? view.view : CompactView(frame);
   // Other questions: those of brightness and depth are answered by the view.
@@ -69,8 +70,8 @@ void LoopCloser::know(const tracker::KnownView& view, const RgbdFrame& frame,
           ? 0
           : (skeleton_.pose(skeleton_.size() - 1).inverse() * place.T_odom_camera).t.norm();
   constexpr double kSeen = 1e9;  // 1/m^2: what is left is the drift of the way
-  skeleton_.add(std::move(node), motion_covariance(kSeen * Matrix6d::Identity(), 1, step_m, 0,
-                                                   config_.drift));
+  skeleton_.add(std::move(node),
+                motion_covariance(kSeen * Matrix6d::Identity(), 1, step_m, 0, config_.drift));
   if (way && skeleton_.size() > 1) skeleton_.mend_last_way(*way);
   gap_s_ = kFarFromIt_s;
   is_apart_ = true;
@@ -81,8 +82,8 @@ void LoopCloser::know(const graph::Edge& loop) {
   loops_solved_ = skeleton_.loops().size();
 }
 
-// The camera has found itself by an alignment to what is known, as a loop is found: as well it knows
-// where it is.
+// The camera has found itself by an alignment to what is known, as a loop is found: as well it
+// knows where it is.
 void LoopCloser::tie_to_known_place(const Matrix6d& normal_equations) {
   if (!std::exchange(is_apart_, false)) return;
   const int newest = skeleton_.size() - 1;
@@ -95,7 +96,8 @@ void LoopCloser::tie_to_known_place(const Matrix6d& normal_equations) {
     if (nearest < 0 || distance < least) std::tie(nearest, least) = std::pair(k, distance);
   }
   if (nearest < 0) return;
-  // One frame tells it, against views of another day: less well than a loop that neighbours confirm.
+  // One frame tells it, against views of another day: less well than a loop that neighbours
+  // confirm.
   DriftConfig drift = config_.drift;
   drift.floor_m = std::max(drift.floor_m, 0.01);
   const Matrix6d information = edge_information(

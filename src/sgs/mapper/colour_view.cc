@@ -30,7 +30,8 @@ void colour_view(const render::Rendering& rendering, RgbdFrame& frame) {
       const render::Rgbf& c = rendering.color(u, v);
       const float rendered = 0.299f * c.r + 0.587f * c.g + 0.114f * c.b;
       const float measured = static_cast<float>(frame.color(u, v).g) / 255;
-      const float times = std::clamp(measured / std::max(rendered, kDark), 1 / kMostTimes, kMostTimes);
+      const float times =
+          std::clamp(measured / std::max(rendered, kDark), 1 / kMostTimes, kMostTimes);
       const float rest = measured - times * rendered;
       frame.color(u, v) = {to_byte(times * c.r + rest), to_byte(times * c.g + rest),
                            to_byte(times * c.b + rest)};

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/mapper/mapper.h"
 
-#include <algorithm>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <deque>
 
@@ -303,7 +303,8 @@ void Mapper::know(const std::vector<map::Gaussian>& gaussians,
     m.cull_keyframes();
     m.memory.make_room(m.keyframes, m.training_views, m.views.bytes());
   }
-  // They have had their turns, as often as the map was learned from a keyframe: new ones come first.
+  // They have had their turns, as often as the map was learned from a keyframe: new ones come
+  // first.
   for (std::size_t k = 0; k < kVisits * views.size(); ++k) (void)m.schedule.next();
   m.changed = true;
 }

@@ -50,9 +50,9 @@ class Mapper {
   int add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE3& T_world_camera,
                    const SE3& T_odom_camera);
   /// Goes on with a finished map, before the first keyframe. Its views become the first keyframes,
-  /// in order, each of a place that the map shows: nothing is inserted for them, and they are learned
-  /// from, so that what they show is not forgotten. Gaussian i hangs on view `view_of[i]`. Its id
-  /// is i.
+  /// in order, each of a place that the map shows: nothing is inserted for them, and they are
+  /// learned from, so that what they show is not forgotten. Gaussian i hangs on view `view_of[i]`.
+  /// Its id is i.
   void know(const std::vector<map::Gaussian>& gaussians, const std::vector<std::int32_t>& view_of,
             const std::vector<KnownKeyframe>& views);
   /// Moves keyframes in the world, all that hangs on them with them: `moves[k]` is that of keyframe

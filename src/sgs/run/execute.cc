@@ -179,8 +179,8 @@ RunState state_of(const RunResult& result) {
 void write_end(const slam::Session& session, const Run& run,
                const std::vector<mapfile::MapSession>& earlier, RunFolder& folder) {
   // A camera that was only to find itself in a map, or has not, leaves none.
-  const bool leaves_map = session.place_search() == nullptr ||
-                          (run.input.extends_map && session.place_search()->found);
+  const bool leaves_map =
+      session.place_search() == nullptr || (run.input.extends_map && session.place_search()->found);
   for (int attempt = 0; attempt < 2; ++attempt) {
     const int made_again = folder.lock()->times_made_again();
     save_run(run, folder);
@@ -237,8 +237,7 @@ Result<RunResult> run_in(Input& input, const InputSpec& spec, const RunConfig& a
   SGS_ASSIGN_OR_RETURN(auto session, slam::Session::create(asked.session, camera, session_options));
   std::vector<mapfile::MapSession> earlier;
   if (!spec.map.empty()) {
-    SGS_ASSIGN_OR_RETURN(earlier,
-                         give_map(*session, spec, camera, input.calibration.has_value()));
+    SGS_ASSIGN_OR_RETURN(earlier, give_map(*session, spec, camera, input.calibration.has_value()));
   }
   // What the folder keeps is what runs.
   const RunConfig config{session->config(), asked.refine};

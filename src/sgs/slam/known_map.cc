@@ -36,8 +36,8 @@ std::vector<Birth> births_of(const Session& session, const map::Snapshot& snapsh
     }
     const std::size_t k = static_cast<std::size_t>(anchor.keyframe) - first;
     const bool known = anchor.keyframe >= 0 && k < keyframes.size();
-    births.push_back({earlier.sessions, known ? keyframes[k].timestamp_s
-                                              : std::numeric_limits<double>::quiet_NaN()});
+    births.push_back({earlier.sessions,
+                      known ? keyframes[k].timestamp_s : std::numeric_limits<double>::quiet_NaN()});
   }
   return births;
 }
@@ -94,8 +94,7 @@ std::vector<graph::Edge> edges_of_views(const Session& session) {
   const loops::Skeleton* skeleton = session.skeleton();
   if (skeleton == nullptr) return out;
   std::vector<int> number(static_cast<std::size_t>(skeleton->size()), -1);
-  const bool depth_changed =
-      skeleton->revision().calibration != session.revision().calibration;
+  const bool depth_changed = skeleton->revision().calibration != session.revision().calibration;
   const auto add = [&](int from, int to, graph::Edge edge) {
     if (depth_changed) {
       const history::Path& now = session.revision().path;
@@ -151,8 +150,8 @@ std::vector<std::int32_t> views_of_gaussians(const KnownMap& map,
       continue;
     }
     const auto before = after - 1;
-    const bool later = after != of_session.end() &&
-                       after->first - birth.time_s < birth.time_s - before->first;
+    const bool later =
+        after != of_session.end() && after->first - birth.time_s < birth.time_s - before->first;
     out.push_back(later ? after->second : before->second);
   }
   return out;

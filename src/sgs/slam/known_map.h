@@ -35,15 +35,15 @@ struct KnownMap {
   std::optional<DepthCalibration> calibration;
 
   // For a session that goes on with it (Session::go_on_with()):
-  std::uint16_t sessions = 1;              ///< that were there before
-  std::vector<Birth> births;               ///< of the Gaussians
-  std::vector<std::uint16_t> session_of;   ///< of each view
-  std::vector<SE3> T_map_camera;           ///< from where it looks like each view; may be empty
-  std::vector<graph::Edge> edges;          ///< between views: ways from one to the next, loops
+  std::uint16_t sessions = 1;             ///< that were there before
+  std::vector<Birth> births;              ///< of the Gaussians
+  std::vector<std::uint16_t> session_of;  ///< of each view
+  std::vector<SE3> T_map_camera;          ///< from where it looks like each view; may be empty
+  std::vector<graph::Edge> edges;         ///< between views: ways from one to the next, loops
 };
 
-/// When each Gaussian of a snapshot was born: with the keyframe that inserted it. To be called after
-/// Session::finish().
+/// When each Gaussian of a snapshot was born: with the keyframe that inserted it. To be called
+/// after Session::finish().
 std::vector<Birth> births_of(const Session& session, const map::Snapshot& snapshot);
 
 /// How many views of a finished session others can find themselves by: none without a search for

@@ -32,8 +32,8 @@ LaggedWorker<MapWorker::Order>::Tasks MapWorker::tasks() {
   return tasks;
 }
 
-// The thread has nothing to do before the first job, live before it can ask for the lock: its state is
-// free to be set here.
+// The thread has nothing to do before the first job, live before it can ask for the lock: its state
+// is free to be set here.
 void MapWorker::know(const std::vector<map::Gaussian>& gaussians,
                      const std::vector<std::int32_t>& view_of,
                      const std::vector<mapper::KnownKeyframe>& views,
@@ -74,9 +74,9 @@ const KeyframePose& MapWorker::keyframe_before(const SE3& T_odom_camera) const {
     const SE3 T = revision_.path.at(k.frame_index).inverse() * T_odom_camera;
     return T.t.norm() + T.angle();  // a turn of 1 rad like a metre
   };
-  return *std::min_element(
-      keyframes_.begin(), keyframes_.end(),
-      [&](const auto& a, const auto& b) { return unlikeness(a) < unlikeness(b); });
+  return *std::min_element(keyframes_.begin(), keyframes_.end(), [&](const auto& a, const auto& b) {
+    return unlikeness(a) < unlikeness(b);
+  });
 }
 
 void MapWorker::process(const MapJob& job) {

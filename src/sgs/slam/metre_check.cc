@@ -9,11 +9,11 @@ namespace sgs::slam {
 namespace {
 
 constexpr int kFrames = 30, kStep_px = 16, kEnough = 100;
-constexpr double kNear_m = 0.3, kFar_m = 5;   // beyond, noise is what differs
-constexpr double kSameSurface = 0.15;         // share of the depth, before the frame is fitted
-constexpr double kFits = 0.03;                // and after
-constexpr double kLeastSpread_m = 0.15;       // of depths, one standard deviation
-constexpr double kLeastCosine = 0.75;         // between viewing directions
+constexpr double kNear_m = 0.3, kFar_m = 5;  // beyond, noise is what differs
+constexpr double kSameSurface = 0.15;        // share of the depth, before the frame is fitted
+constexpr double kFits = 0.03;               // and after
+constexpr double kLeastSpread_m = 0.15;      // of depths, one standard deviation
+constexpr double kLeastCosine = 0.75;        // between viewing directions
 
 struct Pair {
   double x, y;
@@ -31,7 +31,8 @@ std::vector<Pair> pairs_of(const std::vector<Eigen::Vector3d>& points, const SE3
     if (!(u > -0.5 && v > -0.5 && u < frame.camera.width - 0.5 && v < frame.camera.height - 0.5)) {
       continue;
     }
-    const double z = frame.depth(static_cast<int>(std::lround(u)), static_cast<int>(std::lround(v)));
+    const double z =
+        frame.depth(static_cast<int>(std::lround(u)), static_cast<int>(std::lround(v)));
     if (z > 0 && std::abs(z - q.z()) < kSameSurface * q.z()) pairs.push_back({q.z(), z});
   }
   return pairs;
@@ -66,8 +67,7 @@ void MetreCheck::know(std::int64_t index, const RgbdFrame& view) {
   }
 }
 
-bool MetreCheck::add(const RgbdFrame& frame, const SE3& T_world_camera,
-                     const history::Path& path) {
+bool MetreCheck::add(const RgbdFrame& frame, const SE3& T_world_camera, const history::Path& path) {
   if (views_.empty() || frames_ >= kFrames) return false;
   std::vector<Pair> most;
   for (const View& view : views_) {

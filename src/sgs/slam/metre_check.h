@@ -11,9 +11,9 @@
 
 namespace sgs::slam {
 
-/// Whether a camera that has found itself in a map measures depth by the metre of that map. Where it
-/// does not, its pose takes up what is wrong in the mean; that what is farther away is more wrong
-/// remains.
+/// Whether a camera that has found itself in a map measures depth by the metre of that map. Where
+/// it does not, its pose takes up what is wrong in the mean; that what is farther away is more
+/// wrong remains.
 class MetreCheck {
  public:
   /// A view of the map, under its index in the path.

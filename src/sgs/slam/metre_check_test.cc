@@ -9,8 +9,8 @@ namespace {
 
 const PinholeCamera kMetreCamera{320, 240, 270, 270, 159.5, 119.5};
 
-/// The corner of walls z = 3 + x and z = 3 - x, seen from `x_m` to the right, each depth so many times
-/// as long.
+/// The corner of walls z = 3 + x and z = 3 - x, seen from `x_m` to the right, each depth so many
+/// times as long.
 RgbdFrame corner_from(double x_m, double times) {
   RgbdFrame frame;
   frame.camera = kMetreCamera;

@@ -109,7 +109,8 @@ void Session::compare_metres(const RgbdFrame& frame, const FrameRecord& record) 
   const auto ratio = metre_.ratio();
   if (!ratio || std::abs(*ratio - 1) < kAnother) return;
   log().warn(
-      "depth of this camera is {:.1f} % {} than that of the map: poses and what is added to the map "
+      "depth of this camera is {:.1f} % {} than that of the map: poses and what is added to the "
+      "map "
       "are off by as much of the distance. Calibrate the camera (`sgs calibrate`) and run again "
       "with --calibration",
       100 * std::abs(*ratio - 1), *ratio > 1 ? "longer" : "shorter");
@@ -146,8 +147,7 @@ Status Session::go_on_with(const KnownMap& map) {
     std::optional<graph::UncertainPose> way;
     if (ways[i] != nullptr) way = {ways[i]->T_from_to, ways[i]->information.inverse()};
     closer.know(view, *frame, revision_, way);
-    const SE3& T_map_camera =
-        map.T_map_camera.empty() ? view.T_world_camera : map.T_map_camera[i];
+    const SE3& T_map_camera = map.T_map_camera.empty() ? view.T_world_camera : map.T_map_camera[i];
     keyframes.push_back(
         {*frame_of_one_time(frame, view.motion.lag()), T_map_camera, view.T_world_camera});
   }
@@ -445,8 +445,8 @@ const loops::Skeleton* Session::skeleton() const {
 
 map::SnapshotPtr Session::snapshot() { return known_ ? known_ : worker_->newest_snapshot(); }
 
-// Before the camera has found itself in a map that it was given it could be anywhere; and that map's
-// own views are no frames of this session.
+// Before the camera has found itself in a map that it was given it could be anywhere; and that
+// map's own views are no frames of this session.
 bool Session::has_place(std::int64_t frame) const {
   return place_search() == nullptr || (found_at_ && frame >= *found_at_);
 }

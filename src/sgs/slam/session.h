@@ -79,8 +79,8 @@ class Session {
   /// online calibration, which would move what is known.
   Status localise_in(const KnownMap& map);
   /// Before the first frame: the camera is somewhere in this map and has to find itself there, and
-  /// then goes on with it. Until it is found, nothing is learned; from then on this is a session like
-  /// any other, in the map's world: the Gaussians go on being learned, views and loops of all
+  /// then goes on with it. Until it is found, nothing is learned; from then on this is a session
+  /// like any other, in the map's world: the Gaussians go on being learned, views and loops of all
   /// sessions are one graph. Fails where the tracker cannot be given a map, where a view cannot be
   /// had and where no loops are looked for; needs a configuration without online calibration: the
   /// metre is that of the map.
@@ -151,10 +151,9 @@ class Session {
   std::span<const KeyframePose> keyframes() const {
     return std::span(worker_->keyframes()).subspan(earlier_.views.size());
   }
-  /// Carries poses of the path to where the map looks like what was seen from them (after finish()).
-  PoseCorrection odom_to_map() const {
-    return odom_to_world(worker_->keyframes(), revision_.path);
-  }
+  /// Carries poses of the path to where the map looks like what was seen from them (after
+  /// finish()).
+  PoseCorrection odom_to_map() const { return odom_to_world(worker_->keyframes(), revision_.path); }
   /// Seed of the questions that the codes of nodes answer.
   std::uint64_t fern_seed() const;
   std::int64_t iterations() const { return worker_->iterations(); }
@@ -208,7 +207,7 @@ class Session {
   // Null where the tracker cannot be corrected, or shall not:
   std::unique_ptr<BackEndWorker> loops_, calibrator_;
   LoopBackEnd* loop_back_end_ = nullptr;  // that of loops_
-  history::Revision revision_;                  // views of a map that is known come first
+  history::Revision revision_;            // views of a map that is known come first
   map::SnapshotPtr known_;  // the map that stays as it is; null: it makes its own, or goes on
   EarlierSessions earlier_;
   MetreCheck metre_;

@@ -20,8 +20,8 @@ inline std::int64_t known_view_index(std::size_t number) {
   return kFirst + static_cast<std::int64_t>(number);
 }
 
-/// The time under which that view stands in the path of a session that goes on with the map, and may
-/// move what is in it: sessions have clocks of their own, and all of a map's views come first.
+/// The time under which that view stands in the path of a session that goes on with the map, and
+/// may move what is in it: sessions have clocks of their own, and all of a map's views come first.
 inline double known_view_time_s(std::size_t number) {
   constexpr double kFirst_s = -1e9;
   return kFirst_s + static_cast<double>(number);
