@@ -87,40 +87,33 @@ std::vector<std::uint16_t> sessions_of_views(const Session& session) {
   return out;
 }
 
-// Where depth has changed since the nodes were last told, what was measured is held to deviate from
-// the new poses as it did from the old (loops::Skeleton::follow()).
+// Poses are where all measurements together want them: edges that say so, as surely, hold them
+// there as the measurements do. What was forgotten on the way (views, loops) does not pull at them
+// later.
 std::vector<graph::Edge> edges_of_views(const Session& session) {
   std::vector<graph::Edge> out;
   const loops::Skeleton* skeleton = session.skeleton();
   if (skeleton == nullptr) return out;
+  const history::Path& path = session.revision().path;
   std::vector<int> number(static_cast<std::size_t>(skeleton->size()), -1);
-  const bool depth_changed = skeleton->revision().calibration != session.revision().calibration;
-  const auto add = [&](int from, int to, graph::Edge edge) {
-    if (depth_changed) {
-      const history::Path& now = session.revision().path;
-      const SE3 T_then = skeleton->pose(from).inverse() * skeleton->pose(to);
-      const SE3 T_now =
-          now.at(skeleton->node(from).frame).inverse() * now.at(skeleton->node(to).frame);
-      edge.T_from_to = T_now * T_then.inverse() * edge.T_from_to;
-    }
-    edge.from = number[static_cast<std::size_t>(from)];
-    edge.to = number[static_cast<std::size_t>(to)];
-    out.push_back(edge);
+  const auto add = [&](int from, int to, const Matrix6d& information, bool doubtful) {
+    const SE3 T = path.at(skeleton->node(from).frame).inverse() * path.at(skeleton->node(to).frame);
+    out.push_back({number[static_cast<std::size_t>(from)], number[static_cast<std::size_t>(to)], T,
+                   information, doubtful});
   };
   int views = 0;
   for (int k = 0, last = -1; k < skeleton->size(); ++k) {
     if (skeleton->node(k).view.empty()) continue;
     number[static_cast<std::size_t>(k)] = views++;
     if (last >= 0) {
-      const graph::UncertainPose way = skeleton->tracked(last, k);
-      add(last, k, {0, 0, way.T, way.covariance.inverse(), false});
+      add(last, k, skeleton->tracked(last, k).covariance.inverse(), false);
     }
     last = k;
   }
   for (const graph::Edge& loop : skeleton->loops()) {
     const bool kept = number[static_cast<std::size_t>(loop.from)] >= 0 &&
                       number[static_cast<std::size_t>(loop.to)] >= 0;
-    if (kept) add(loop.from, loop.to, loop);
+    if (kept) add(loop.from, loop.to, loop.information, loop.doubtful);
   }
   return out;
 }

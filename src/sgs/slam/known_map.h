@@ -55,7 +55,8 @@ tracker::KnownView known_view(const Session& session, const Trajectory& path, st
 std::vector<SE3> places_in_map(const Session& session);
 /// In which session each of them was seen.
 std::vector<std::uint16_t> sessions_of_views(const Session& session);
-/// How they hang together, by their numbers: the way from each to the next, then loops.
+/// How surely they hang together, by their numbers: the way from each to the next, then loops; at
+/// rest where the views are now.
 std::vector<graph::Edge> edges_of_views(const Session& session);
 
 /// The view that each Gaussian of a map is moved with: of those of its session the one next to its
