@@ -11,9 +11,9 @@
 
 namespace sgs::slam {
 
-/// Whether a camera that has found itself in a map measures depth by the metre of that map. Where
-/// it does not, its pose takes up what is wrong in the mean; that what is farther away is more
-/// wrong remains.
+/// Whether a camera that has found itself in a map measures depth by the metre of that map. Its
+/// pose takes up a part of what is wrong, so pose and scale are asked for together: points of the
+/// map's views against the planes that the frame sees there.
 class MetreCheck {
  public:
   /// A view of the map, under its index in the path.
@@ -29,14 +29,11 @@ class MetreCheck {
     std::int64_t index;
     std::vector<Eigen::Vector3d> points;  // of its camera
   };
-  /// Sums over depths x of the map and y of the frame, each less the mean of their frame.
-  struct Sums {
-    double xx = 0, xy = 0;
-    int count = 0;
-  };
-
   std::vector<View> views_;
-  Sums sums_;
+  // Normal equation of the scale, whatever the poses are: information and gradient of so many
+  // points.
+  double H_ = 0, b_ = 0;
+  int count_ = 0;
   int frames_ = 0;
 };
 
