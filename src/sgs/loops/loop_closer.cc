@@ -99,7 +99,7 @@ void LoopCloser::tie_to_known_place(const Matrix6d& normal_equations) {
   // One frame tells it, against views of another day: less well than a loop that neighbours
   // confirm.
   DriftConfig drift = config_.drift;
-  drift.floor_m = std::max(drift.floor_m, 0.01);
+  drift.floor_m = std::max(drift.floor_m, 0.05);
   const Matrix6d information = edge_information(
       normal_equations, skeleton_.node(newest).mean_depth_m, config_.min_information, drift);
   know({nearest, newest, skeleton_.pose(nearest).inverse() * skeleton_.pose(newest), information,
