@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/mapper/mapper.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -9,6 +10,7 @@
 #include "sgs/core/log.h"
 #include "sgs/map/gaussian_store.h"
 #include "sgs/map/mean_bounds.h"
+#include "sgs/mapper/colour_view.h"
 #include "sgs/mapper/insertion.h"
 #include "sgs/mapper/keyframe.h"
 #include "sgs/mapper/keyframe_culling.h"
@@ -37,6 +39,22 @@ render::LossConfig loss_config(const ObjectiveConfig& objective) {
   loss.color_only_where_depth = objective.color_only_where_depth;
   loss.floater_margin_m = static_cast<float>(objective.floater_margin_m);
   return loss;
+}
+
+/// Where a Gaussian of a finished map was born is not known: it is taken to lie on a surface, as
+/// flat as it is itself, that was seen from `T_world_camera`.
+map::Anchor anchor_of(const map::Gaussian& g, std::int32_t keyframe, const SE3& T_world_camera) {
+  const auto thinnest = std::min_element(g.log_scale, g.log_scale + 3) - g.log_scale;
+  map::Anchor anchor;
+  anchor.point = {g.mean[0], g.mean[1], g.mean[2]};
+  const Eigen::Quaternionf turn(g.rotation[0], g.rotation[1], g.rotation[2], g.rotation[3]);
+  anchor.normal = turn.normalized().toRotationMatrix().col(thinnest);
+  if (anchor.normal.dot(T_world_camera.t.cast<float>() - anchor.point) < 0) {
+    anchor.normal = -anchor.normal;
+  }
+  anchor.sigma_n_m = std::exp(g.log_scale[thinnest]);
+  anchor.keyframe = keyframe;
+  return anchor;
 }
 
 bool has_depth(const RgbdFrame& frame, double max_depth_m) {
@@ -247,6 +265,48 @@ int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE
   m.changed = true;
   if (index == 0) iterate(m.config.first_keyframe_iterations);
   return index;
+}
+
+void Mapper::know(const std::vector<map::Gaussian>& gaussians,
+                  const std::vector<std::int32_t>& view_of,
+                  const std::vector<KnownKeyframe>& views) {
+  constexpr std::uint32_t kSteps = 1024;  // like one that has been learned for long
+  constexpr std::size_t kVisits = 12;     // of a keyframe, where keyframes and steps are as usual
+  const float growth = std::log(2.0f);
+  Impl& m = *impl_;
+  SGS_CHECK(m.keyframes.empty() && m.awaited.empty() && m.store.size() == 0, "a new mapper");
+  SGS_CHECK(view_of.size() == gaussians.size() && !views.empty(), "each Gaussian has its view");
+  const ScopedTimer timer(m.times, "map/know");
+  reserve(m.store, gaussians.size());
+  for (std::size_t i = 0; i < gaussians.size(); ++i) {
+    const map::Gaussian& g = gaussians[i];
+    const KnownKeyframe& view = views.at(static_cast<std::size_t>(view_of[i]));
+    m.store.append(g, anchor_of(g, view_of[i], view.T_world_camera),
+                   *std::max_element(g.log_scale, g.log_scale + 3) + growth);
+    m.store.steps.back() = kSteps;
+  }
+  m.bounds.assign(m.store.raw, m.store.average);
+  for (const KnownKeyframe& view : views) {
+    RgbdFrame frame = view.frame;
+    SGS_CHECK(frame.camera == m.camera, "the view's camera differs from the mapper's");
+    m.rasterizer->render(m.store.average, m.camera, view.T_world_camera, m.rendering);
+    colour_view(m.rendering, frame);
+    const std::size_t index = m.keyframes.size();
+    MapKeyframe& keyframe =
+        m.keyframes.emplace_back(frame, view.T_world_camera, m.config.insertion.max_depth_m);
+    keyframe.T_odom_camera = view.T_odom_camera;
+    if (m.config.refinement.exposure && index > 0) {
+      const ExposureSums sums = exposure_sums(keyframe, m.rendering);
+      update_gain(keyframe, sums.measured, sums.rendered, m.config.refinement.exposure_prior, 1);
+    }
+    m.schedule.add_keyframe(index);
+    m.cull_keyframes();
+    m.memory.make_room(m.keyframes, m.training_views, m.views.bytes());
+  }
+  // They have had their turns, as often as the map was learned from a keyframe: new ones come
+  // first.
+  for (std::size_t k = 0; k < kVisits * views.size(); ++k) (void)m.schedule.next();
+  m.changed = true;
 }
 
 void Mapper::move_keyframes(const std::vector<SE3>& moves) {

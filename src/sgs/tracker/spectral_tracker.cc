@@ -6,7 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "sgs/camera/resample.h"
 #include "sgs/tracker/loss_checks.h"
 
 namespace sgs::tracker {
@@ -17,19 +16,6 @@ LossPolicy::Limits loss_limits(const AlignmentConfig& config) {
   limits.min_pixels = config.min_pixels;
   limits.search_interval = config.relocalise_interval;
   return limits;
-}
-
-/// What `camera` would have seen from the place of a known view.
-RgbdFrame seen_from(const KnownView& view, const PinholeCamera& camera) {
-  RgbdFrame frame = view.view.frame();
-  if (frame.camera == camera) return frame;
-  auto seen = seen_by(frame.camera, camera);
-  frame.color = resample_color(frame.color, frame.camera, camera);
-  frame.depth = resample_depth(frame.depth, frame.camera, camera);
-  // A mask of the view's own is lost with its borders; they are few.
-  frame.seen = std::move(seen);
-  frame.camera = camera;
-  return frame;
 }
 
 /// Whether a hand may have carried a camera so in that time.
@@ -155,6 +141,7 @@ void SpectralTracker::know(const KnownView& view, const history::Revision& revis
     search_->needed_inliers = config_.relocaliser.pose.relocalisation_min_inliers;
     if (revision.calibration) delay_.shift(0, revision.calibration->delay_sigma_s);
   }
+  view_times_s_.push_back(view.timestamp_s);
   RgbdFrame frame = seen_from(view, camera_);
   frame.index = revision.path.back().frame;
   relocaliser_.know(view, frame);
@@ -202,8 +189,9 @@ void SpectralTracker::note_look(double timestamp_s) {
   best.best_inliers = look.inliers;
   best.best_matches = look.matches;
   best.best_frame_s = timestamp_s;
-  const auto* view = aligner_.past().revision().path.find(look.keyframe);
-  best.best_view_s = view != nullptr ? view->timestamp_s : 0;
+  const std::int64_t view = look.keyframe - known_view_index(0);
+  const bool known = view >= 0 && view < std::ssize(view_times_s_);
+  best.best_view_s = known ? view_times_s_[static_cast<std::size_t>(view)] : 0;
 }
 
 // Whether a place that features have found is right in a map that the camera has not been seen in
