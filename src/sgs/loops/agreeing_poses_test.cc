@@ -18,9 +18,8 @@ class AgreeingPosesTest : public testing::Test {
       true_.push_back({so3_exp({0.02, -0.01, 0.01}), {0.08 * i, 0.02 * side, 0}});
       tracker::KnownView view;
       view.timestamp_s = i;
-      view.T_world_camera =
-          true_.back() * SE3(so3_exp({0.003 * side, -0.002, 0.002 * side}),
-                             {0.004 * side, 0.003 * (i % 3 - 1), 0.005 * side});
+      view.T_world_camera = true_.back() * SE3(so3_exp({0.003 * side, -0.002, 0.002 * side}),
+                                               {0.004 * side, 0.003 * (i % 3 - 1), 0.005 * side});
       view.view = CompactView(tracker::see_wall(true_.back(), i));
       views_.push_back(std::move(view));
     }

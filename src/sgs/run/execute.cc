@@ -185,10 +185,9 @@ void write_end(const slam::Session& session, const Run& run,
     const int made_again = folder.lock()->times_made_again();
     save_run(run, folder);
     if (leaves_map) {
-      folder.save(files::kLastingMap,
-                  [&](const auto& path) {
-                    return save_lasting_map(path, session, run, earlier, threads);
-                  });
+      folder.save(files::kLastingMap, [&](const auto& path) {
+        return save_lasting_map(path, session, run, earlier, threads);
+      });
     }
     folder.end(run.state.stage, run.frames.size(), run.state.reason);
     if (made_again == folder.lock()->times_made_again()) return;
