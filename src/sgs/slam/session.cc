@@ -110,8 +110,8 @@ void Session::compare_metres(const RgbdFrame& frame, const FrameRecord& record) 
   if (!ratio || std::abs(*ratio - 1) < kAnother) return;
   log().warn(
       "depth of this camera is {:.1f} % {} than that of the map: poses and what is added to the "
-      "map "
-      "are off by as much of the distance. Calibrate the camera (`sgs calibrate`) and run again "
+      "map are off by as much of the distance. Calibrate the camera (`sgs calibrate`) and run "
+      "again "
       "with --calibration",
       100 * std::abs(*ratio - 1), *ratio > 1 ? "longer" : "shorter");
 }
