@@ -14,7 +14,6 @@
 namespace sgs::loops {
 namespace {
 
-constexpr double kFarthestSeen_m = 10;
 constexpr int kNeighbours = 5;
 
 /// What is asked of a view again and again.
@@ -88,7 +87,7 @@ std::vector<SE3> agreeing_poses(const PosedViews& views, const LoopConfig& confi
     const tracker::KnownView view = views.view(i);
     const RgbdFrame frame = view.view.frame();
     places.push_back({frame.camera, view.T_world_camera,
-                      registration::mean_depth(frame.depth, kFarthestSeen_m)});
+                      registration::mean_depth(frame.depth, kFarthestDepth_m)});
   }
   const auto later = neighbours(places, config.revisit_distance);
   const tracker::SpectralConfig alignment(tracker);

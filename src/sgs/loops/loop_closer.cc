@@ -14,7 +14,6 @@
 namespace sgs::loops {
 namespace {
 
-constexpr double kFarthestDepth_m = 10;
 constexpr std::size_t kMostPending = 64;
 
 /// By how many image widths a view may be elsewhere than expected, one standard deviation.
