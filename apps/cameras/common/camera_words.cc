@@ -22,7 +22,8 @@ bool has_any(std::string_view text, std::initializer_list<std::string_view> word
 }  // namespace
 
 Error explained(const std::string& message, const CameraWords& words) {
-  if (has_any(message, {"busy", "Busy", "BUSY", "already opened", "in use"})) {
+  if (has_any(message,
+              {"busy", "Busy", "BUSY", "already opened", "in use", "another application"})) {
     return {ErrorCode::kIo, fmt::format("the camera is used by another program ({})", message),
             "end that program; `fuser /dev/video* /dev/bus/usb/*/*` names it"};
   }
