@@ -235,12 +235,16 @@ class CameraTest(unittest.TestCase):
         self.fake(scene=scene)
         return values
 
-    def sent_by_version_1(self, color_from_depth):
-        """The same frames of a sender of version 1; the address of what it sent."""
-        head = dict(camera=self.color.json(), depth_camera=self.depth.json(), depth="u16")
-        text = json.dumps({**head, "color_from_depth": color_from_depth}).encode()
+    def sent_by_version_1(self, color_from_depth, camera=None, times=None):
+        """The same frames of a sender of version 1; the address of what it sent. Without the pose
+        of the depth camera: of the colour camera alone."""
+        head, depths = dict(camera=camera or self.color.json(), depth="u16"), self.color.depths
+        if color_from_depth is not None:
+            depths = self.depth.depths
+            head.update(depth_camera=self.depth.json(), color_from_depth=color_from_depth)
+        text = json.dumps(head).encode()
         stream = b"SGS1" + struct.pack("<I", len(text)) + text
-        for t, color, depth in zip(self.color.times, self.color.colors, self.depth.depths):
+        for t, color, depth in zip(times or self.color.times, self.color.colors, depths):
             data = color.tobytes(), depth.astype("<u2").tobytes()
             text = json.dumps(dict(t=t, color_bytes=len(data[0]), depth_bytes=len(data[1])))
             stream += b"F" + struct.pack("<I", len(text)) + text.encode() + b"".join(data)

@@ -6,17 +6,15 @@
 // scene's size, whatever the mode. Counts what it has handed out and not got back.
 #include <algorithm>
 #include <atomic>
-#include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <cstring>
 #include <deque>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
 #include "scene_player.h"
+#include "waiting.h"
 
 // The layouts of the library's public headers.
 struct k4a_calibration_extrinsics_t {
@@ -79,40 +77,6 @@ int failed(const std::string& why) {
   return 1;
 }
 
-/// What waits until somebody asks for it.
-template <class T>
-class Waiting {
- public:
-  void push(T value) {
-    constexpr std::size_t kMost = 4;
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return closed_ || values_.size() < kMost; });
-    values_.push_back(std::move(value));
-    changed_.notify_all();
-  }
-  std::optional<T> pop(std::int32_t timeout_ms) {
-    std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, std::chrono::milliseconds(timeout_ms),
-                      [&] { return closed_ || !values_.empty(); });
-    if (values_.empty()) return std::nullopt;
-    T value = std::move(values_.front());
-    values_.pop_front();
-    changed_.notify_all();
-    return value;
-  }
-  void close() {
-    const std::lock_guard lock(mutex_);
-    closed_ = true;
-    changed_.notify_all();
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::deque<T> values_;
-  bool closed_ = false;
-};
-
 std::string bgra_of(const std::string& rgb) {
   std::string bgra;
   for (std::size_t i = 0; i < rgb.size(); i += 3) {
@@ -138,8 +102,8 @@ k4a_calibration_camera_t written(const fake::Camera& c) {
 
 struct k4a_device final : fake::Listener {
   std::string serial;
-  Waiting<std::unique_ptr<k4a_capture>> captures;
-  Waiting<k4a_imu_sample_t> samples;
+  fake::Waiting<std::unique_ptr<k4a_capture>> captures;
+  fake::Waiting<k4a_imu_sample_t> samples;
   std::deque<k4a_imu_sample_t> felt;
   std::atomic<bool> gone{false}, imu{false};
   std::optional<fake::Player> player;

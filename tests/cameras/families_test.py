@@ -4,12 +4,16 @@
 
 Usage: families_test.py SGS RENDER_RIG FOLDER_OF_FAKES [unittest arguments]
 """
+import glob
 import json
+import shutil
 import unittest
 
 import numpy as np
 
 from fake_cameras import FRAMES, NO_SDK, SGS, STEP_S, TRACK, CameraTest, Recorded, rows, write_scene
+
+OPENNI2 = next(iter(glob.glob("/usr/lib/*/libOpenNI2.so.0")), None)
 
 
 class Family:
@@ -26,9 +30,14 @@ class Family:
     at_rest = (0, -9.81, 0)
     busy, denied = "Device or resource busy", "Access denied (insufficient permissions)"
 
-    def test_the_same_scene_from_a_folder(self):
+    def reference(self):
+        """The same frames from elsewhere."""
+        return self.color.folder
+
+    def test_the_same_scene_from_elsewhere(self):
         self.run_camera("--no-eval", "--quiet")
-        self.assert_same_run(self.color.folder)
+        self.rewind()
+        self.assert_same_run(self.reference())
 
     def test_what_is_sent(self):
         self.play_imu()
@@ -36,9 +45,10 @@ class Family:
         self.assertEqual((greeting["depth"], greeting["depth_scale"]), ("u16", 1000))
         self.assertEqual((greeting["clock"], greeting["name"]), ("device", f"{self.family}-0123"))
         self.assertNotIn("depth_camera", greeting)
-        np.testing.assert_allclose(
-            [frame["t"] for frame in frames], self.color.times, atol=self.tick_s
-        )
+        times = [np.array([frame["t"] for frame in frames]), np.array(self.color.times)]
+        if self.short_clock:
+            times = [of - of[0] for of in times]
+        np.testing.assert_allclose(*times, atol=self.tick_s)
         for frame, image in zip(frames, self.color.colors):
             self.assertEqual(frame["color"], image.tobytes())
             if self.exposure:
@@ -48,6 +58,8 @@ class Family:
         self.check_samples(greeting, samples)
 
     tick_s = 1e-9  # of the device's clock
+    short_clock = False  # it has wrapped before
+    clocks = ("wrap", "jump", "back", "drift")
 
     def play_imu(self):
         if self.imu:
@@ -67,7 +79,7 @@ class Family:
             np.testing.assert_allclose(np.diff(times), 1 / hz, atol=2e-6)
 
     def test_clocks(self):
-        for clock in "wrap", "jump", "back", "drift":
+        for clock in self.clocks:
             self.rewind()
             self.fake(clock=clock)
             _, frames, _, said = self.sent(f"--frames={FRAMES}")
@@ -170,6 +182,19 @@ class WithTwoCameras:
         self.assertNotIn("distortion", greeting["depth_camera"])
 
 
+class WithOneCamera:
+    """A family that registers depth itself, and says little of its lens."""
+
+    exposure, gain, imu = False, False, False
+
+    def reference(self):
+        greeting, frames = self.sent(f"--frames={FRAMES}")[:2]
+        camera = greeting["camera"]
+        for given, rigs in (camera["fx"], self.color.fx), (camera["fy"], self.color.fy):
+            self.assertAlmostEqual(given, rigs, delta=self.focal_delta)
+        return self.sent_by_version_1(None, camera, [frame["t"] for frame in frames])
+
+
 class Orbbec(WithTwoCameras, Family, CameraTest):
     family, variable = "orbbec", "SGS_ORBBEC_LIBRARY"
     name, library_name, device = "Orbbec camera", "libOrbbecSDK", "Fake Orbbec Gemini 2"
@@ -224,6 +249,63 @@ class K4a(WithTwoCameras, Family, CameraTest):
     def test_no_depth_engine(self):
         self.fake(start="Depth engine create and initialize failed with error code: 204.")
         self.refused("error code: 204", "libdepthengine", "DISPLAY")
+
+
+class Freenect(WithOneCamera, Family, CameraTest):
+    family, variable = "freenect", "SGS_FREENECT_LIBRARY"
+    name, library_name, device = "Kinect", "libfreenect", "Kinect"
+    missing = "freenect_process_events_timeout"
+    busy = "Could not claim interface on camera: LIBUSB_ERROR_BUSY"
+    denied = "Could not open camera: LIBUSB_ERROR_ACCESS"
+    tick_s, short_clock = 1e-7, True
+    clocks = ("wrap", "jump", "drift")  # of 72 s: forwards or back is the same to it
+    focal_delta = 10
+
+    def test_settings(self):
+        self.fake(rate=20)
+        said = self.run_camera(*TRACK, source=self.camera(f"lock=0.05,every=on,frames={FRAMES}"))
+        self.assertIn("does not say its focal length: 262.5 pixels", said)
+        options = (self.state / "options").read_text()
+        for flag in 16, 17, 14, 1:  # mirrors, exposure, white balance
+            self.assertIn(f"flag {1 << flag} 0\n", options)
+        self.assertIn("exposure and white balance are locked", self.log())
+
+
+@unittest.skipUnless(OPENNI2, "OpenNI2 is not installed")
+class OpenNi2(WithOneCamera, Family, CameraTest):
+    """The real library, with a driver for a camera that is none."""
+
+    family, variable = "openni2", "SGS_OPENNI2_LIBRARY"
+    name, library_name, device = "OpenNI2 camera", "libOpenNI2", "Fake OpenNI2"
+    missing = "oniGetExtendedError"
+    tick_s = 1e-6
+    focal_delta = 1e-3
+
+    def fake_library(self, kind="whole"):
+        if kind != "whole":
+            return super().fake_library(kind)
+        drivers = self.folder / "OpenNI2/Drivers"
+        drivers.mkdir(parents=True, exist_ok=True)
+        shutil.copy(super().fake_library(), drivers / "libfake.so.0")
+        return shutil.copy(OPENNI2, self.folder / "libOpenNI2.so")
+
+    def test_settings(self):
+        self.fake(rate=20)
+        self.run_camera(*TRACK, source=self.camera(f"lock=0.05,every=on,frames={FRAMES}"))
+        options = (self.state / "options").read_text()
+        for line in "color 7 0", "depth 7 0", "device 5 1", "color 101 0", "color 100 0":
+            self.assertIn(f"{line}\n", options)
+        self.assertIn("exposure and white balance are locked", self.log())
+        self.assertIn("2.2.0.33", self.done(SGS, "info", "--cameras").stdout)
+
+    def test_one_that_does_not_register_depth(self):
+        self.fake(registers="no")
+        self.assertIn("does not register depth to colour", self.sent("--frames=1")[-1])
+
+    def test_another_major_version(self):
+        self.library(self.fake_library("missing"))
+        self.fake(version=3)
+        self.refused("has version 3.2.0.33; needed is 2.2")
 
 
 if __name__ == "__main__":

@@ -151,6 +151,7 @@ void Player::send_motion(double from_ms, double to_ms) {
 }
 
 void Player::play() {
+  while (!listener_.ready() && !stopped_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   const Scene& s = scene();
   const auto first = static_cast<int>(kept("next"));
   const double period_ms = s.frames > 1 ? s.times_ms[1] - s.times_ms[0] : 33;

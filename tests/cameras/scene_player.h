@@ -74,6 +74,8 @@ class Listener {
   virtual void images(double stamp_ms, const std::string& color, const std::string* depth) = 0;
   virtual void motion(bool gyro, double stamp_ms, const float* xyz) = 0;
   virtual void unplugged() {}
+  /// Whether somebody takes what comes; the player waits for it.
+  virtual bool ready() const { return true; }
 };
 
 /// Plays the scene from where it was left.
@@ -84,8 +86,6 @@ class Player {
   Player(const Player&) = delete;
   Player& operator=(const Player&) = delete;
   bool stopped() const { return stopped_; }
-  /// Tells the thread to end, without waiting for it.
-  void ask_to_stop() { stopped_ = true; }
 
  private:
   void play();

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
+#include <filesystem>
 #include <string_view>
 
 namespace sgs::cameras {
@@ -96,6 +97,12 @@ void* Symbols::look_up(const char* name) {
   if (!found_ && ::dladdr(symbol, &info) != 0 && info.dli_fname != nullptr) path_ = info.dli_fname;
   found_ = true;
   return symbol;
+}
+
+std::string real_path(const std::string& path) {
+  std::error_code error;
+  const auto real = std::filesystem::canonical(path, error);
+  return error ? path : real.string();
 }
 
 Status check_symbols(const Symbols& symbols, const LibrarySearch& search, bool has_first,

@@ -53,6 +53,9 @@ class Symbols {
   bool found_ = false;
 };
 
+/// The file behind links: its name says the version, where nothing else does.
+std::string real_path(const std::string& path);
+
 /// What a library lacks, or that it is none; `first` is a function that each of them has.
 Status check_symbols(const Symbols& symbols, const LibrarySearch& search, bool has_first,
                      const std::string& first, const std::string& version_text);

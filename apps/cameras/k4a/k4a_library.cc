@@ -4,10 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
-#include <mutex>
-#include <utility>
-
+#include "common/library_log.h"
 #include "common/shared_library.h"
 
 namespace sgs::cameras::k4a {
@@ -21,22 +18,13 @@ const LibrarySearch& search() {
   return where;
 }
 
-struct Log {
-  std::mutex mutex;
-  std::string lines;
-};
-Log& log() {
-  static Log kept;
+LibraryLog& log() {
+  static LibraryLog kept;
   return kept;
 }
 
 /// Called by threads of the library.
-void keep_line(void*, int, const char*, int, const char* message) {
-  constexpr std::size_t kMost = 2000;
-  const std::lock_guard lock(log().mutex);
-  std::string& lines = log().lines;
-  if (lines.size() < kMost) lines += fmt::format("{}{}", lines.empty() ? "" : "; ", message);
-}
+void keep_line(void*, int, const char*, int, const char* message) { log().add(message); }
 
 Result<std::shared_ptr<const Library>> library_of(void* handle, const std::string& asked) {
   auto library = std::make_shared<Library>();
@@ -47,9 +35,7 @@ Result<std::shared_ptr<const Library>> library_of(void* handle, const std::strin
   const bool is_one = library->k4a_device_get_installed_count != nullptr;
   SGS_RETURN_IF_ERROR(
       check_symbols(symbols, search(), is_one, "k4a_device_get_installed_count", ""));
-  std::error_code error;
-  const auto real = std::filesystem::canonical(symbols.path(), error);
-  library->path = error ? symbols.path() : real.string();
+  library->path = real_path(symbols.path());
   library->k4a_set_debug_message_handler(keep_line, nullptr, kLogError);
   return library;
 }
@@ -67,11 +53,7 @@ const CameraWords& words() {
 }
 
 Error last_failure(const std::string& what) {
-  std::string lines;
-  {
-    const std::lock_guard lock(log().mutex);
-    lines = std::exchange(log().lines, {});
-  }
+  const std::string lines = log().take();
   const auto says = [&](const char* word) { return lines.find(word) != std::string::npos; };
   if (says("epth engine") || says("epth Engine") || says("depthengine")) {
     return {ErrorCode::kIo, fmt::format("{}: {}", what, lines),
