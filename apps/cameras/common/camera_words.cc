@@ -19,6 +19,23 @@ bool has_any(std::string_view text, std::initializer_list<std::string_view> word
       words, [&](std::string_view word) { return text.find(word) != std::string_view::npos; });
 }
 
+/// A device of the family that may not be opened; empty: none.
+std::string forbidden_device(const CameraWords& words) {
+  for (const UsbWords& usb : words.usb) {
+    for (const UsbDevice& device : usb_devices(usb.vendor, usb.product)) {
+      if (!device.may_be_opened) return device.node;
+    }
+  }
+  return {};
+}
+
+Error no_permission(const std::string& message) {
+  return {ErrorCode::kIo, fmt::format("no permission to open the camera ({})", message),
+          "install the udev rules 60-sgs-cameras.rules of the package sgs-cameras to "
+          "/etc/udev/rules.d, `sudo udevadm control --reload && sudo udevadm trigger`, and plug "
+          "the camera in again"};
+}
+
 }  // namespace
 
 Error explained(const std::string& message, const CameraWords& words) {
@@ -28,10 +45,7 @@ Error explained(const std::string& message, const CameraWords& words) {
             "end that program; `fuser /dev/video* /dev/bus/usb/*/*` names it"};
   }
   if (has_any(message, {"ermission", "ACCESS", "EACCES", "not permitted", "ccess denied"})) {
-    return {ErrorCode::kIo, fmt::format("no permission to open the camera ({})", message),
-            "install the udev rules 60-sgs-cameras.rules of the package sgs-cameras to "
-            "/etc/udev/rules.d, `sudo udevadm control --reload && sudo udevadm trigger`, and plug "
-            "the camera in again"};
+    return no_permission(message);
   }
   if (has_any(message, {"resolve requests", "No matched", "no such mode"})) {
     return {ErrorCode::kInvalidArgument, fmt::format("the camera has no such mode ({})", message),
@@ -42,16 +56,16 @@ Error explained(const std::string& message, const CameraWords& words) {
     return {ErrorCode::kIo, fmt::format("the camera is not there any more ({})", message),
             "plug it in again"};
   }
+  // Some libraries say only that it failed.
+  if (const std::string node = forbidden_device(words); !node.empty()) {
+    return no_permission(fmt::format("{}: {}", node, message));
+  }
   return {ErrorCode::kIo, fmt::format("the camera's library says: {}", message),
           "unplug the camera and plug it in again"};
 }
 
 Error nothing_found(const CameraWords& words) {
-  for (const UsbWords& usb : words.usb) {
-    for (const UsbDevice& device : usb_devices(usb.vendor, usb.product)) {
-      if (!device.may_be_opened) return explained("permission denied: " + device.node, words);
-    }
-  }
+  if (const std::string node = forbidden_device(words); !node.empty()) return no_permission(node);
   return {ErrorCode::kNotFound, fmt::format("no {} is plugged in", words.name), words.plug_in};
 }
 
