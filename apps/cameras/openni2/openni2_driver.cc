@@ -87,11 +87,14 @@ class OpenNi2 final : public capture::CameraDriver {
     return infos;
   }
 
+  /// A property, if it is a text: some drivers answer with numbers.
   std::string text_of(Device* device, DeviceProperty property) const {
-    std::array<char, 256> text{};
-    int size = static_cast<int>(text.size()) - 1;
-    return lib_->oniDeviceGetProperty(device, property, text.data(), &size) == kOk ? text.data()
-                                                                                   : "";
+    std::array<char, 256> bytes{};
+    int size = static_cast<int>(bytes.size()) - 1;
+    if (lib_->oniDeviceGetProperty(device, property, bytes.data(), &size) != kOk) return {};
+    const std::string text = bytes.data();
+    const auto readable = [](unsigned char c) { return std::isprint(c) != 0; };
+    return std::ranges::all_of(text, readable) ? text : "";
   }
 
   /// Those that can be opened: only then they say their serial number.
