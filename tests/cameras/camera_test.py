@@ -2,202 +2,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """`sgs run camera:` with a fake of librealsense2, and with programs for cameras that misbehave.
 
-Usage: camera_test.py SGS RENDER_RIG FAKE FAKE_WITHOUT_A_FUNCTION NO_SDK [unittest arguments]
+Usage: camera_test.py SGS RENDER_RIG FOLDER_OF_FAKES [unittest arguments]
 """
 import json
-import os
-import pathlib
 import shutil
 import signal
-import struct
-import subprocess
-import sys
-import tempfile
 import textwrap
 import time
 import unittest
 
 import numpy as np
-from skimage.io import imread
 
-SGS, RIG, FAKE, MISSING, NO_SDK = (pathlib.Path(sys.argv.pop(1)).resolve() for _ in range(5))
-PROGRAM = SGS.parent / "sgs-camera-realsense"
-FRAMES = 12
-TIMEOUT = 240
-FIRST_S, STEP_S = 1000, 1 / 32
-TRACK = ("--set", "mapper.iterations_per_frame=0", "--no-eval")
-
-
-def rows(path):
-    lines = path.read_text().splitlines()
-    return [line.split() for line in lines if line and not line.startswith("#")]
-
-
-class Recorded:
-    """One camera's folder of the rig."""
-
-    def __init__(self, folder):
-        self.folder = folder
-        values = [float(value) for value in rows(folder / "camera.txt")[0]]
-        self.fx, self.fy, self.cx, self.cy = values[:4]
-        self.width, self.height = int(values[4]), int(values[5])
-        read = lambda name: [imread(folder / row[1]) for row in rows(folder / name)]
-        self.colors, self.depths = read("rgb.txt"), read("depth.txt")
-        self.times = [float(row[0]) for row in rows(folder / "rgb.txt")]
-
-    def written(self):
-        """A camera as the fake reads it: size, focal lengths, centre, lens model, coefficients."""
-        return f"{self.width} {self.height} {self.fx} {self.fy} {self.cx} {self.cy} 2 0 0 0 0 0\n"
-
-    def json(self):
-        keys = ("width", "height", "fx", "fy", "cx", "cy")
-        return {key: getattr(self, key) for key in keys}
-
-
-def write_scene(path, color, depth, T_color_depth=((1, 0, 0, 0, 1, 0, 0, 0, 1), (0, 0, 0))):
-    with open(path, "wb") as file:
-        numbers = " ".join(f"{value:.9g}" for part in T_color_depth for value in part)
-        head = f"{color.written()}{depth.written()}{numbers}\n0.001 {len(color.times)}\n"
-        file.write(head.encode())
-        for t, image, raw in zip(color.times, color.colors, depth.depths):
-            file.write(struct.pack("<d", t * 1000) + image.tobytes() + raw.astype("<u2").tobytes())
-
-
-def parts_of(stream):
-    """What a program has sent, as docs/stream.md describes it: greeting, frames, samples."""
-    assert stream[:4] == b"SGS2", stream[:20]
-    at, frames, samples = 4, [], []
-
-    def text():
-        nonlocal at
-        (length,) = struct.unpack_from("<I", stream, at)
-        at += 4 + length
-        return stream[at - length : at]
-
-    greeting = json.loads(text())
-    while stream[at : at + 1] != b"E":
-        mark, at = stream[at : at + 1], at + 1
-        if mark == b"I":
-            samples += struct.iter_unpack("<7d", text())
-            continue
-        assert mark == b"F", (mark, at)
-        head = json.loads(text())
-        head["color"] = stream[at : at + head["color_bytes"]]
-        at += head["color_bytes"] + head["depth_bytes"]
-        frames.append(head)
-    return greeting, frames, np.array(samples)
-
-
-class CameraTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        if hasattr(CameraTest, "shared"):
-            return
-        CameraTest.shared = pathlib.Path(tempfile.mkdtemp(prefix="sgs-camera-"))
-        unittest.addModuleCleanup(shutil.rmtree, cls.shared, ignore_errors=True)
-        subprocess.run([RIG, cls.shared / "rig", str(FRAMES)], check=True)
-        CameraTest.color = Recorded(cls.shared / "rig/color")
-        CameraTest.depth = Recorded(cls.shared / "rig/depth")
-        CameraTest.aligned = cls.shared / "aligned"
-        write_scene(cls.aligned, cls.color, cls.color)
-
-    def setUp(self):
-        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="case-", dir=self.shared))
-        self.state = self.folder / "state"
-        self.state.mkdir()
-        self.run_folder = self.folder / "run"
-        self.environment = {
-            **{key: value for key, value in os.environ.items() if "RS2" not in key},
-            "SGS_REALSENSE_LIBRARY": str(FAKE),
-            "FAKE_RS2_SCENE": str(self.aligned),
-            "FAKE_RS2_STATE": str(self.state),
-        }
-
-    def rewind(self):
-        """The fake begins its scene again."""
-        for entry in self.state.iterdir():
-            entry.unlink()
-
-    def fake(self, **variants):
-        for name, value in variants.items():
-            self.environment["FAKE_RS2_" + name.upper()] = str(value)
-
-    def done(self, *command, code=0):
-        done = subprocess.run(
-            [str(word) for word in command],
-            capture_output=True,
-            text=True,
-            timeout=TIMEOUT,
-            cwd=self.folder,
-            env=self.environment,
-        )
-        self.assertEqual(done.returncode, code, done.stderr + done.stdout)
-        return done
-
-    def run_camera(self, *options, source=f"camera:realsense,every=on,frames={FRAMES}", code=0):
-        command = (SGS, "run", source, "-o", self.run_folder, *options)
-        return self.done(*command, code=code).stderr
-
-    def sent(self, *options):
-        """What the program sends by itself, and says."""
-        done = subprocess.run(
-            [PROGRAM, "--every=on", *options],
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            timeout=TIMEOUT,
-            env=self.environment,
-        )
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return (*parts_of(done.stdout), done.stderr.decode())
-
-    def refused(self, *words, source="camera:realsense", code=1):
-        said = self.run_camera("--quiet", source=source, code=code)
-        for word in words:
-            self.assertIn(word, said)
-        return said
-
-    def until_played(self, process):
-        """Ctrl-C when the fake has nothing left; all that the run said."""
-        until = time.monotonic() + TIMEOUT
-        while not (self.state / "next").exists() or self.played() < FRAMES:
-            self.assertIsNone(process.poll(), "the run ended")
-            self.assertLess(time.monotonic(), until)
-            time.sleep(0.05)
-        time.sleep(1)  # the last frames are on their way
-        process.send_signal(signal.SIGINT)
-        said = process.communicate(timeout=TIMEOUT)[1].decode()
-        self.assertEqual(process.returncode, 130, said)
-        return said
-
-    def played(self):
-        text = (self.state / "next").read_text()
-        return int(text) if text else 0
-
-    def begin(self, source="camera:realsense,every=on", *options):
-        process = subprocess.Popen(
-            [SGS, "run", source, "-o", self.run_folder, *TRACK, *options],
-            cwd=self.folder,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            env=self.environment,
-        )
-        self.addCleanup(process.stderr.close)
-        self.addCleanup(process.kill)
-        return process
-
-    def tracked(self):
-        return len(rows(self.run_folder / "trajectory.txt"))
+from fake_cameras import FRAMES, NO_SDK, SGS, STEP_S, TIMEOUT, TRACK, CameraTest, rows
 
 
 class Frames(CameraTest):
     """What a camera delivers arrives as it was delivered."""
-
-    def assert_same_run(self, source):
-        reference = self.folder / "reference"
-        self.done(SGS, "run", source, "-o", reference, "--no-eval", "--quiet")
-        for name in "trajectory.txt", "map.ply":
-            mine, theirs = ((f / name).read_bytes() for f in (self.run_folder, reference))
-            self.assertEqual(mine, theirs, name)
 
     def test_the_same_scene_from_a_folder(self):
         self.run_camera("--no-eval", "--quiet")
@@ -208,32 +28,12 @@ class Frames(CameraTest):
         self.assertEqual(self.tracked(), FRAMES)
 
     def test_depth_that_is_not_registered(self):
-        values = [float(value) for value in (self.shared / "rig/rig.txt").read_text().split()]
-        x, y, z, w = np.array(values[3:])
-        R = np.array(
-            [
-                [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-                [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-                [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-            ]
-        )
-        scene = self.folder / "scene"
-        write_scene(scene, self.color, self.depth, (R.T.ravel(), values[:3]))
-        self.fake(scene=scene)
+        values = self.play_unregistered()
         greeting = self.sent("--frames=1")[0]
         np.testing.assert_allclose(greeting["color_from_depth"], values, atol=1e-6)
         self.rewind()
         self.run_camera("--no-eval", "--quiet")
-        # The same frames of a sender of version 1.
-        head = dict(camera=self.color.json(), depth_camera=self.depth.json(), depth="u16")
-        text = json.dumps({**head, "color_from_depth": greeting["color_from_depth"]}).encode()
-        stream = b"SGS1" + struct.pack("<I", len(text)) + text
-        for t, color, depth in zip(self.color.times, self.color.colors, self.depth.depths):
-            data = color.tobytes(), depth.astype("<u2").tobytes()
-            text = json.dumps(dict(t=t, color_bytes=len(data[0]), depth_bytes=len(data[1])))
-            stream += b"F" + struct.pack("<I", len(text)) + text.encode() + b"".join(data)
-        (self.folder / "stream").write_bytes(stream + b"E")
-        self.assert_same_run(f"live:{self.folder / 'stream'}")
+        self.assert_same_run(self.sent_by_version_1(greeting["color_from_depth"]))
 
     def test_what_is_sent(self):
         greeting, frames, samples, said = self.sent(f"--frames={FRAMES}")
@@ -326,9 +126,6 @@ class Frames(CameraTest):
         self.assertIn("2 Enable Auto Exposure 0\n2 Exposure 1\n", options)
         self.assertIn("exposure and white balance are locked", self.log())
 
-    def log(self):
-        return (self.run_folder / "log.txt").read_text()
-
     def test_what_a_camera_is_like(self):
         self.fake(imu="200,400", rate=32, clock="drift")
         command = (SGS, "camera-test", f"camera:realsense,frames={FRAMES}")
@@ -353,17 +150,14 @@ class Frames(CameraTest):
 class Trouble(CameraTest):
     """What goes wrong is one sentence with a remedy; what can be gone on with goes on."""
 
-    def library(self, path):
-        self.environment["SGS_REALSENSE_LIBRARY"] = str(path)
-
     def test_libraries_that_are_none(self):
         self.library("/nonexistent/librealsense2.so")
         self.refused("/nonexistent/librealsense2.so cannot be opened", "name the file")
         self.library(NO_SDK)
         self.refused("is no librealsense2")
-        self.library(MISSING)
+        self.library(self.fake_library("missing"))
         self.refused("lacks the function rs2_extract_frame", "version 2.56.0")
-        self.library(FAKE)
+        self.library(self.fake_library())
         for version, text in ((23000, "2.30.0"), (30100, "3.1.0")):
             self.fake(version=version)
             self.refused(f"has version {text}; needed is 2.31")
@@ -378,7 +172,7 @@ class Trouble(CameraTest):
     def test_a_library_in_the_loaders_path_the_newest_first(self):
         del self.environment["SGS_REALSENSE_LIBRARY"]
         for version in "2.9", "2.50", "2.50.1":
-            shutil.copy(FAKE, self.folder / f"librealsense2.so.{version}")
+            shutil.copy(self.fake_library(), self.folder / f"librealsense2.so.{version}")
         self.environment["LD_LIBRARY_PATH"] = str(self.folder)
         self.assertIn("librealsense2.so.2.50.1 ", self.done(SGS, "info", "--cameras").stdout)
 
@@ -409,7 +203,7 @@ class Trouble(CameraTest):
 
     def test_names_and_options_that_are_none(self):
         for source, text in (
-            ("camera:nonsense", "there is camera:realsense"),
+            ("camera:nonsense", "camera:realsense"),
             ("camera:realsense,nonsense", "'nonsense' is no KEY=VALUE"),
             ("camera:realsense,nonsense=1", "nonsense"),
             ("camera:realsense,size=big", "is no size"),
@@ -424,7 +218,8 @@ class Trouble(CameraTest):
     def test_what_is_there(self):
         text = self.done(SGS, "info", "--cameras").stdout
         self.assertIn("camera:realsense:0123  Fake RealSense D435", text)
-        family = json.loads(self.done(SGS, "info", "--cameras", "--json").stdout)[0]
+        listed = json.loads(self.done(SGS, "info", "--cameras", "--json").stdout)
+        family = next(one for one in listed if one["family"] == "realsense")
         self.assertEqual(family["devices"][0]["input"], "camera:realsense:0123")
         self.fake(devices="none")
         self.assertIn("no RealSense camera", self.done(SGS, "info", "--cameras").stdout)
@@ -469,15 +264,6 @@ class Trouble(CameraTest):
         self.assertEqual(process.returncode, 1, said)
         self.assertIn("no sender for 10 s", said)
         self.assertEqual(self.tracked(), 6)
-
-    def assert_no_program_is_left(self):
-        mine = f"FAKE_RS2_STATE={self.state}".encode()
-        for process in pathlib.Path("/proc").glob("[0-9]*"):
-            try:
-                left = mine in (process / "environ").read_bytes()
-            except OSError:
-                continue
-            self.assertFalse(left, process)
 
 
 class Programs(CameraTest):

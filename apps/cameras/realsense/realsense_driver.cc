@@ -10,7 +10,8 @@
 #include <optional>
 #include <utility>
 
-#include "common/usb_devices.h"
+#include "common/calibration.h"
+#include "common/camera_words.h"
 #include "rs2_calibration.h"
 #include "rs2_library.h"
 
@@ -26,9 +27,6 @@ template <class T>
 using Owned = std::unique_ptr<T, void (*)(T*)>;
 
 using LibraryPointer = std::shared_ptr<const Library>;
-
-constexpr const char* kPlugIn =
-    "plug it into a port of USB 3 (blue, or marked SS), with the cable that came with it";
 
 /// A sensor as what it is, too: something with options.
 const rs2_options* options_of(const rs2_sensor* sensor) {
@@ -166,16 +164,6 @@ class RealSense final : public capture::CameraDriver {
     return devices;
   }
 
-  /// Nothing is listed: because nothing is there, or because it may not be opened?
-  Status nothing_found() const {
-    constexpr const char* kVendor = "8086";
-    for (const UsbDevice& device : usb_devices(kVendor, "RealSense")) {
-      if (!device.may_be_opened)
-        return tl::unexpected(explained("permission denied: " + device.node));
-    }
-    return fail(ErrorCode::kNotFound, "no RealSense camera is plugged in", kPlugIn);
-  }
-
   Status list_into(stream::CameraFamily& family) {
     SGS_RETURN_IF_ERROR(open());
     family.library = fmt::format("{} {}", lib_->path, lib_->version_text());
@@ -185,39 +173,23 @@ class RealSense final : public capture::CameraDriver {
       family.devices.push_back(
           {info(kName), info(kSerial), info(kFirmware), "USB " + info(kUsbType)});
     }
-    return devices.empty() ? nothing_found() : Status{};
+    if (devices.empty()) return tl::unexpected<Error>(nothing_found(words()));
+    return {};
   }
 
   Status choose_device(const CameraMode& mode) {
     SGS_ASSIGN_OR_RETURN(auto devices, query());
-    if (devices.empty()) return nothing_found();
     std::vector<std::string> serials;
-    for (auto& device : devices) {
-      serials.push_back(info_of(*lib_, device.get(), kSerial));
-      if (!mode.serial.empty() && serials.back() != mode.serial) continue;
-      serial_ = serials.back();
-      device_ = std::move(device);
-      return {};
-    }
-    return fail(
-        ErrorCode::kNotFound,
-        fmt::format("no RealSense camera with the serial number {} is plugged in", mode.serial),
-        fmt::format("there is {}", fmt::join(serials, ", ")));
+    for (const auto& device : devices) serials.push_back(info_of(*lib_, device.get(), kSerial));
+    SGS_ASSIGN_OR_RETURN(const std::size_t index, index_of_camera(serials, mode.serial, words()));
+    serial_ = serials[index];
+    device_ = std::move(devices[index]);
+    return {};
   }
 
-  /// USB 2 is too slow for the usual mode, and old firmware is worth a word.
+  /// How it is connected; and old firmware is worth a word.
   Status check_connection(const CameraMode& mode) {
-    const std::string usb = info_of(*lib_, device_.get(), kUsbType);
-    if (usb.starts_with('2')) {
-      if (!mode.given) {
-        return fail(
-            ErrorCode::kUnsupported,
-            fmt::format("the camera is connected by USB {}, too slow for {}x{} at {} Hz", usb,
-                        mode.width, mode.height, mode.fps),
-            fmt::format("{}; or ask for less: camera:realsense,size=480x270,fps=15", kPlugIn));
-      }
-      notes_.push_back(fmt::format("the camera is connected by USB {}: few modes work", usb));
-    }
+    SGS_RETURN_IF_ERROR(check_usb(info_of(*lib_, device_.get(), kUsbType), mode, words(), notes_));
     const std::string firmware = info_of(*lib_, device_.get(), kFirmware);
     const std::string wanted = info_of(*lib_, device_.get(), kRecommendedFirmware);
     if (!wanted.empty() && firmware != wanted) {
@@ -259,7 +231,7 @@ class RealSense final : public capture::CameraDriver {
     if (!depth || *depth == 0) return {};
     SGS_ASSIGN_OR_RETURN(const float unit_m, lib_->call(lib_->rs2_get_depth_scale, sensor));
     if (!(unit_m > 0)) return fail(ErrorCode::kUnsupported, "the camera does not say its unit");
-    depth_scale_ = units_per_metre(unit_m);
+    depth_scale_ = units_per_metre(static_cast<double>(unit_m));
     if (const auto laser = options.get("Emitter Enabled")) laser_ = *laser != 0;
     return {};
   }
@@ -403,7 +375,8 @@ class RealSense final : public capture::CameraDriver {
       image.exposure_s = kMicroseconds * static_cast<double>(*exposure_us);
     }
     if (const auto gain = metadata(frame, kGain)) image.gain = static_cast<double>(*gain);
-    if (copy_rows(frame, static_cast<const char*>(*data), image)) sink_->take(std::move(image));
+    image.bytes = rows_of(frame, *data, image.kind);
+    if (!image.bytes.empty()) sink_->take(std::move(image));
   }
 
   void take_motion(int stream, double stamp_s, int domain, const float* xyz) {
@@ -434,19 +407,11 @@ class RealSense final : public capture::CameraDriver {
     return value ? std::optional(*value) : std::nullopt;
   }
 
-  bool copy_rows(const rs2_frame* frame, const char* data, CameraImage& image) const {
+  std::string rows_of(const rs2_frame* frame, const void* data, CameraImage::Kind kind) const {
     const int width = lib_->call(lib_->rs2_get_frame_width, frame).value_or(0);
     const int height = lib_->call(lib_->rs2_get_frame_height, frame).value_or(0);
     const int stride = lib_->call(lib_->rs2_get_frame_stride_in_bytes, frame).value_or(0);
-    const int pixel_bytes = image.kind == CameraImage::Kind::kColor ? 3 : 2;
-    const int row_bytes = width * pixel_bytes;
-    if (width <= 0 || height <= 0 || stride < row_bytes) return false;
-    image.bytes.reserve(static_cast<std::size_t>(row_bytes) * static_cast<std::size_t>(height));
-    for (int y = 0; y < height; ++y) {
-      image.bytes.append(data + static_cast<std::ptrdiff_t>(stride) * y,
-                         static_cast<std::size_t>(row_bytes));
-    }
-    return true;
+    return packed_rows(data, width, height, stride, kind == CameraImage::Kind::kColor ? 3 : 2);
   }
 
   LibraryPointer lib_;

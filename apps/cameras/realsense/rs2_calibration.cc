@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Core>
 #include <algorithm>
-#include <cmath>
 #include <iterator>
+
+#include "common/calibration.h"
 
 namespace sgs::cameras::rs2 {
 
@@ -43,24 +43,7 @@ Result<LensCamera> lens_of(const rs2_intrinsics& intrinsics, const char* which,
 }
 
 SE3 transform_of(const rs2_extrinsics& extrinsics) {
-  using ByColumns = Eigen::Matrix<float, 3, 3, Eigen::ColMajor>;
-  const Eigen::Matrix3d R = Eigen::Map<const ByColumns>(extrinsics.rotation).cast<double>();
-  const Eigen::Vector3d t =
-      Eigen::Map<const Eigen::Vector3f>(extrinsics.translation).cast<double>();
-  return SE3(R, t).normalized();
-}
-
-double units_per_metre(float unit_m) {
-  constexpr double kRounding = 1e-5;
-  const double units = 1 / static_cast<double>(unit_m);
-  const double whole = std::round(units);
-  return std::abs(units - whole) < kRounding * units ? whole : units;
-}
-
-void leave_out_equal_cameras(stream::Hello& hello) {
-  const SE3& T = hello.T_color_depth;
-  const bool same = hello.depth_camera == hello.color_camera && T.R.isIdentity(0) && T.t.isZero(0);
-  if (same) hello.depth_camera.reset();
+  return cameras::transform_of(extrinsics.rotation, extrinsics.translation, Order::kColumns, 1);
 }
 
 }  // namespace sgs::cameras::rs2

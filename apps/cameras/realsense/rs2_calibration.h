@@ -18,13 +18,6 @@ namespace sgs::cameras::rs2 {
 Result<LensCamera> lens_of(const rs2_intrinsics& intrinsics, const char* which,
                            std::vector<std::string>& notes);
 
-/// Rotations of the library are of single precision.
 SE3 transform_of(const rs2_extrinsics& extrinsics);
-
-/// Raw units per metre; the library says metres per unit in single precision.
-double units_per_metre(float unit_m);
-
-/// Leaves the depth camera out of a greeting where it is the colour camera.
-void leave_out_equal_cameras(stream::Hello& hello);
 
 }  // namespace sgs::cameras::rs2

@@ -4,9 +4,9 @@
 
 #include <memory>
 #include <string>
-#include <type_traits>
-#include <utility>
 
+#include "common/camera_words.h"
+#include "common/error_argument.h"
 #include "rs2_abi.h"
 #include "sgs/core/error.h"
 
@@ -29,16 +29,8 @@ struct Library {
   template <class Function, class... Arguments>
   auto call(Function function, Arguments... arguments) const
       -> Result<decltype(function(arguments..., static_cast<rs2_error**>(nullptr)))> {
-    rs2_error* error = nullptr;
-    if constexpr (std::is_void_v<decltype(function(arguments..., &error))>) {
-      function(arguments..., &error);
-      if (error != nullptr) return tl::unexpected(taken(error));
-      return {};
-    } else {
-      auto result = function(arguments..., &error);
-      if (error != nullptr) return tl::unexpected(taken(error));
-      return result;
-    }
+    return call_with_error<rs2_error>([this](rs2_error* error) { return taken(error); }, function,
+                                      arguments...);
   }
 
  private:
@@ -50,7 +42,7 @@ struct Library {
 /// file that is none, a function that is missing, a version before 2.31 or of another major number.
 Result<std::shared_ptr<const Library>> open_library();
 
-/// What people can do about a message of the library: a camera in use, one that may not be opened.
-Error explained(const std::string& message);
+/// How these cameras are spoken of.
+const CameraWords& words();
 
 }  // namespace sgs::cameras::rs2

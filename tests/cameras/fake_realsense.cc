@@ -1,54 +1,19 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// A librealsense2 that is none: it plays a scene from a file as a camera would deliver it, with
-// what goes wrong with cameras. Declared here once more, from the library's documentation, and not
-// from what the program under test declares.
-//
-// Environment:
-//   FAKE_RS2_SCENE     the file (camera_test.py writes it)
-//   FAKE_RS2_STATE     a folder: how far the scene was played, options that were set
-//   FAKE_RS2_VERSION   of the interface, 25600
-//   FAKE_RS2_DEVICES   serial numbers with commas, "0123"; "none"
-//   FAKE_RS2_FAIL      message of an error when the camera is started
-//   FAKE_RS2_USB, FAKE_RS2_FIRMWARE
-//   FAKE_RS2_RATE      frames a second, 0: as fast as they are taken
-//   FAKE_RS2_WARM      dark frames before the scene, 15
-//   FAKE_RS2_DEPTH_EVERY  depth with every so manieth colour image
-//   FAKE_RS2_CLOCK     wrap, jump, back or drift
-//   FAKE_RS2_SHIFT_US  from the middle of the exposure to the stamp
-//   FAKE_RS2_IMU       rates of accelerometer and gyroscope, "200,400"
-//   FAKE_RS2_UNPLUG, FAKE_RS2_CRASH, FAKE_RS2_STALL  after so many frames of the scene, once
-//   FAKE_RS2_AWAY_S    seconds until an unplugged camera is plugged in again, 2
+// A librealsense2 that is none: it plays a scene (scene_player.h). Declared here once more, from
+// the library's documentation, and not from what the program under test declares.
 #include <atomic>
-#include <chrono>
-#include <cmath>
-#include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <memory>
-#include <mutex>
-#include <sstream>
+#include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
-#ifndef FAKE_RS2_OTHER
+#include "scene_player.h"
+
 namespace {
-
-namespace fs = std::filesystem;
-
-std::string text_of(const char* name, const char* otherwise) {
-  const char* given = std::getenv(name);
-  return given == nullptr ? otherwise : given;
-}
-long number_of(const char* name, long otherwise) {
-  const char* given = std::getenv(name);
-  return given == nullptr ? otherwise : std::strtol(given, nullptr, 10);
-}
 
 enum { kDepth = 1, kColor = 2, kGyro = 5, kAccel = 6 };
 
@@ -114,118 +79,50 @@ const rs2_stream_profile* profile_of(int stream) {
   return nullptr;
 }
 
-struct Scene {
-  rs2_intrinsics color{}, depth{};
-  rs2_extrinsics color_from_depth{};
-  float unit_m = 0;
-  int frames = 0;
-  std::vector<double> times_ms;
-  std::vector<std::string> colors, depths;
-
-  Scene() {
-    std::ifstream file(text_of("FAKE_RS2_SCENE", ""), std::ios::binary);
-    const auto camera = [&](rs2_intrinsics& c) {
-      file >> c.width >> c.height >> c.fx >> c.fy >> c.ppx >> c.ppy >> c.model;
-      for (float& value : c.coeffs) file >> value;
-    };
-    camera(color);
-    camera(depth);
-    for (float& value : color_from_depth.rotation) file >> value;
-    for (float& value : color_from_depth.translation) file >> value;
-    file >> unit_m >> frames;
-    file.get();
-    for (int i = 0; i < frames; ++i) {
-      double time_ms = 0;
-      file.read(reinterpret_cast<char*>(&time_ms), sizeof time_ms);
-      times_ms.push_back(time_ms);
-      colors.emplace_back(static_cast<std::size_t>(color.width * color.height * 3), '\0');
-      file.read(colors.back().data(), static_cast<std::streamsize>(colors.back().size()));
-      depths.emplace_back(static_cast<std::size_t>(depth.width * depth.height * 2), '\0');
-      file.read(depths.back().data(), static_cast<std::streamsize>(depths.back().size()));
-    }
-  }
-};
-
-Scene& scene() {
-  static Scene loaded;
-  return loaded;
-}
-
-fs::path state(const char* name) {
-  return fs::path(text_of("FAKE_RS2_STATE", "/nonexistent")) / name;
-}
-
-long kept(const char* name) {
-  std::ifstream file(state(name));
-  long number = 0;
-  file >> number;
-  return number;
-}
-void keep(const char* name, long number) { std::ofstream(state(name)) << number; }
-
-double seconds() {
-  return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
-
-bool unplugged() {
-  const auto away_s = static_cast<double>(number_of("FAKE_RS2_AWAY_S", 2));
-  std::ifstream file(state("unplugged"));
-  double since = 0;
-  return (file >> since) && seconds() < since + away_s;
-}
-
 void set_error(rs2_error** error, const std::string& message) {
   if (error != nullptr) *error = new rs2_error{message};
 }
 
-double stamp_of(double time_ms, int frame) {
-  const std::string clock = text_of("FAKE_RS2_CLOCK", "");
-  const double first_ms = scene().times_ms.front(), half = scene().frames / 2;
-  constexpr double kWrap_ms = 4294967.296, kHour_ms = 3.6e6, kDrift = 200e-6;
-  if (clock == "wrap") {
-    const double base_ms = kWrap_ms - scene().times_ms[static_cast<std::size_t>(half)];
-    return std::fmod(time_ms + base_ms, kWrap_ms);
-  }
-  if (clock == "jump" && frame >= half) return time_ms + kHour_ms;
-  if (clock == "back" && frame >= half) return time_ms - first_ms / 2;
-  if (clock == "drift") return first_ms + (time_ms - first_ms) * (1 + kDrift);
-  return time_ms;
+rs2_intrinsics written(const fake::Camera& c) {
+  rs2_intrinsics out{c.width, c.height, c.cx, c.cy, c.fx, c.fy, c.model, {}};
+  std::memcpy(out.coeffs, c.coefficients, sizeof out.coeffs);
+  return out;
 }
 
 rs2_frame* image(int stream, double stamp_ms, const std::string& bytes) {
-  constexpr int kPadding = 16;  // rows of a real camera need not lie without gaps
-  const auto& camera = stream == kColor ? scene().color : scene().depth;
+  const auto& camera = stream == kColor ? fake::scene().color : fake::scene().depth;
   auto* frame = new rs2_frame;
   frame->profile = profile_of(stream);
   frame->stamp_ms = stamp_ms;
   frame->width = camera.width;
   frame->height = camera.height;
   const int row = camera.width * (stream == kColor ? 3 : 2);
-  frame->stride = row + kPadding;
-  for (int y = 0; y < camera.height; ++y) {
-    frame->bytes += bytes.substr(static_cast<std::size_t>(y * row), static_cast<std::size_t>(row));
-    frame->bytes.append(kPadding, '\x7f');
-  }
-  return frame;
-}
-
-rs2_frame* motion(int stream, double stamp_ms) {
-  auto* frame = new rs2_frame;
-  frame->profile = profile_of(stream);
-  frame->stamp_ms = stamp_ms;
-  const float felt[] = {0, -9.81f, 0}, turned[] = {0.01f, 0.02f, 0.03f};
-  frame->bytes.assign(reinterpret_cast<const char*>(stream == kAccel ? felt : turned), sizeof felt);
+  frame->stride = row + fake::kPadding_bytes;
+  frame->bytes = fake::with_gaps(bytes, row);
   return frame;
 }
 
 }  // namespace
 
-struct rs2_pipeline {
+struct rs2_pipeline final : fake::Listener {
   callback on_frame = nullptr;
   void* user = nullptr;
   bool imu = false;
-  std::atomic<bool> stopped{false};
-  std::thread player;
+  std::optional<fake::Player> player;
+
+  void images(double stamp_ms, const std::string& color, const std::string* depth) override {
+    auto* set = new rs2_frame;
+    set->parts.push_back(image(kColor, stamp_ms, color));
+    if (depth != nullptr) set->parts.push_back(image(kDepth, stamp_ms, *depth));
+    on_frame(set, user);
+  }
+  void motion(bool gyro, double stamp_ms, const float* xyz) override {
+    auto* frame = new rs2_frame;
+    frame->profile = profile_of(gyro ? kGyro : kAccel);
+    frame->stamp_ms = stamp_ms;
+    frame->bytes.assign(reinterpret_cast<const char*>(xyz), 3 * sizeof *xyz);
+    on_frame(frame, user);
+  }
 };
 struct rs2_pipeline_profile {
   bool imu;
@@ -236,74 +133,6 @@ struct rs2_stream_profile_list {
 
 namespace {
 
-void send(rs2_pipeline& pipe, rs2_frame* frame) { pipe.on_frame(frame, pipe.user); }
-
-void send_set(rs2_pipeline& pipe, double stamp_ms, const std::string& color,
-              const std::string* depth) {
-  auto* set = new rs2_frame;
-  set->parts.push_back(image(kColor, stamp_ms, color));
-  if (depth != nullptr) set->parts.push_back(image(kDepth, stamp_ms, *depth));
-  send(pipe, set);
-}
-
-/// Samples between two times.
-void send_motion(rs2_pipeline& pipe, double from_ms, double to_ms) {
-  double accel_hz = 0, gyro_hz = 0;
-  char comma = 0;
-  std::istringstream(text_of("FAKE_RS2_IMU", "0,0")) >> accel_hz >> comma >> gyro_hz;
-  for (const auto& [stream, hz] : {std::pair(kAccel, accel_hz), std::pair(kGyro, gyro_hz)}) {
-    if (hz <= 0) continue;
-    const double period_ms = 1000 / hz;
-    for (double t = std::ceil(from_ms / period_ms) * period_ms; t < to_ms; t += period_ms) {
-      send(pipe, motion(stream, t));
-    }
-  }
-}
-
-/// What happens once, after so many frames.
-bool happens(const char* name, const char* done, int frame) {
-  if (number_of(name, -1) != frame || kept(done) != 0) return false;
-  keep(done, 1);
-  return true;
-}
-
-void wait_for_next() {
-  if (const long rate = number_of("FAKE_RS2_RATE", 0); rate > 0) {
-    std::this_thread::sleep_for(std::chrono::duration<double>(1.0 / static_cast<double>(rate)));
-  }
-}
-
-void play(rs2_pipeline& pipe) {
-  const Scene& s = scene();
-  const auto first = static_cast<int>(kept("next"));
-  const double period_ms = s.frames > 1 ? s.times_ms[1] - s.times_ms[0] : 33;
-  if (first >= s.frames) return;
-  const long every = number_of("FAKE_RS2_DEPTH_EVERY", 1);
-  const std::string dark(s.colors[0].size(), '\x05'), nothing(s.depths[0].size(), '\0');
-  const long warm = number_of("FAKE_RS2_WARM", 15);
-  for (long i = warm; i > 0 && !pipe.stopped; --i) {
-    const double time_ms = s.times_ms[static_cast<std::size_t>(first)];
-    send_set(pipe, stamp_of(time_ms - period_ms * static_cast<double>(i), first), dark, &nothing);
-    wait_for_next();
-  }
-  for (int i = first; i < s.frames && !pipe.stopped; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    keep("next", i);
-    if (happens("FAKE_RS2_CRASH", "crashed", i)) std::raise(SIGSEGV);
-    if (happens("FAKE_RS2_STALL", "stalled", i)) return;
-    if (happens("FAKE_RS2_UNPLUG", "pulled", i)) {
-      std::ofstream(state("unplugged")) << std::fixed << seconds();
-      return;
-    }
-    const double before_ms = i > 0 ? s.times_ms[at - 1] : s.times_ms[at] - period_ms;
-    if (pipe.imu) send_motion(pipe, stamp_of(before_ms, i - 1), stamp_of(s.times_ms[at], i));
-    send_set(pipe, stamp_of(s.times_ms[at], i), s.colors[at],
-             i % every == 0 ? &s.depths[at] : nullptr);
-    wait_for_next();
-  }
-  if (!pipe.stopped) keep("next", s.frames);
-}
-
 /// Options have numbers here that no version has.
 constexpr int kFirstOption = 1000;
 const char* const kOptions[] = {"Enable Auto Exposure",      "Exposure",
@@ -311,15 +140,11 @@ const char* const kOptions[] = {"Enable Auto Exposure",      "Exposure",
                                 "Emitter Enabled",           "Global Time Enabled",
                                 "Auto Exposure Priority"};
 
-bool with_imu() { return std::getenv("FAKE_RS2_IMU") != nullptr; }
-
 }  // namespace
 
 extern "C" {
 
-int rs2_get_api_version(rs2_error**) {
-  return static_cast<int>(number_of("FAKE_RS2_VERSION", 25600));
-}
+int rs2_get_api_version(rs2_error**) { return static_cast<int>(fake::number_of("VERSION", 25600)); }
 const char* rs2_get_error_message(const rs2_error* error) { return error->message.c_str(); }
 void rs2_free_error(rs2_error* error) { delete error; }
 
@@ -336,12 +161,7 @@ rs2_context* rs2_create_context(int version, rs2_error** error) {
 void rs2_delete_context(rs2_context* context) { delete context; }
 
 rs2_device_list* rs2_query_devices(const rs2_context*, rs2_error**) {
-  auto list = std::make_unique<rs2_device_list>();
-  std::istringstream serials(text_of("FAKE_RS2_DEVICES", "0123"));
-  for (std::string serial; std::getline(serials, serial, ',');) {
-    if (serial != "none" && !unplugged()) list->serials.push_back(serial);
-  }
-  return list.release();
+  return new rs2_device_list{fake::serials()};
 }
 void rs2_delete_device_list(rs2_device_list* list) { delete list; }
 int rs2_get_device_count(const rs2_device_list* list, rs2_error**) {
@@ -355,8 +175,8 @@ int rs2_supports_device_info(const rs2_device*, int info, rs2_error**) {
   return info <= 3 || info == 9;
 }
 const char* rs2_get_device_info(const rs2_device* device, int info, rs2_error** error) {
-  static const std::string usb = text_of("FAKE_RS2_USB", "3.2");
-  static const std::string firmware = text_of("FAKE_RS2_FIRMWARE", "5.16.0.1");
+  static const std::string usb = fake::text_of("USB", "3.2");
+  static const std::string firmware = fake::text_of("FIRMWARE", "5.16.0.1");
   if (info == 0) return "Fake RealSense D435";
   if (info == 1) return device->serial.c_str();
   if (info == 2) return firmware.c_str();
@@ -368,7 +188,7 @@ const char* rs2_get_device_info(const rs2_device* device, int info, rs2_error** 
 
 rs2_sensor_list* rs2_query_sensors(const rs2_device*, rs2_error**) {
   auto* list = new rs2_sensor_list{{kDepth, kColor}};
-  if (with_imu()) list->kinds.push_back(kAccel);
+  if (fake::with_imu()) list->kinds.push_back(kAccel);
   return list;
 }
 void rs2_delete_sensor_list(rs2_sensor_list* list) { delete list; }
@@ -387,7 +207,7 @@ const char* rs2_get_sensor_info(const rs2_sensor* sensor, int, rs2_error**) {
 int rs2_is_sensor_extendable_to(const rs2_sensor* sensor, int extension, rs2_error**) {
   return extension == 7 && sensor->kind == kDepth;
 }
-float rs2_get_depth_scale(rs2_sensor*, rs2_error**) { return scene().unit_m; }
+float rs2_get_depth_scale(rs2_sensor*, rs2_error**) { return fake::scene().unit_m; }
 
 struct rs2_options;
 rs2_options_list* rs2_get_options_list(const rs2_options*, rs2_error**) {
@@ -412,8 +232,8 @@ const char* rs2_get_option_name(const rs2_options*, int option, rs2_error** erro
 float rs2_get_option(const rs2_options*, int, rs2_error**) { return 1; }
 void rs2_set_option(const rs2_options* options, int option, float value, rs2_error**) {
   const auto* sensor = reinterpret_cast<const rs2_sensor*>(options);
-  std::ofstream(state("options"), std::ios::app)
-      << sensor->kind << ' ' << kOptions[option - kFirstOption] << ' ' << value << '\n';
+  fake::keep_option(std::to_string(sensor->kind) + ' ' + kOptions[option - kFirstOption] + ' ' +
+                    std::to_string(static_cast<int>(value)));
 }
 
 rs2_config* rs2_create_config(rs2_error**) { return new rs2_config; }
@@ -426,10 +246,7 @@ void rs2_config_enable_stream(rs2_config* config, int stream, int, int, int, int
   config->streams.push_back(stream);
 }
 rs2_pipeline* rs2_create_pipeline(rs2_context*, rs2_error**) { return new rs2_pipeline; }
-void rs2_pipeline_stop(rs2_pipeline* pipe, rs2_error**) {
-  pipe->stopped = true;
-  if (pipe->player.joinable()) pipe->player.join();
-}
+void rs2_pipeline_stop(rs2_pipeline* pipe, rs2_error**) { pipe->player.reset(); }
 void rs2_delete_pipeline(rs2_pipeline* pipe) {
   rs2_pipeline_stop(pipe, nullptr);
   delete pipe;
@@ -438,7 +255,7 @@ rs2_pipeline_profile* rs2_pipeline_start_with_config_and_callback(rs2_pipeline* 
                                                                   rs2_config* config,
                                                                   callback on_frame, void* user,
                                                                   rs2_error** error) {
-  const std::string failure = text_of("FAKE_RS2_FAIL", "");
+  const std::string failure = fake::failure();
   if (!failure.empty()) {
     set_error(error, failure);
     return nullptr;
@@ -446,7 +263,7 @@ rs2_pipeline_profile* rs2_pipeline_start_with_config_and_callback(rs2_pipeline* 
   for (const int stream : config->streams) pipe->imu |= stream == kAccel;
   pipe->on_frame = on_frame;
   pipe->user = user;
-  pipe->player = std::thread([pipe] { play(*pipe); });
+  pipe->player.emplace(*pipe, pipe->imu);
   return new rs2_pipeline_profile{pipe->imu};
 }
 void rs2_delete_pipeline_profile(rs2_pipeline_profile* profile) { delete profile; }
@@ -478,12 +295,14 @@ void rs2_get_stream_profile_data(const rs2_stream_profile* profile, int* stream,
 }
 void rs2_get_video_stream_intrinsics(const rs2_stream_profile* profile, rs2_intrinsics* out,
                                      rs2_error**) {
-  *out = profile->stream == kColor ? scene().color : scene().depth;
+  *out = written(profile->stream == kColor ? fake::scene().color : fake::scene().depth);
 }
 void rs2_get_extrinsics(const rs2_stream_profile* from, const rs2_stream_profile*,
                         rs2_extrinsics* out, rs2_error**) {
   *out = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-  if (from->stream == kDepth) *out = scene().color_from_depth;
+  if (from->stream != kDepth) return;
+  std::memcpy(out->rotation, fake::scene().rotation, sizeof out->rotation);
+  std::memcpy(out->translation, fake::scene().translation_m, sizeof out->translation);
 }
 
 int rs2_is_frame_extendable_to(const rs2_frame* frame, int extension, rs2_error**) {
@@ -492,7 +311,7 @@ int rs2_is_frame_extendable_to(const rs2_frame* frame, int extension, rs2_error*
 int rs2_embedded_frames_count(rs2_frame* frame, rs2_error**) {
   return static_cast<int>(frame->parts.size());
 }
-#ifndef FAKE_RS2_MISSING
+#ifndef FAKE_MISSING
 rs2_frame* rs2_extract_frame(rs2_frame* frame, int index, rs2_error**) {
   auto* part = frame->parts.at(static_cast<std::size_t>(index));
   ++part->references;
@@ -515,15 +334,13 @@ double rs2_get_frame_timestamp(const rs2_frame* frame, rs2_error**) { return fra
 int rs2_get_frame_timestamp_domain(const rs2_frame*, rs2_error**) { return 0; }
 int rs2_supports_frame_metadata(const rs2_frame*, int value, rs2_error**) { return value <= 4; }
 long long rs2_get_frame_metadata(const rs2_frame* frame, int value, rs2_error** error) {
-  constexpr long long kExposure_us = 8000, kGain = 16;
   const auto stamp_us = static_cast<long long>(frame->stamp_ms * 1000);
   if (value == 1) return stamp_us;
-  if (value == 2) return stamp_us - number_of("FAKE_RS2_SHIFT_US", 0);
-  if (value == 3) return kExposure_us;
-  if (value == 4) return kGain;
+  if (value == 2) return stamp_us - fake::number_of("SHIFT_US", 0);
+  if (value == 3) return fake::kExposure_us;
+  if (value == 4) return fake::kGain;
   set_error(error, "no such metadata");
   return 0;
 }
 
 }  // extern "C"
-#endif
