@@ -62,12 +62,10 @@ TEST(KeyframeArchive, WhatLiesBesideAGapTellsNoVelocity) {
   EXPECT_THAT(frames_of(late), testing::IsEmpty());
 }
 
-TEST(KeyframeArchive, KeepsNoMoreThanItIsTold) {
-  ArchiveConfig config;
-  config.most = 8;
-  KeyframeArchive archive(config);
-  walk(archive, 0, 30, 0.3);
-  EXPECT_EQ(archive.keyframes().size(), 8u);
+TEST(KeyframeArchive, KeepsTheFirstOnes) {
+  KeyframeArchive archive({});
+  walk(archive, 0, 230, 0.3);
+  EXPECT_EQ(archive.keyframes().size(), 200u);
   EXPECT_EQ(frames_of(archive).front(), 1);
 }
 

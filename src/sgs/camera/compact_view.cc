@@ -34,12 +34,13 @@ CompactView::CompactView(const RgbdFrame& frame, int level)
     gray_.data()[i] =
         static_cast<std::uint8_t>(std::lround(all_seen_ ? value : std::max(1.0f, value)));
   }
-  DepthImage depth(camera_.width, camera_.height);
-  for (int v = 0; v < depth.height(); ++v) {
+  for (int v = 0; v < depth_.height(); ++v) {
     const float* row = frame.depth.row(v << level);
-    for (int u = 0; u < depth.width(); ++u) depth(u, v) = row[u << level];
+    for (int u = 0; u < depth_.width(); ++u) {
+      const float units = std::round(row[u << level] * kUnitsPerMetre);
+      depth_(u, v) = units < 65535 ? static_cast<std::uint16_t>(units) : std::uint16_t{0};
+    }
   }
-  set_depth(depth);
 }
 
 CompactView::CompactView(Parts parts)
@@ -60,35 +61,17 @@ CompactView::Parts CompactView::parts() const {
   return {camera_, index_, timestamp_s_, all_seen_, gray_, depth_};
 }
 
-void CompactView::set_depth(const DepthImage& depth) {
-  for (std::size_t i = 0; i < depth_.size(); ++i) {
-    const float units = std::round(depth.data()[i] * kUnitsPerMetre);
-    depth_.data()[i] = units < 65535 ? static_cast<std::uint16_t>(units) : std::uint16_t{0};
-  }
-}
-
-DepthImage CompactView::depth() const {
-  DepthImage out(depth_.width(), depth_.height());
-  for (std::size_t i = 0; i < depth_.size(); ++i) {
-    out.data()[i] = static_cast<float>(depth_.data()[i]) / kUnitsPerMetre;
-  }
-  return out;
-}
-
-void CompactView::change_depth(const DepthChange& change) {
-  set_depth(change.halved(level_).apply(depth()));
-}
-
 RgbdFrame CompactView::frame() const {
   RgbdFrame out;
   out.index = index_;
   out.timestamp_s = timestamp_s_;
   out.camera = camera_;
   out.color = ColorImage(gray_.width(), gray_.height());
-  out.depth = depth();
+  out.depth = DepthImage(depth_.width(), depth_.height());
   for (std::size_t i = 0; i < gray_.size(); ++i) {
     const std::uint8_t g = gray_.data()[i];
     out.color.data()[i] = {g, g, g};
+    out.depth.data()[i] = static_cast<float>(depth_.data()[i]) / kUnitsPerMetre;
   }
   if (all_seen_) return out;
   auto seen = std::make_shared<PixelMask>(gray_.width(), gray_.height());

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 
-#include "sgs/camera/depth_change.h"
 #include "sgs/camera/rgbd_frame.h"
 
 namespace sgs {
@@ -33,17 +32,10 @@ class CompactView {
 
   const PinholeCamera& camera() const { return camera_; }
   bool empty() const { return gray_.size() == 0; }
-  /// What it takes in memory.
-  std::size_t bytes() const { return gray_.size() * 3; }
-  /// Depth is known better now.
-  void change_depth(const DepthChange& change);
   /// The frame again, without its colours.
   RgbdFrame frame() const;
 
  private:
-  void set_depth(const DepthImage& depth);
-  DepthImage depth() const;
-
   int level_ = 0;
   bool all_seen_ = true;  // else a grey value of 0 stands for what was not seen
   PinholeCamera camera_;

@@ -165,6 +165,31 @@ TEST(GrayPyramid, MaskOfAllChangesNothing) {
 }
 
 // A view that is kept in bytes knows as well what was not seen; black that was seen stays seen.
+TEST(CompactView, KeepsWhatAlignmentsNeed) {
+  RgbdFrame frame;
+  frame.camera = camera_of(64, 48);
+  frame.timestamp_s = 1.25;
+  frame.index = 7;
+  frame.color = ColorImage(64, 48);
+  frame.depth = DepthImage(64, 48);
+  for (int y = 0; y < 48; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      const auto g = static_cast<std::uint8_t>(4 * x);
+      frame.color(x, y) = {g, g, g};
+      frame.depth(x, y) = y == 0 ? 0.0f : 0.25f * static_cast<float>(y);
+    }
+  }
+  frame.depth(3, 47) = 1e9f;
+  const RgbdFrame back = CompactView(frame).frame();
+  EXPECT_EQ(back.index, 7);
+  EXPECT_EQ(back.timestamp_s, 1.25);
+  EXPECT_EQ(back.camera, camera_of(64, 48));
+  EXPECT_EQ(back.depth(5, 0), 0);
+  EXPECT_NEAR(back.depth(5, 9), 2.25f, 1e-4f);
+  EXPECT_EQ(back.depth(3, 47), 0) << "what does not fit counts as not measured";
+  for (int x = 0; x < 64; ++x) EXPECT_NEAR(back.color(x, 5).g, frame.color(x, 5).g, 1);
+}
+
 TEST(CompactView, KeepsWhatWasNotSeen) {
   RgbdFrame frame;
   frame.camera = camera_of(64, 48);

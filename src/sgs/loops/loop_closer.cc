@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "sgs/loops/drift.h"
 #include "sgs/registration/view_distance.h"
@@ -14,6 +15,7 @@ namespace {
 
 constexpr double kFarthestDepth_m = 10;
 constexpr std::size_t kMostPending = 64;
+constexpr std::size_t kMostViews = 434;  // of places: what there is to solve grows with them
 
 /// By how many image widths a view may be elsewhere than expected, one standard deviation.
 double view_sigma(const Matrix6d& covariance, const PinholeCamera& camera, double depth_m) {
@@ -35,8 +37,12 @@ bool agree(const Skeleton& skeleton, const graph::Edge& k, const graph::Edge& l)
 }  // namespace
 
 LoopCloser::LoopCloser(const LoopConfig& config, const tracker::TrackerConfig& tracker,
-                       std::uint64_t seed)
-    : config_(config), verifier_(config, tracker), way_check_(config), ferns_(seed) {}
+                       std::uint64_t seed, std::shared_ptr<history::ViewStore> views)
+    : config_(config),
+      verifier_(config, tracker),
+      way_check_(config),
+      ferns_(seed),
+      views_(std::move(views)) {}
 
 // Loops that were measured with another depth are not believed.
 void LoopCloser::take_over(const history::Revision& revision) {
@@ -88,14 +94,14 @@ void LoopCloser::add_node(const RgbdFrame& frame, const tracker::TrackResult& re
   node.mean_depth_m = registration::mean_depth(frame.depth, kFarthestDepth_m);
   if (node.mean_depth_m <= 0) return;
   node.motion = result.motion;
-  node.view = CompactView(frame);
+  node.view = views_->keep(frame, skeleton_.revision().calibration);
   node.ferns = ferns_.code(frame);
   const Matrix6d covariance =
       motion_covariance(*result.information, node.mean_depth_m, path_m_, gap_s_, config_.drift);
   skeleton_.add(std::move(node), covariance);
   mend_way();
   skeleton_.note_left(camera_, config_.left_distance);
-  skeleton_.bound_views(camera_, static_cast<std::size_t>(config_.memory_mb) * 1'000'000);
+  skeleton_.bound_views(camera_, kMostViews);
   skeleton_.join_ways(pending_);
   path_m_ = gap_s_ = 0;
 }
@@ -141,7 +147,7 @@ std::vector<int> LoopCloser::candidates(const std::vector<graph::UncertainPose>&
   std::vector<std::pair<double, int>> alike;
   for (int k = 0; k < newest; ++k) {
     const Node& m = skeleton_.node(k);
-    if (!m.left || m.view.empty() || n.timestamp_s - m.timestamp_s < config_.min_gap_s) continue;
+    if (!m.left || !m.view || n.timestamp_s - m.timestamp_s < config_.min_gap_s) continue;
     const graph::UncertainPose& p = predicted[static_cast<std::size_t>(k)];
     const double distance = registration::view_distance(camera_, m.mean_depth_m, p.T);
     const double reach = config_.reach_sigmas * view_sigma(p.covariance, camera_, m.mean_depth_m);

@@ -10,6 +10,7 @@
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/features/ferns.h"
 #include "sgs/history/revision.h"
+#include "sgs/history/view_store.h"
 #include "sgs/loops/loop_config.h"
 #include "sgs/loops/loop_verifier.h"
 #include "sgs/loops/skeleton.h"
@@ -36,7 +37,9 @@ struct LoopCounts {
 /// it suits; until one comes there is no other.
 class LoopCloser {
  public:
-  LoopCloser(const LoopConfig& config, const tracker::TrackerConfig& tracker, std::uint64_t seed);
+  /// `views`: where frames are remembered.
+  LoopCloser(const LoopConfig& config, const tracker::TrackerConfig& tracker, std::uint64_t seed,
+             std::shared_ptr<history::ViewStore> views);
 
   /// Takes in the next tracked frame, which is in the path of `revision`, as all before it are.
   /// Frames without TrackResult::information are passed over.
@@ -63,6 +66,7 @@ class LoopCloser {
   LoopVerifier verifier_;
   WayCheck way_check_;
   features::Ferns ferns_;
+  std::shared_ptr<history::ViewStore> views_;
   PinholeCamera camera_;
   Skeleton skeleton_;
   std::vector<graph::Edge> pending_;        // verified, without enough support so far

@@ -13,9 +13,21 @@ namespace {
 std::vector<const loops::Node*> nodes_with_views(const loops::Skeleton* skeleton) {
   std::vector<const loops::Node*> nodes;
   for (int i = 0; skeleton != nullptr && i < skeleton->size(); ++i) {
-    if (!skeleton->node(i).view.empty()) nodes.push_back(&skeleton->node(i));
+    if (skeleton->node(i).view) nodes.push_back(&skeleton->node(i));
   }
   return nodes;
+}
+
+/// What can be known of a view that is gone is where it was.
+CompactView seen_from(const loops::Node& node, const history::CalibrationPtr& calibration) {
+  if (const auto frame = node.view->frame(calibration)) return CompactView(*frame);
+  RgbdFrame nothing;
+  nothing.index = node.frame;
+  nothing.timestamp_s = node.timestamp_s;
+  nothing.camera = node.view->camera();
+  nothing.color = ColorImage(nothing.camera.width, nothing.camera.height);
+  nothing.depth = DepthImage(nothing.camera.width, nothing.camera.height);
+  return CompactView(nothing);
 }
 
 }  // namespace
@@ -46,12 +58,11 @@ tracker::KnownView known_view(const Session& session, const Trajectory& path, st
   view.T_world_camera =
       path.at(node.timestamp_s, 0.0).value_or(session.revision().path.at(node.frame));
   view.motion = node.motion;
-  view.view = node.view;
+  view.view = seen_from(node, session.revision().calibration);
   view.ferns = node.ferns;
   view.fern_seed = session.config().seed;
   if (const auto change = history::depth_change(session.skeleton()->revision().calibration,
                                                 session.revision().calibration)) {
-    view.view.change_depth(*change);
     view.motion.recalibrate(change->delay_s());
   }
   return view;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "sgs/camera/compact_view.h"
 #include "sgs/features/visual_map.h"
 
 namespace sgs::tracker {
@@ -11,20 +12,23 @@ namespace {
 
 constexpr int kEnoughWidth_px = 320;
 constexpr std::size_t kCompared = 6;
+constexpr std::size_t kRemembered = 400;  // keyframes: an hour's places, and few to compare
 
-/// How often an image is halved before it is kept.
-int kept_level(const PinholeCamera& camera) {
+/// In grey, halved as often as it stays wide enough.
+RgbdFrame reduced(const RgbdFrame& frame) {
   int level = 0;
-  while (camera.halved(level + 1).width >= kEnoughWidth_px) ++level;
-  return level;
+  while (frame.camera.halved(level + 1).width >= kEnoughWidth_px) ++level;
+  return CompactView(frame, level).frame();
 }
 
 }  // namespace
 
+Relocaliser::Relocaliser(const RelocaliserConfig& config)
+    : config_(config), views_(std::make_shared<history::ViewStore>(history::HistoryConfig{})) {}
+
 void Relocaliser::add_keyframe(const RgbdFrame& frame, const history::CalibrationPtr& calibration) {
-  if (static_cast<int>(keyframes_.size()) >= config_.memory.keyframes) keyframes_.pop_front();
-  keyframes_.push_back(
-      {frame.index, CompactView(frame, kept_level(frame.camera)), calibration, ferns_.code(frame)});
+  if (keyframes_.size() >= kRemembered) keyframes_.pop_front();
+  keyframes_.push_back({views_->keep(frame, calibration), ferns_.code(frame), {}, {}});
 }
 
 void Relocaliser::know(const KnownView& view, const RgbdFrame& frame,
@@ -35,8 +39,7 @@ void Relocaliser::know(const KnownView& view, const RgbdFrame& frame,
     known_.push_back({view.fern_seed, features::Ferns(view.fern_seed), {}});
     known = known_.end() - 1;
   }
-  known->keyframes.push_back(
-      {frame.index, CompactView(frame, kept_level(frame.camera)), calibration, view.ferns});
+  known->keyframes.push_back({views_->keep(frame, calibration), view.ferns, {}, {}});
 }
 
 // The newest one, too: a camera that was lost for a moment is mostly still there.
@@ -61,28 +64,37 @@ std::vector<Relocaliser::Keyframe*> Relocaliser::most_alike(const RgbdFrame& fra
   return out;
 }
 
-std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame, const LocalPast& past) {
-  last_look_ = {};
+// False where the view is gone.
+bool Relocaliser::extract(Keyframe& keyframe, const history::CalibrationPtr& calibration) const {
+  if (keyframe.features && keyframe.calibration == calibration) return true;
+  const auto frame = keyframe.view->frame(calibration);
+  if (!frame) return false;
+  features::OrbExtractor extractor(orb());
+  keyframe.features = extractor.extract(reduced(*frame));
+  keyframe.calibration = calibration;
+  return true;
+}
+
+features::OrbConfig Relocaliser::orb() const {
   features::OrbConfig orb = config_.orb;
   orb.features = std::min(orb.features, config_.memory.features);
-  features::OrbExtractor extractor(orb);
-  const CompactView view(frame, kept_level(frame.camera));
-  const features::OrbFrame current = extractor.extract(view.frame());
+  return orb;
+}
+
+std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame, const LocalPast& past) {
+  last_look_ = {};
+  features::OrbExtractor extractor(orb());
+  const features::OrbFrame current = extractor.extract(reduced(frame));
   if (static_cast<int>(current.keypoints.size()) < config_.pose.min_matches) return std::nullopt;
   features::VisualMap map(config_.pose);
-  const std::vector<Keyframe*> compared = most_alike(frame);
-  for (Keyframe* keyframe : compared) {
-    const history::CalibrationPtr& now = past.revision().calibration;
-    if (const auto change = history::depth_change(keyframe->calibration, now)) {
-      keyframe->view.change_depth(*change);
-      keyframe->calibration = now;
-    }
-    map.insert(extractor.extract(keyframe->view.frame()), past.at(keyframe->frame));
-  }
+  std::vector<Keyframe*> compared = most_alike(frame);
+  std::erase_if(compared,
+                [&](Keyframe* k) { return !extract(*k, past.revision().calibration); });
+  for (const Keyframe* k : compared) map.insert(*k->features, past.at(k->view->index()));
   const features::VisualPose found = map.relocalise(current);
   if (!compared.empty()) {
     const auto best = static_cast<std::size_t>(std::max(found.keyframe, 0));
-    last_look_ = {found.matches, found.inliers, compared[best]->frame};
+    last_look_ = {found.matches, found.inliers, compared[best]->view->index()};
   }
   if (found.verdict != features::Verdict::kOk) return std::nullopt;
   return found.T_world_camera;

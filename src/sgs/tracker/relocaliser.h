@@ -9,8 +9,9 @@
 #include <optional>
 #include <vector>
 
-#include "sgs/camera/compact_view.h"
 #include "sgs/features/ferns.h"
+#include "sgs/features/orb.h"
+#include "sgs/history/view_store.h"
 #include "sgs/tracker/known_view.h"
 #include "sgs/tracker/local_past.h"
 #include "sgs/tracker/tracker_config.h"
@@ -18,19 +19,21 @@
 namespace sgs::tracker {
 
 /// Finds the camera again after it was lost: among all visual keyframes those that look most alike
-/// (features::Ferns), and of these ORB features matched without a prediction. Keyframes are kept at
-/// about 320 pixels of width; features are extracted only when they are needed, so that a run that
-/// is never lost never pays for them.
+/// (features::Ferns), and of these ORB features matched without a prediction. Features are extracted
+/// at about 320 pixels of width, only when they are needed, so that a run that is never lost never
+/// pays for them; and only then views are read from the disk.
 class Relocaliser {
  public:
-  explicit Relocaliser(const RelocaliserConfig& config) : config_(config) {}
+  explicit Relocaliser(const RelocaliserConfig& config);
+
+  /// Where frames are remembered from now on; before that in a store of its own.
+  void remember_in(std::shared_ptr<history::ViewStore> views) { views_ = std::move(views); }
 
   /// Remembers a view of a finished map for good; `frame` is what a camera like that of the frames
-  /// to come saw there, under the view's index in the path.
+  /// to come saw there, under the view's index in the path, its depth corrected by `calibration`.
   void know(const KnownView& view, const RgbdFrame& frame,
             const history::CalibrationPtr& calibration);
-  /// Remembers a keyframe (what is needed of it is copied), its depth corrected by `calibration`;
-  /// the oldest makes room.
+  /// Remembers a keyframe, its depth corrected by `calibration`; the oldest makes room.
   void add_keyframe(const RgbdFrame& frame, const history::CalibrationPtr& calibration);
   /// Pose of a frame among the remembered keyframes, camera to local; empty when none fits. `past`
   /// tells where those are.
@@ -45,10 +48,10 @@ class Relocaliser {
 
  private:
   struct Keyframe {
-    std::int64_t frame;  // its index
-    CompactView view;
-    history::CalibrationPtr calibration;  // of its depth
+    history::StoredViewPtr view;
     features::FernCode ferns;
+    std::optional<features::OrbFrame> features;  // once they were needed
+    history::CalibrationPtr calibration;         // of their depth
   };
   /// Views of a map whose codes answer the same questions.
   struct KnownViews {
@@ -57,8 +60,11 @@ class Relocaliser {
     std::vector<Keyframe> keyframes;
   };
   std::vector<Keyframe*> most_alike(const RgbdFrame& frame);
+  features::OrbConfig orb() const;
+  bool extract(Keyframe& keyframe, const history::CalibrationPtr& calibration) const;
 
   RelocaliserConfig config_;
+  std::shared_ptr<history::ViewStore> views_;
   features::Ferns ferns_{0};
   std::deque<Keyframe> keyframes_;
   std::vector<KnownViews> known_;

@@ -196,6 +196,25 @@ TEST(SpectralTracker, SurfacesAreNotBelievedAgainstThePicture) {
   EXPECT_LT(distance_m(back.T_odom_camera, wall_pose(9)), 0.01);
 }
 
+// What it tracks by are points and pixels of its own: the pictures lie on a disk that may be slow.
+TEST(SpectralTracker, ReadsTheDiskOnlyOnceItIsLost) {
+  const auto views = std::make_shared<history::ViewStore>(
+      1, history::ViewStore::Options{.least_in_memory = 1});
+  auto made = make_tracker({}, kWallCamera, wall_pose(0));
+  ASSERT_TRUE(made);
+  (*made)->remember_in(views);
+  Odometry tracker(std::move(*made));
+  for (int i = 0; i < 60; ++i) {
+    EXPECT_NE(tracker.track(see_wall(wall_pose(i), i), nullptr).status, TrackingStatus::kLost) << i;
+    views->settle();
+  }
+  EXPECT_EQ(views->reads(), 0u);
+  SE3 elsewhere = wall_pose(10);
+  elsewhere.t.x() += 50;
+  for (int i = 61; i < 75; ++i) tracker.track(see_wall(elsewhere, i), nullptr);
+  EXPECT_GT(views->reads(), 0u);
+}
+
 // From far off most of what was near can still be seen, too small to be aligned to: the frame in
 // which the camera is found must be as well aligned as those that follow.
 TEST(SpectralTracker, CarriedBackToTheWallItIsAlignedToWhatItSawThere) {
