@@ -8,7 +8,7 @@ namespace sgs::history {
 
 /// How much is remembered of the frames that came.
 struct HistoryConfig {
-  int memory_mb = 400;
+  int memory_mb = 300;
 
   void declare(ParameterList& p) {
     p.add("memory_mb", memory_mb,

@@ -68,7 +68,7 @@ class StoredView {
   std::shared_ptr<ViewRoom> room_;
   PicturesPtr pictures_;  // null: on the disk, or gone
   mutable std::weak_ptr<const Pictures> lately_;
-  std::int64_t at_ = -1;  // where on the disk
+  std::int64_t at_ = -1;   // where on the disk
   std::size_t print_ = 0;  // of what was written there
   mutable bool gone_ = false;
 };

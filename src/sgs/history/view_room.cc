@@ -37,10 +37,7 @@ StoredViewPtr ViewRoom::keep(const RgbdFrame& frame, const CalibrationPtr& calib
                              const std::shared_ptr<ViewRoom>& self) {
   {
     const std::lock_guard lock(mutex_);
-    if (auto view = find(frame.index)) {
-      ++shared_;
-      return view;
-    }
+    if (auto view = find(frame.index)) return view;
   }
   const auto made = std::make_shared<StoredView>(frame, options_.farthest_m, calibration);
   const std::lock_guard lock(mutex_);
@@ -49,7 +46,6 @@ StoredViewPtr ViewRoom::keep(const RgbdFrame& frame, const CalibrationPtr& calib
   in_memory_.insert(frame.index);
   in_memory_bytes_ += made->bytes();
   made->room_ = self;
-  ++made_;
   return made;
 }
 
@@ -121,9 +117,6 @@ void ViewRoom::write_on() {
 
 void ViewRoom::stop() {
   const std::lock_guard lock(mutex_);
-  log().debug("{} frames were remembered, {} times one that was there; {} are left, {} MB of them in "
-              "memory; {} readings of the disk",
-              made_, shared_, views_.size(), in_memory_bytes_ >> 20, reads_);
   stopped_ = true;
   changed_.notify_all();
 }
@@ -149,9 +142,10 @@ void ViewRoom::park(StoredView& view) {
   if (!at) return give_up(at.error().text());
   const double took_s = wall_time_s() - begin_s;
   if (took_s > kSlow_s && !std::exchange(told_slow_, true)) {
-    log().warn("{} is slow: it took {:.0f} s for one frame that is remembered there; set TMPDIR to "
-               "a folder on another disk",
-               options_.folder.string(), took_s);
+    log().warn(
+        "{} is slow: it took {:.0f} s for one frame that is remembered there; set TMPDIR to "
+        "a folder on another disk",
+        options_.folder.string(), took_s);
   }
   PicturesPtr gone;  // not under the lock
   const std::lock_guard lock(mutex_);

@@ -61,7 +61,6 @@ class ViewRoom {
   std::map<std::int64_t, std::weak_ptr<StoredView>> views_;  // by index
   std::set<std::int64_t> in_memory_;                         // of these
   std::size_t in_memory_bytes_ = 0, beside_bytes_ = 0, parked_ = 0, reads_ = 0;
-  std::size_t made_ = 0, shared_ = 0;  // keep() so far
   std::vector<std::pair<std::int64_t, std::size_t>> released_;  // of the file: where, how much
   bool failed_ = false;                                         // the disk takes nothing
   bool stopped_ = false;

@@ -25,8 +25,8 @@ std::optional<LoopVerifier::Found> LoopVerifier::align(const Sight& older, const
   const auto a = aligner.align(newer.frame, newer.node->motion, T_start);
   if (!a || a->overlap < config_.min_overlap) return std::nullopt;
   if (a->used > 0 && a->used < config_.min_used) return std::nullopt;
-  const Matrix6d information =
-      edge_information(a->information, newer.node->mean_depth_m, config_.min_information, config_.drift);
+  const Matrix6d information = edge_information(a->information, newer.node->mean_depth_m,
+                                                config_.min_information, config_.drift);
   if (information.isZero(0) || graph::rank(information) < config_.min_rank) return std::nullopt;
   return Found{a->T_reference_camera, information};
 }

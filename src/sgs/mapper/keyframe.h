@@ -18,7 +18,7 @@ namespace sgs::mapper {
 /// What a keyframe shows, its depth as it is known now.
 struct KeyframePictures {
   history::PicturesPtr kept;
-  DepthImage depth;  ///< metres, 0: none
+  DepthImage depth;                            ///< metres, 0: none
   std::shared_ptr<const PixelMask> seen = {};  ///< as RgbdFrame::seen
 
   const ColorImage& color() const { return kept->color; }

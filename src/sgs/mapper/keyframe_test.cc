@@ -16,8 +16,7 @@ namespace {
 
 /// Keyframes that come one by one, with views that are visited.
 struct Keyframes {
-  explicit Keyframes(std::size_t budget_bytes, std::size_t count)
-      : store(budget_bytes, {}) {
+  explicit Keyframes(std::size_t budget_bytes, std::size_t count) : store(budget_bytes, {}) {
     for (std::size_t k = 0; k < count; ++k) {
       const auto index = static_cast<std::int64_t>(k);
       const auto T = translated(0.01 * static_cast<double>(index), 0, 0);
@@ -69,7 +68,8 @@ TEST(MapKeyframe, ShowsDepthWithTheCalibrationInForceAsOfItsColoursTime) {
   nearer.offset_per_m.assign(4, 0.05);
   Vector6d lag;
   lag << 0, 0.02, 0, 0.01, 0, 0;
-  MapKeyframe keyframe({std::make_shared<const history::StoredView>(*raw), 10, nullptr, lag}, SE3{});
+  MapKeyframe keyframe({std::make_shared<const history::StoredView>(*raw), 10, nullptr, lag},
+                       SE3{});
   const auto expected = [&](const DepthImage& depth) {
     return depth_with_colour(depth, small_camera(), lag)(90, 40);
   };

@@ -91,7 +91,7 @@ struct Mapper::Impl {
   map::GaussianSet removed;
   render::LossConfig loss;
   map::GaussianStore store;
-  map::MeanBounds bounds;  // of store.raw and store.average
+  map::MeanBounds bounds;                    // of store.raw and store.average
   std::shared_ptr<history::ViewStore> kept;  // what keyframes show
   history::CalibrationPtr calibration;       // of their depth
   std::vector<MapKeyframe> keyframes;
@@ -143,8 +143,7 @@ void Mapper::Impl::step() {
     if (!keyframe.pose_information) {
       const auto half = keyframe.training_image(1);
       if (!half) return cull(index);
-      keyframe.pose_information =
-          std::make_shared<Matrix6d>(render::pose_information(*half, loss));
+      keyframe.pose_information = std::make_shared<Matrix6d>(render::pose_information(*half, loss));
     }
     // A step at full resolution sums over four times as many pixels.
     const PinholeCamera half = camera.halved(1);
@@ -204,7 +203,8 @@ void Mapper::Impl::cull(std::size_t index) {
 }
 
 KeyframeView Mapper::Impl::remember(const RgbdFrame& frame, const Vector6d& lag) {
-  return {kept->keep(frame, calibration), config.insertion.max_depth_m, calibration, lag, frame.seen};
+  return {kept->keep(frame, calibration), config.insertion.max_depth_m, calibration, lag,
+          frame.seen};
 }
 
 // Few steps need the pictures, as most work at half resolution; half-resolution views go after

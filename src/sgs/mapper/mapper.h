@@ -63,8 +63,8 @@ class Mapper {
   std::optional<std::int64_t> awaited_frame() const;
   /// The frame that awaited_frame() named, and its lag.
   void restore_keyframe(const RgbdFrame& frame, const Vector6d& lag = Vector6d::Zero());
-  /// The calibration that was in force when the state was saved: what came of it is restored, but
-  /// for the pictures. Comes once all keyframes are there.
+  /// A change_depth() from before save(), between the keyframes where it was: what came of it is
+  /// restored, but for the pictures. Also before the first keyframe: what is in force from then on.
   void restore_calibration(const history::CalibrationPtr& calibration);
 
   /// The current averaged map; cheap when nothing changed since the last call.

@@ -156,13 +156,15 @@ Status MapWorker::restore(ArchiveReader& bytes) {
 
 void MapWorker::replay(const MapJob& job) {
   ++submitted_;
-  revision_ = job.revision;
+  const history::Revision before = std::exchange(revision_, job.revision);
+  if (before.calibration != revision_.calibration) {
+    mapper_.restore_calibration(revision_.calibration);
+  }
   if (job.keyframe && mapper_.awaited_frame() == job.keyframe->index) {
     mapper_.restore_keyframe(*job.keyframe, job.lag);
   }
   if (left_to_replay() > 0) return;
   SGS_CHECK(!mapper_.awaited_frame(), "not all keyframes came again");
-  mapper_.restore_calibration(revision_.calibration);
   // For those who watch; which map a frame was tracked against is another matter.
   if (newest_.gaussians > 0) newest_.snapshot = mapper_.snapshot();
   const auto lock = worker_.lock();

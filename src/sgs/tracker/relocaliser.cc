@@ -88,8 +88,7 @@ std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame, const LocalPa
   if (static_cast<int>(current.keypoints.size()) < config_.pose.min_matches) return std::nullopt;
   features::VisualMap map(config_.pose);
   std::vector<Keyframe*> compared = most_alike(frame);
-  std::erase_if(compared,
-                [&](Keyframe* k) { return !extract(*k, past.revision().calibration); });
+  std::erase_if(compared, [&](Keyframe* k) { return !extract(*k, past.revision().calibration); });
   for (const Keyframe* k : compared) map.insert(*k->features, past.at(k->view->index()));
   const features::VisualPose found = map.relocalise(current);
   if (!compared.empty()) {

@@ -19,9 +19,9 @@
 namespace sgs::tracker {
 
 /// Finds the camera again after it was lost: among all visual keyframes those that look most alike
-/// (features::Ferns), and of these ORB features matched without a prediction. Features are extracted
-/// at about 320 pixels of width, only when they are needed, so that a run that is never lost never
-/// pays for them; and only then views are read from the disk.
+/// (features::Ferns), and of these ORB features matched without a prediction. Features are
+/// extracted at about 320 pixels of width, only when they are needed, so that a run that is never
+/// lost never pays for them; and only then views are read from the disk.
 class Relocaliser {
  public:
   explicit Relocaliser(const RelocaliserConfig& config);

@@ -198,8 +198,8 @@ TEST(SpectralTracker, SurfacesAreNotBelievedAgainstThePicture) {
 
 // What it tracks by are points and pixels of its own: the pictures lie on a disk that may be slow.
 TEST(SpectralTracker, ReadsTheDiskOnlyOnceItIsLost) {
-  const auto views = std::make_shared<history::ViewStore>(
-      1, history::ViewStore::Options{.least_in_memory = 1});
+  const auto views =
+      std::make_shared<history::ViewStore>(1, history::ViewStore::Options{.least_in_memory = 1});
   auto made = make_tracker({}, kWallCamera, wall_pose(0));
   ASSERT_TRUE(made);
   (*made)->remember_in(views);

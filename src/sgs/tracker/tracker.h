@@ -48,7 +48,8 @@ class Tracker {
   /// of one time.
   virtual bool knows_depth_lag() const { return false; }
 
-  /// Where frames that the tracker remembers are kept, with those of others; before the first frame.
+  /// Where frames that the tracker remembers are kept, with those of others; before the first
+  /// frame.
   virtual void remember_in(const std::shared_ptr<history::ViewStore>& /*views*/) {}
 
   /// Whether the tracker can be given a finished map by know().
