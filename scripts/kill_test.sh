@@ -3,7 +3,8 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # Kills runs over three short sequences at random moments: first reads what each left behind
-# (tests/faults/kill_test.py), then goes on with others and compares the bits (resume_test.py).
+# (tests/faults/kill_test.py), then goes on with others and compares the bits (resume_test.py), and
+# kills runs that go on with a map (continue_test.py).
 # To be run before a release; takes some 20 s for each kill.
 #
 # Usage: scripts/kill_test.sh SGS [KILLS [RESUMES [RECORDING...]]]
@@ -31,3 +32,4 @@ else
 fi
 python3 "$root/tests/faults/kill_test.py" "$sgs" "$kills" "${inputs[@]}"
 python3 "$root/tests/faults/resume_test.py" "$sgs" "$resumes" "${inputs[@]}"
+python3 "$root/tests/faults/continue_test.py" "$sgs" "$kills" "${inputs[0]}"

@@ -21,6 +21,7 @@ struct MapSummary {
   std::size_t cubes = 0, gaussians = 0, views = 0;
   Eigen::AlignedBox3d bounds;  ///< of the centres
   std::vector<mapfile::MapSession> sessions;
+  std::vector<std::size_t> born, seen;  ///< Gaussians and views of each session
 };
 
 Result<MapSummary> summarise(const mapfile::MapFile& map) {
@@ -35,6 +36,16 @@ Result<MapSummary> summarise(const mapfile::MapFile& map) {
     ++out.cubes;
   }
   SGS_ASSIGN_OR_RETURN(const auto gaussians, map.gaussians());
+  SGS_ASSIGN_OR_RETURN(const auto graph, map.graph());
+  const auto counted = [&](const std::vector<std::uint16_t>& sessions) {
+    std::vector<std::size_t> counts(out.sessions.size(), 0);
+    for (const std::uint16_t s : sessions) {
+      if (s < counts.size()) ++counts[s];
+    }
+    return counts;
+  };
+  out.born = counted(gaussians.born_in);
+  out.seen = counted(graph.session);
   out.gaussians = gaussians.splats.gaussians.size();
   for (const map::Gaussian& g : gaussians.splats.gaussians) {
     out.bounds.extend(Eigen::Map<const Eigen::Vector3f>(g.mean).cast<double>());
@@ -44,20 +55,37 @@ Result<MapSummary> summarise(const mapfile::MapFile& map) {
 
 std::vector<double> listed(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-void print_json(const MapSummary& m) {
+/// Where the views were taken, in the map's world.
+Result<nlohmann::json> places_of(const mapfile::MapFile& map) {
+  nlohmann::json places = nlohmann::json::array();
+  SGS_ASSIGN_OR_RETURN(const auto graph, map.graph());
+  for (std::size_t i = 0; i < map.views(); ++i) {
+    SGS_ASSIGN_OR_RETURN(const auto view, map.view(i));
+    const Eigen::Vector3d& t = view.T_world_camera.t;
+    const Eigen::Quaterniond q = view.T_world_camera.quaternion();
+    places.push_back({{"session", graph.session[i]},
+                      {"time_s", view.timestamp_s},
+                      {"pose", {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()}}});
+  }
+  return places;
+}
+
+void print_json(const MapSummary& m, nlohmann::json places) {
   nlohmann::json sessions = nlohmann::json::array();
-  for (const auto& s : m.sessions) {
+  for (std::size_t i = 0; i < m.sessions.size(); ++i) {
+    const mapfile::MapSession& s = m.sessions[i];
     nlohmann::json session = {
+        {"gaussians", m.born[i]},  {"views", m.seen[i]},
         {"name", s.name},          {"version", s.version},
         {"frames", s.frames},      {"first_time_s", s.first_s},
         {"last_time_s", s.last_s}, {"depth_calibrated", !s.calibration.empty()}};
     session.update(camera_json(s.camera));
     sessions.push_back(std::move(session));
   }
-  nlohmann::json json = {{"format", mapfile::kFormat}, {"bytes", m.bytes},
-                         {"gaussians", m.gaussians},   {"gaussian_bytes", m.gaussian_bytes},
-                         {"cubes", m.cubes},           {"views", m.views},
-                         {"view_bytes", m.view_bytes}, {"sessions", sessions}};
+  nlohmann::json json = {
+      {"format", mapfile::kFormat},         {"bytes", m.bytes},     {"gaussians", m.gaussians},
+      {"gaussian_bytes", m.gaussian_bytes}, {"cubes", m.cubes},     {"views", m.views},
+      {"view_bytes", m.view_bytes},         {"sessions", sessions}, {"places", std::move(places)}};
   if (!m.bounds.isEmpty()) {
     json["bounds_m"] = {{"min", listed(m.bounds.min())}, {"max", listed(m.bounds.max())}};
   }
@@ -80,9 +108,10 @@ void print_text(const std::string& path, const MapSummary& m) {
     const mapfile::MapSession& s = m.sessions[i];
     print(
         "session {}    {}: {} frames, {:.3f} to {:.3f} s, camera {}x{} fx {:.6g} fy {:.6g}, depth "
-        "{}, sgs {}\n",
+        "{}, sgs {}; {} Gaussians, {} views\n",
         i, s.name, s.frames, s.first_s, s.last_s, s.camera.width, s.camera.height, s.camera.fx,
-        s.camera.fy, s.calibration.empty() ? "as measured" : "calibrated", s.version);
+        s.camera.fy, s.calibration.empty() ? "as measured" : "calibrated", s.version, m.born[i],
+        m.seen[i]);
   }
 }
 
@@ -94,7 +123,9 @@ int print_map(const std::string& path, bool json) {
   const auto summary = summarise(*map);
   if (!summary) return report(summary.error());
   if (json) {
-    print_json(*summary);
+    auto places = places_of(*map);
+    if (!places) return report(places.error());
+    print_json(*summary, std::move(*places));
   } else {
     print_text(map->path().string(), *summary);
   }

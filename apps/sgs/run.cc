@@ -33,7 +33,8 @@ struct RunCommand {
   run::RunOptions options;
   run::ScoreOptions score;
   std::string output;
-  std::string resume;  ///< folder of a run to go on with
+  std::string resume;    ///< folder of a run to go on with
+  std::string extended;  ///< map to go on with
   bool no_eval = false, quiet = false, json = false;
   ViewerRequest viewer;
 };
@@ -95,11 +96,12 @@ int run_and_report(const RunCommand& command, const run::RunConfig& config, run:
 }
 
 /// Options that decide what a run computes, and where: not to be given again with --resume.
-constexpr std::array<const char*, 24> kFixedByRun = {
-    "INPUT",         "--output",     "--preset",      "--config",      "--set",    "--tracker",
-    "--frames",      "--camera",     "--depth-scale", "--max-width",   "--topics", "--extrinsics",
-    "--truth-topic", "--trajectory", "--synth-seed",  "--calibration", "--seed",   "--record",
-    "--preload",     "--realtime",   "--poses",       "--wait",        "--stamps", "--localize"};
+constexpr std::array<const char*, 25> kFixedByRun = {
+    "INPUT",         "--output",     "--preset",      "--config",      "--set",
+    "--tracker",     "--frames",     "--camera",      "--depth-scale", "--max-width",
+    "--topics",      "--extrinsics", "--truth-topic", "--trajectory",  "--synth-seed",
+    "--calibration", "--seed",       "--record",      "--preload",     "--realtime",
+    "--poses",       "--wait",       "--stamps",      "--localize",    "--continue"};
 
 /// Goes on with a run: everything is as it was, but for how it is watched and scored.
 int resume_command(RunCommand command) {
@@ -120,7 +122,7 @@ int resume_command(RunCommand command) {
   return run_and_report(command, config, *input, *folder);
 }
 
-/// Whether a run into `output` would take away the map that it is to find itself in.
+/// Whether a run into `output` would take away the map that it begins with.
 bool replaces_map(const std::string& map, const std::filesystem::path& output) {
   namespace fs = std::filesystem;
   std::error_code unreadable;
@@ -139,6 +141,10 @@ bool at_the_cameras_rate(const std::string& input) {
 int run_command(RunCommand command) {
   run::return_freed_images(command.options.preload);
   if (!command.resume.empty()) return resume_command(std::move(command));
+  if (!command.extended.empty()) {
+    command.input.map = command.extended;
+    command.input.extends_map = true;
+  }
   command.options.realtime |= at_the_cameras_rate(command.input.input);
   const auto config = run::resolve_config(command.config, command.input);
   if (!config) return report(config.error());
@@ -187,6 +193,11 @@ void add_run(CLI::App& app, Action& action) {
   sub->add_option("--localize", command->input.map,
                   "Find the camera in this map.sgsmap (or run folder) of an earlier run and track "
                   "it there: poses are in that map's world, and nothing of it changes");
+  auto* localize = sub->get_option("--localize");
+  sub->add_option("--continue", command->extended,
+                  "Find the camera in this map.sgsmap (or run folder) of an earlier run and go on "
+                  "with it: the run leaves a map of all sessions, the file itself is only read")
+      ->excludes(localize);
   sub->add_option("--threads", command->options.threads, "Threads")->check(CLI::Range(1, 256));
   sub->add_option("--seed", command->config.seed, "Seed of the mapper's random choices");
   add_score_options(*sub, command->score);

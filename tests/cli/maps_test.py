@@ -57,6 +57,21 @@ class Maps(unittest.TestCase):
         assert done.returncode == code, f"{arguments}\n{done.stdout}\n{done.stderr}"
         return done
 
+    def assert_in_world_of_first(self, run, least):
+        # The world of the map is the first camera of its run.
+        truth = poses(self.room / "groundtruth.txt")
+        origin = truth[min(truth)]
+        inverse = [-origin[3], -origin[4], -origin[5], origin[6]]
+        found = poses(run / "trajectory.txt")
+        self.assertGreaterEqual(len(found), least)
+        for time, pose in found.items():
+            at = truth[min(truth, key=lambda t: abs(t - time))]
+            expected = turned(inverse, [at[i] - origin[i] for i in range(3)])
+            self.assertLess(math.dist(pose[:3], expected), 0.03, time)
+
+    def info(self, path):
+        return json.loads(self.sgs("info", path, "--json").stdout)
+
     def test_a_run_leaves_a_map_that_tells_of_itself(self):
         told = json.loads(self.sgs("info", self.map, "--json").stdout)
         self.assertEqual(told["bytes"], self.map.stat().st_size)
@@ -72,16 +87,7 @@ class Maps(unittest.TestCase):
         self.assertEqual(self.map.read_bytes(), before)
         self.assertFalse((visit / "map.sgsmap").exists())
         self.assertIn(str(self.first), (visit / "config.toml").read_text())
-        # The world of the map is the first camera of its run.
-        truth = poses(self.room / "groundtruth.txt")
-        origin = truth[min(truth)]
-        inverse = [-origin[3], -origin[4], -origin[5], origin[6]]
-        found = poses(visit / "trajectory.txt")
-        self.assertGreaterEqual(len(found), FRAMES - 60 - 5)
-        for time, pose in found.items():
-            at = truth[min(truth, key=lambda t: abs(t - time))]
-            expected = turned(inverse, [at[i] - origin[i] for i in range(3)])
-            self.assertLess(math.dist(pose[:3], expected), 0.03, time)
+        self.assert_in_world_of_first(visit, FRAMES - 60 - 5)
 
     def test_another_room_is_never_taken_for_this_one(self):
         out = self.folder / "elsewhere"
@@ -102,6 +108,96 @@ class Maps(unittest.TestCase):
         self.assertEqual(len(lines), 21)
         self.assertTrue(all("not_in_map" in line for line in lines[1:]))
         self.assertEqual(poses(out / "trajectory.txt"), {})
+
+    def test_a_run_goes_on_with_a_map_and_another_with_that(self):
+        before = self.map.read_bytes()
+        second, third = self.folder / "second", self.folder / "third"
+        self.sgs("run", self.room, "--frames", "60:", "--continue", self.map, "-o", second, *SMALL)
+        self.assertEqual(self.map.read_bytes(), before)
+        self.assert_in_world_of_first(second, FRAMES - 60 - 5)
+        told, first = self.info(second / "map.sgsmap"), self.info(self.map)
+        self.assertEqual([s["frames"] for s in told["sessions"]], [60, FRAMES - 60])
+        self.assertGreater(told["views"], first["views"])
+        self.assertEqual(told["sessions"][0]["views"], first["views"])
+        self.assertGreater(told["sessions"][0]["gaussians"], 0.8 * first["gaussians"])
+        self.assertGreater(told["sessions"][1]["views"], 0)
+        first_of_second = sorted(poses(self.room / "groundtruth.txt"))[60]
+        for place in told["places"]:
+            is_second = place["time_s"] > first_of_second - 1e-3
+            self.assertEqual(place["session"], int(is_second), place)
+        # The same views stand where they stood, but for what loops have moved.
+        for a, b in zip(first["places"], told["places"]):
+            self.assertLess(math.dist(a["pose"][:3], b["pose"][:3]), 0.02)
+        # Frames that the map has, and earlier ones: clocks of sessions have nothing to do with it.
+        self.sgs("run", self.room, "--frames", "20:50", "--continue", second, "-o", third, *SMALL)
+        told = self.info(third / "map.sgsmap")
+        self.assertEqual([s["frames"] for s in told["sessions"]], [60, FRAMES - 60, 30])
+        self.assert_in_world_of_first(third, 25)
+        self.assertIn("session 2", self.sgs("info", third / "map.sgsmap").stdout)
+
+    def test_a_run_that_goes_on_is_the_same_for_any_number_of_threads(self):
+        maps = []
+        for threads in (1, 3):
+            out = self.folder / f"threads-{threads}"
+            arguments = [*SMALL]
+            arguments[arguments.index("--threads") + 1] = threads
+            self.sgs(
+                "run", self.room, "--frames", "60:80", "--continue", self.map, "-o", out, *arguments
+            )
+            maps.append((out / "map.sgsmap").read_bytes())
+        self.assertEqual(maps[0], maps[1])
+
+    def test_nothing_is_added_to_a_map_of_another_room(self):
+        before = self.map.read_bytes()
+        out = self.folder / "added"
+        office = ("synth:office:kinect", "--frames", "0:20")
+        done = self.sgs("run", *office, "--continue", self.map, "-o", out, *SMALL, code=3)
+        self.assertRegex(done.stderr, r"not found itself in .*best candidate \d+ of 25")
+        self.assertEqual(self.map.read_bytes(), before)
+        self.assertFalse((out / "map.sgsmap").exists())
+
+    def test_what_cannot_go_on_with_a_map_is_refused(self):
+        out = self.folder / "refused"
+        for arguments, code, said in (
+            (("--localize", self.map), 2, "--localize"),
+            (("--resume", self.first), 2, "--resume"),
+            (("--tracker", "given"), None, "tracker"),
+            (("--preset", "paper"), None, "cannot find itself"),
+            (("--set", "loops.enabled=false"), None, "loops"),
+            (("--preset", "quality"), None, "refine"),
+        ):
+            with self.subTest(arguments):
+                command = ("run", self.room, "--continue", self.map, "-o", out, "--quiet")
+                done = subprocess.run(
+                    [str(SGS), *map(str, (*command, *arguments))],
+                    capture_output=True,
+                    text=True,
+                    cwd=self.folder,
+                )
+                self.assertIn(done.returncode, (1, 2) if code is None else (code,), done.stderr)
+                self.assertIn(said, done.stderr)
+                self.assertFalse((out / "map.sgsmap").exists())
+        done = self.sgs("run", self.room, "--continue", self.map, "-o", self.first, code=2)
+        self.assertIn("would replace", done.stderr)
+
+    def test_a_full_disk_costs_the_new_map_only(self):
+        before = self.map.read_bytes()
+        out = self.folder / "full"
+        # A limit of file sizes fails large writes as a full disk does.
+        command = " ".join(
+            f"'{a}'" for a in (SGS, "run", self.room, "--frames", "60:70", "--continue", self.map)
+        )
+        small = " ".join(map(str, SMALL))
+        done = subprocess.run(
+            ["bash", "-c", f"ulimit -f 64; exec {command} -o '{out}' {small}"],
+            capture_output=True,
+            text=True,
+            cwd=self.folder,
+        )
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("map.sgsmap", done.stderr)
+        self.assertFalse((out / "map.sgsmap").exists())
+        self.assertEqual(self.map.read_bytes(), before)
 
     def test_what_is_no_map_is_refused_before_anything_is_made(self):
         whole = self.map.read_bytes()

@@ -64,8 +64,9 @@ class StoredView {
   const std::shared_ptr<const PixelMask> seen_;
   const CalibrationPtr calibration_;
   const float units_per_m_;
-  // Of a view in a store, guarded by its room:
+  // Of a view in a store, the rest guarded by its room:
   std::shared_ptr<ViewRoom> room_;
+  bool changed_ = false;  // not as delivered
   PicturesPtr pictures_;  // null: on the disk, or gone
   mutable std::weak_ptr<const Pictures> lately_;
   std::int64_t at_ = -1;   // where on the disk

@@ -28,23 +28,25 @@ std::size_t print_of(const Pictures& pictures) {
 
 }  // namespace
 
-std::shared_ptr<StoredView> ViewRoom::find(std::int64_t index) const {
-  const auto found = views_.find(index);
+std::shared_ptr<StoredView> ViewRoom::find(const Key& key) const {
+  const auto found = views_.find(key);
   return found != views_.end() ? found->second.lock() : nullptr;
 }
 
 StoredViewPtr ViewRoom::keep(const RgbdFrame& frame, const CalibrationPtr& calibration,
-                             const std::shared_ptr<ViewRoom>& self) {
+                             const std::shared_ptr<ViewRoom>& self, bool changed) {
+  const Key key(frame.index, changed);
   {
     const std::lock_guard lock(mutex_);
-    if (auto view = find(frame.index)) return view;
+    if (auto view = find(key)) return view;
   }
   const auto made = std::make_shared<StoredView>(frame, options_.farthest_m, calibration);
   const std::lock_guard lock(mutex_);
-  if (auto view = find(frame.index)) return view;  // somebody was faster
-  views_[frame.index] = made;
-  in_memory_.insert(frame.index);
+  if (auto view = find(key)) return view;  // somebody was faster
+  views_[key] = made;
+  in_memory_.insert(key);
   in_memory_bytes_ += made->bytes();
+  made->changed_ = changed;
   made->room_ = self;
   return made;
 }
@@ -52,9 +54,9 @@ StoredViewPtr ViewRoom::keep(const RgbdFrame& frame, const CalibrationPtr& calib
 // Another view of that index may have come meanwhile.
 void ViewRoom::forget(const StoredView& view) noexcept {
   const std::lock_guard lock(mutex_);
-  const auto found = views_.find(view.index_);
+  const auto found = views_.find(key_of(view));
   if (found != views_.end() && found->second.expired()) {
-    in_memory_.erase(view.index_);
+    in_memory_.erase(found->first);
     views_.erase(found);
   }
   if (view.pictures_) in_memory_bytes_ -= view.bytes();
@@ -89,8 +91,8 @@ bool ViewRoom::has_work() const {
 }
 
 std::shared_ptr<StoredView> ViewRoom::oldest() const {
-  for (const std::int64_t index : in_memory_) {
-    if (auto view = find(index)) return view;
+  for (const Key& key : in_memory_) {
+    if (auto view = find(key)) return view;
   }
   return nullptr;
 }
@@ -154,7 +156,7 @@ void ViewRoom::park(StoredView& view) {
   view.print_ = print;
   view.lately_ = view.pictures_;
   in_memory_bytes_ -= view.bytes();
-  in_memory_.erase(view.index_);
+  in_memory_.erase(key_of(view));
   gone = std::move(view.pictures_);
 }
 

@@ -25,7 +25,7 @@ class ViewRoom {
       : budget_bytes_(budget_bytes), options_(std::move(options)) {}
 
   StoredViewPtr keep(const RgbdFrame& frame, const CalibrationPtr& calibration,
-                     const std::shared_ptr<ViewRoom>& self);
+                     const std::shared_ptr<ViewRoom>& self, bool changed = false);
   void forget(const StoredView& view) noexcept;
   PicturesPtr pictures(const StoredView& view);
   void note_beside(std::size_t bytes);
@@ -43,7 +43,10 @@ class ViewRoom {
   void give_up(const std::string& why);
 
  private:
-  std::shared_ptr<StoredView> find(std::int64_t index) const;
+  /// Index of the frame, and whether it is another than was delivered.
+  using Key = std::pair<std::int64_t, bool>;
+  static Key key_of(const StoredView& view) { return {view.index_, view.changed_}; }
+  std::shared_ptr<StoredView> find(const Key& key) const;
   bool wants_to_write() const;
   std::shared_ptr<StoredView> oldest() const;
   void park(StoredView& view);
@@ -58,8 +61,8 @@ class ViewRoom {
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::map<std::int64_t, std::weak_ptr<StoredView>> views_;  // by index
-  std::set<std::int64_t> in_memory_;                         // of these
+  std::map<Key, std::weak_ptr<StoredView>> views_;
+  std::set<Key> in_memory_;  // of these
   std::size_t in_memory_bytes_ = 0, beside_bytes_ = 0, parked_ = 0, reads_ = 0;
   std::vector<std::pair<std::int64_t, std::size_t>> released_;  // of the file: where, how much
   bool failed_ = false;                                         // the disk takes nothing

@@ -27,6 +27,12 @@ StoredViewPtr ViewStore::keep(const RgbdFrame& frame, const CalibrationPtr& cali
   return view;
 }
 
+StoredViewPtr ViewStore::keep_changed(const RgbdFrame& frame, const CalibrationPtr& calibration) {
+  auto view = room_->keep(frame, calibration, room_, true);
+  wake();
+  return view;
+}
+
 void ViewStore::note_beside(std::size_t bytes) {
   room_->note_beside(bytes);
   wake();

@@ -32,6 +32,8 @@ class ViewStore {
   /// somebody has one. Never waits for the disk: a thread writes what is beyond the budget.
   /// `calibration`: what has corrected the depth of a frame that is as it was delivered.
   StoredViewPtr keep(const RgbdFrame& frame, const CalibrationPtr& calibration = nullptr);
+  /// The same for other pictures than the frame was delivered with, which stand beside these.
+  StoredViewPtr keep_changed(const RgbdFrame& frame, const CalibrationPtr& calibration);
 
   /// What else counts against the budget.
   void note_beside(std::size_t bytes);

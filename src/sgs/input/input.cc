@@ -244,6 +244,9 @@ void InputSpec::declare(ParameterList& list) {
            {});
   list.add("map", map, "Map of an earlier run for the camera to find itself in; empty = a new one.",
            {});
+  list.add("extends_map", extends_map,
+           "The run goes on with that map and leaves one of all sessions; else the map stays as it "
+           "is, and the camera is only tracked there.");
   list.add("trajectory", trajectory, "TUM trajectory that a synthetic camera flies along.", {});
   list.add("wait_s", wait_s,
            "Streams: end the run when nobody has sent a frame for so long; 0 = never.", "s",

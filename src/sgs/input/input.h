@@ -35,9 +35,10 @@ struct InputSpec {
   std::string truth_topic;        ///< bags: a topic of poses, or world:camera of tf
   std::string stamps = "camera";  ///< bags: whose times the images have, or "received"
   std::string more_files;         ///< bags: further files of the same recording, one a line
-  std::string poses;       ///< given ones: "recorded", a TUM file, COLMAP's images.txt; or empty
-  std::string map;         ///< of an earlier run, for the camera to be found in; or empty
-  std::string trajectory;  ///< synth only: TUM file with the camera's motion
+  std::string poses;         ///< given ones: "recorded", a TUM file, COLMAP's images.txt; or empty
+  std::string map;           ///< of an earlier run, for the camera to be found in; or empty
+  bool extends_map = false;  ///< the run goes on with `map`; else nothing of it changes
+  std::string trajectory;    ///< synth only: TUM file with the camera's motion
   std::uint64_t synth_seed = 1;
   double wait_s = 30;  ///< live only: how long a sender may be missing or silent; 0 = for ever
 

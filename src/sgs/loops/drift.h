@@ -9,6 +9,9 @@
 
 namespace sgs::loops {
 
+/// What is farther does not count in the mean depth of a view.
+inline constexpr double kFarthestDepth_m = 10;
+
 /// What an alignment is worth as an edge of the pose graph: `normal_equations` (pixels and points
 /// counted as independent) scaled by config.information_scale and bounded by config.floor_m along
 /// each of its principal directions, where turns count by what they move at `mean_depth_m`.

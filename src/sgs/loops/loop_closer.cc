@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 #include <utility>
 
 #include "sgs/loops/drift.h"
@@ -13,7 +14,6 @@
 namespace sgs::loops {
 namespace {
 
-constexpr double kFarthestDepth_m = 10;
 constexpr std::size_t kMostPending = 64;
 constexpr std::size_t kMostViews = 434;  // of places: what there is to solve grows with them
 
@@ -41,8 +41,71 @@ LoopCloser::LoopCloser(const LoopConfig& config, const tracker::TrackerConfig& t
     : config_(config),
       verifier_(config, tracker),
       way_check_(config),
+      fern_seed_(seed),
       ferns_(seed),
       views_(std::move(views)) {}
+
+void LoopCloser::know(const tracker::KnownView& view, const RgbdFrame& frame,
+                      const history::Revision& revision,
+                      const std::optional<graph::UncertainPose>& way) {
+  constexpr double kFarFromIt_s = 10;    // lost for so long a camera may be anywhere in a house
+  constexpr double kLeastDepth_m = 0.1;  // of a view that another camera hardly has
+  skeleton_.follow(revision);
+  if (skeleton_.size() == 0) {
+    fern_seed_ = view.fern_seed;
+    ferns_ = features::Ferns(fern_seed_);
+  }
+  const history::Path::Entry& place = revision.path.back();
+  Node node;
+  node.frame = place.frame;
+  node.timestamp_s = place.timestamp_s;
+  node.mean_depth_m =
+      std::max(kLeastDepth_m, registration::mean_depth(frame.depth, kFarthestDepth_m));
+  node.motion = view.motion;
+  node.view = views_->keep(frame, revision.calibration);
+  // Other questions: those of brightness and depth are answered by the view.
+  node.ferns = view.fern_seed == fern_seed_ ? view.ferns : ferns_.code(frame);
+  node.left = true;
+  const double step_m =
+      skeleton_.size() == 0
+          ? 0
+          : (skeleton_.pose(skeleton_.size() - 1).inverse() * place.T_odom_camera).t.norm();
+  constexpr double kSeen = 1e9;  // 1/m^2: what is left is the drift of the way
+  skeleton_.add(std::move(node),
+                motion_covariance(kSeen * Matrix6d::Identity(), 1, step_m, 0, config_.drift));
+  if (way && skeleton_.size() > 1) skeleton_.mend_last_way(*way);
+  gap_s_ = kFarFromIt_s;
+  is_apart_ = true;
+}
+
+void LoopCloser::know(const graph::Edge& loop) {
+  skeleton_.add_loop(loop);
+  loops_solved_ = skeleton_.loops().size();
+}
+
+// The camera has found itself by an alignment to what is known, as a loop is found: as well it
+// knows where it is.
+void LoopCloser::tie_to_known_place(const Matrix6d& normal_equations) {
+  if (!std::exchange(is_apart_, false)) return;
+  const int newest = skeleton_.size() - 1;
+  int nearest = -1;
+  double least = 0;
+  for (int k = 0; k < newest; ++k) {
+    const double distance =
+        registration::view_distance(camera_, skeleton_.node(k).mean_depth_m,
+                                    skeleton_.pose(k).inverse() * skeleton_.pose(newest));
+    if (nearest < 0 || distance < least) std::tie(nearest, least) = std::pair(k, distance);
+  }
+  if (nearest < 0) return;
+  // One frame tells it, against views of another day: less well than a loop that neighbours
+  // confirm.
+  DriftConfig drift = config_.drift;
+  drift.floor_m = std::max(drift.floor_m, 0.05);
+  const Matrix6d information = edge_information(
+      normal_equations, skeleton_.node(newest).mean_depth_m, config_.min_information, drift);
+  know({nearest, newest, skeleton_.pose(nearest).inverse() * skeleton_.pose(newest), information,
+        false});
+}
 
 // Loops that were measured with another depth are not believed.
 void LoopCloser::take_over(const history::Revision& revision) {
@@ -100,6 +163,7 @@ void LoopCloser::add_node(const RgbdFrame& frame, const tracker::TrackResult& re
       motion_covariance(*result.information, node.mean_depth_m, path_m_, gap_s_, config_.drift);
   skeleton_.add(std::move(node), covariance);
   mend_way();
+  tie_to_known_place(*result.information);
   skeleton_.note_left(camera_, config_.left_distance);
   skeleton_.bound_views(camera_, kMostViews);
   skeleton_.join_ways(pending_);

@@ -15,6 +15,7 @@
 #include "sgs/loops/loop_verifier.h"
 #include "sgs/loops/skeleton.h"
 #include "sgs/loops/way_check.h"
+#include "sgs/tracker/known_view.h"
 #include "sgs/tracker/track_result.h"
 
 namespace sgs::loops {
@@ -41,6 +42,18 @@ class LoopCloser {
   LoopCloser(const LoopConfig& config, const tracker::TrackerConfig& tracker, std::uint64_t seed,
              std::shared_ptr<history::ViewStore> views);
 
+  /// Before the first frame: a view of a map that is gone on with becomes a node, under the last
+  /// index of the path of `revision`. `frame` is what a camera like that of the frames to come saw
+  /// there, `way` the measured way from the view before; empty: as tracked poses usually drift. The
+  /// first frame that is tracked then hangs on the node whose view is nearest.
+  void know(const tracker::KnownView& view, const RgbdFrame& frame,
+            const history::Revision& revision, const std::optional<graph::UncertainPose>& way);
+  /// After all views: a loop between two of them, by their numbers.
+  void know(const graph::Edge& loop);
+  /// Seed of the questions that the codes of nodes answer: that of the map's first view, if there
+  /// is one.
+  std::uint64_t fern_seed() const { return fern_seed_; }
+
   /// Takes in the next tracked frame, which is in the path of `revision`, as all before it are.
   /// Frames without TrackResult::information are passed over.
   std::optional<PoseCorrection> add(const RgbdFrame& frame, const tracker::TrackResult& result,
@@ -55,6 +68,7 @@ class LoopCloser {
   void add_node(const RgbdFrame& frame, const tracker::TrackResult& result);
   std::vector<int> candidates(const std::vector<graph::UncertainPose>& predicted) const;
   void mend_way();
+  void tie_to_known_place(const Matrix6d& normal_equations);
   void look_for_loops();
   void accept_supported();
   bool is_time_to_solve() const;
@@ -65,11 +79,13 @@ class LoopCloser {
   LoopConfig config_;
   LoopVerifier verifier_;
   WayCheck way_check_;
+  std::uint64_t fern_seed_;
   features::Ferns ferns_;
   std::shared_ptr<history::ViewStore> views_;
   PinholeCamera camera_;
   Skeleton skeleton_;
   std::vector<graph::Edge> pending_;        // verified, without enough support so far
+  bool is_apart_ = false;                   // what is known and what is tracked
   bool ways_are_mended_ = false;            // and the graph not solved since
   std::optional<std::int64_t> last_frame_;  // that was trusted
   double last_s_ = 0;

@@ -77,6 +77,8 @@ class Skeleton {
   /// T_node_to with covariance on twists of `to`.
   std::vector<graph::UncertainPose> relative_to(int to) const;
 
+  /// The tracked way to each node but the first, then the loops.
+  std::vector<graph::Edge> edges() const;
   /// Poses that agree best with the tracked ways and the loops.
   graph::GraphSolution solve() const;
   /// Number of edges of the tracked way in solve(): the first of its edges, one to each node but
@@ -89,7 +91,6 @@ class Skeleton {
     Matrix6d covariance = Matrix6d::Zero(), information = Matrix6d::Zero();
   };
   static Motion joined(const Motion& first, const Motion& then);
-  std::vector<graph::Edge> edges() const;
   std::vector<SE3> poses() const;
   void change_depth(const DepthChange& change, const std::vector<SE3>& T_before,
                     const std::vector<SE3>& T_now);

@@ -95,6 +95,8 @@ std::string name_of(const Chunk& chunk) {
       return "head";
     case ChunkKind::kGaussians:
       return fmt::format("cube {} {} {}", chunk.cube[0], chunk.cube[1], chunk.cube[2]);
+    case ChunkKind::kGraph:
+      return "graph";
     case ChunkKind::kView:
       return fmt::format("view at byte {}", chunk.offset);
   }

@@ -20,7 +20,7 @@ namespace sgs::mapfile {
 inline constexpr int kFormat = 1;
 
 /// What a chunk holds.
-enum class ChunkKind : std::uint32_t { kHead = 1, kGaussians = 2, kView = 3 };
+enum class ChunkKind : std::uint32_t { kHead = 1, kGaussians = 2, kView = 3, kGraph = 4 };
 
 /// A row of a map file's table.
 struct Chunk {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "sgs/core/archive.h"
+#include "sgs/geometry/archive_se3.h"
 #include "sgs/mapfile/archive_camera.h"
 #include "sgs/mapfile/view_bytes.h"
 
@@ -92,6 +93,40 @@ void append(const Columns& columns, MapGaussians& all) {
   coefficients.insert(coefficients.end(), columns.harmonics.begin(), columns.harmonics.end());
 }
 
+/// A graph as fields of an archive.
+struct Links {
+  MapGraph graph;
+
+  Links() = default;
+  explicit Links(const MapGraph& g) : graph(g) {}
+  template <class Archive>
+  void archive(Archive& a) {
+    std::uint64_t count = graph.edges.size();
+    a(graph.session, graph.T_map_camera, count);
+    for (std::uint64_t i = 0; i < count; ++i) {
+      if constexpr (Archive::kReads) {
+        if (a.failed()) return;
+        graph.edges.emplace_back();
+      }
+      graph::Edge& e = graph.edges[static_cast<std::size_t>(i)];
+      a(e.from, e.to, e.T_from_to, e.information, e.doubtful);
+    }
+  }
+  /// Whether it can be that of so many views and sessions.
+  bool consistent(std::size_t views, std::size_t sessions) const {
+    const auto is_view = [&](int k) { return k >= 0 && static_cast<std::size_t>(k) < views; };
+    return graph.session.size() == views && graph.T_map_camera.size() == views &&
+           std::all_of(graph.T_map_camera.begin(), graph.T_map_camera.end(),
+                       [](const SE3& T) { return T.all_finite(); }) &&
+           std::is_sorted(graph.session.begin(), graph.session.end()) &&
+           (views == 0 || graph.session.back() < sessions) &&
+           std::all_of(graph.edges.begin(), graph.edges.end(), [&](const graph::Edge& e) {
+             return is_view(e.from) && is_view(e.to) && e.from != e.to &&
+                    e.T_from_to.all_finite() && e.information.allFinite();
+           });
+  }
+};
+
 /// The chunks of a map, one after the other.
 class Chunks {
  public:
@@ -114,6 +149,7 @@ class Chunks {
       const tracker::KnownView view = contents_.view(view_++);
       return ChunkContent{ChunkKind::kView, cube_of(view.T_world_camera.t), 1, view_bytes(view)};
     }
+    if (!std::exchange(graph_written_, true)) return graph();
     return std::nullopt;
   }
 
@@ -129,8 +165,13 @@ class Chunks {
     return {ChunkKind::kHead, {}, sessions.size(), bytes_of(sessions)};
   }
 
+  ChunkContent graph() const {
+    Links links(contents_.graph);
+    return {ChunkKind::kGraph, {}, contents_.graph.edges.size(), bytes_of(links)};
+  }
+
   const MapContents& contents_;
-  bool head_written_ = false;
+  bool head_written_ = false, graph_written_ = false;
   std::map<Cube, std::vector<std::size_t>> cubes_;
   std::map<Cube, std::vector<std::size_t>>::const_iterator cube_;
   std::size_t view_ = 0;
@@ -147,6 +188,9 @@ Status save_map(const fs::path& path, const MapContents& contents) {
   const std::size_t count = contents.gaussians.splats.gaussians.size();
   SGS_CHECK(contents.gaussians.born_in.size() == count && contents.gaussians.born_s.size() == count,
             "each Gaussian was born");
+  SGS_CHECK(contents.graph.session.size() == contents.views &&
+                contents.graph.T_map_camera.size() == contents.views,
+            "each view is of a session");
   Chunks chunks(contents);
   return write_chunks(path, [&] { return chunks.next(); });
 }
@@ -196,6 +240,19 @@ Result<tracker::KnownView> MapFile::view(std::size_t number) const {
   auto view = view_from(bytes);
   if (!view) return damaged(path(), fmt::format("view {}", number));
   return std::move(*view);
+}
+
+Result<MapGraph> MapFile::graph() const {
+  const auto chunks = file_.chunks(ChunkKind::kGraph);
+  if (chunks.empty()) return MapGraph{std::vector<std::uint16_t>(views_.size(), 0), {}, {}};
+  SGS_ASSIGN_OR_RETURN(const std::string bytes, file_.unpacked(chunks.front()));
+  Links links;
+  ArchiveReader archive(bytes);
+  archive(links);
+  if (!archive.complete() || !links.consistent(views_.size(), sessions_.size())) {
+    return damaged(path(), "graph");
+  }
+  return std::move(links.graph);
 }
 
 bool looks_like_map(const fs::path& path) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "sgs/graph/pose_graph.h"
 #include "sgs/map/gaussian.h"
 #include "sgs/mapfile/chunk_file.h"
 #include "sgs/tracker/known_view.h"
@@ -39,6 +40,15 @@ struct MapGaussians {
   std::vector<double> born_s;          ///< time in it; not a number where that is not known
 };
 
+/// How the views of a map hang together.
+struct MapGraph {
+  std::vector<std::uint16_t> session;  ///< of each view; those of a session follow each other
+  /// From where the Gaussians look like each view: its pose as the mapper has refined it.
+  std::vector<SE3> T_map_camera;
+  /// Between views, by their numbers: first the way from each view to the next, then loops.
+  std::vector<graph::Edge> edges;
+};
+
 /// What a map file is made of. Views are asked for one by one, so that they need not be in memory
 /// together.
 struct MapContents {
@@ -46,6 +56,7 @@ struct MapContents {
   MapGaussians gaussians;
   std::size_t views = 0;
   std::function<tracker::KnownView(std::size_t)> view;
+  MapGraph graph;
 };
 
 /// Replaces `path` in one step.
@@ -64,6 +75,8 @@ class MapFile {
   Result<MapGaussians> gaussians() const;
   std::size_t views() const { return views_.size(); }
   Result<tracker::KnownView> view(std::size_t number) const;
+  /// Of maps from before it was kept: all views of session 0, no refined poses and no edges.
+  Result<MapGraph> graph() const;
 
  private:
   ChunkFile file_;

@@ -55,6 +55,8 @@ MapContents small_map() {
   }
   map.views = 2;
   map.view = [](std::size_t i) { return view_at(static_cast<double>(i), 3); };
+  map.graph.session = {0, 0};
+  map.graph.T_map_camera.resize(2);
   return map;
 }
 
@@ -114,6 +116,34 @@ TEST(MapFile, KeepsHarmonicsAndUnknownBirths) {
   EXPECT_TRUE(std::isnan(gaussians->born_s[1]));
   ASSERT_EQ(gaussians->splats.harmonics.size(), 5u);
   EXPECT_EQ(gaussians->splats.harmonics.of(4)[8], 0.5f);
+}
+
+TEST(MapFile, KeepsSessionsAndHowViewsHangTogether) {
+  const io::TemporaryFolder scratch;
+  MapContents written = small_map();
+  written.sessions.push_back({"room again", "0.1", kCamera, 1, 2, 30, ""});
+  written.gaussians.born_in[4] = 1;
+  const SE3 way(so3_exp({0.1, 0.2, -0.1}), {1, 2, 3});
+  written.graph = {{0, 1}, {SE3{}, way}, {{0, 1, way, 5 * Matrix6d::Identity(), false}}};
+  ASSERT_TRUE(save_map(scratch / "m", written));
+  const auto map = MapFile::open(scratch / "m");
+  ASSERT_TRUE(map) << map.error().text();
+  EXPECT_EQ(map->sessions().size(), 2u);
+  EXPECT_EQ(map->gaussians()->born_in[4], 1);
+  const auto graph = map->graph();
+  ASSERT_TRUE(graph) << graph.error().text();
+  EXPECT_EQ(graph->session, written.graph.session);
+  EXPECT_EQ(graph->T_map_camera[1].t, way.t);
+  ASSERT_EQ(graph->edges.size(), 1u);
+  EXPECT_EQ(graph->edges[0].T_from_to.t, way.t);
+  EXPECT_EQ(graph->edges[0].information, written.graph.edges[0].information);
+  EXPECT_FALSE(graph->edges[0].doubtful);
+  // What cannot be is refused by name.
+  written.graph.edges[0].to = 2;
+  ASSERT_TRUE(save_map(scratch / "wrong", written));
+  const auto wrong = MapFile::open(scratch / "wrong");
+  ASSERT_TRUE(wrong);
+  EXPECT_THAT(wrong->graph().error().message, HasSubstr("graph"));
 }
 
 TEST(MapFile, RefusesEveryCutAndEveryWrongByte) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/mapper/mapper.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -9,6 +10,7 @@
 #include "sgs/core/log.h"
 #include "sgs/map/gaussian_store.h"
 #include "sgs/map/mean_bounds.h"
+#include "sgs/mapper/colour_view.h"
 #include "sgs/mapper/insertion.h"
 #include "sgs/mapper/keyframe.h"
 #include "sgs/mapper/keyframe_culling.h"
@@ -36,6 +38,22 @@ render::LossConfig loss_config(const ObjectiveConfig& objective) {
   loss.color_only_where_depth = objective.color_only_where_depth;
   loss.floater_margin_m = static_cast<float>(objective.floater_margin_m);
   return loss;
+}
+
+/// Where a Gaussian of a finished map was born is not known: it is taken to lie on a surface, as
+/// flat as it is itself, that was seen from `T_world_camera`.
+map::Anchor anchor_of(const map::Gaussian& g, std::int32_t keyframe, const SE3& T_world_camera) {
+  const auto thinnest = std::min_element(g.log_scale, g.log_scale + 3) - g.log_scale;
+  map::Anchor anchor;
+  anchor.point = {g.mean[0], g.mean[1], g.mean[2]};
+  const Eigen::Quaternionf turn(g.rotation[0], g.rotation[1], g.rotation[2], g.rotation[3]);
+  anchor.normal = turn.normalized().toRotationMatrix().col(thinnest);
+  if (anchor.normal.dot(T_world_camera.t.cast<float>() - anchor.point) < 0) {
+    anchor.normal = -anchor.normal;
+  }
+  anchor.sigma_n_m = std::exp(g.log_scale[thinnest]);
+  anchor.keyframe = keyframe;
+  return anchor;
 }
 
 bool has_depth(const RgbdFrame& frame, double max_depth_m) {
@@ -72,6 +90,7 @@ struct Mapper::Impl {
   void cull_keyframes();
   void cull(std::size_t index);
   KeyframeView remember(const RgbdFrame& frame, const Vector6d& lag);
+  KeyframeView coloured(const KnownKeyframe& view);
   void make_room();
   void take_awaited();
   /// Everything but the keyframes.
@@ -207,6 +226,19 @@ KeyframeView Mapper::Impl::remember(const RgbdFrame& frame, const Vector6d& lag)
           frame.seen};
 }
 
+// One that is gone already stays so.
+KeyframeView Mapper::Impl::coloured(const KnownKeyframe& view) {
+  auto frame = view.view->frame(calibration);
+  auto kept_view = view.view;
+  if (frame) {
+    rasterizer->render(store.average, camera, view.T_world_camera, rendering);
+    colour_view(rendering, *frame);
+    kept_view = kept->keep_changed(*frame, calibration);
+  }
+  return {kept_view, config.insertion.max_depth_m, calibration, view.lag,
+          frame ? frame->seen : nullptr};
+}
+
 // Few steps need the pictures, as most work at half resolution; half-resolution views go after
 // them.
 void Mapper::Impl::make_room() {
@@ -275,6 +307,46 @@ int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE
   m.changed = true;
   if (index == 0) iterate(m.config.first_keyframe_iterations);
   return index;
+}
+
+void Mapper::know(const std::vector<map::Gaussian>& gaussians,
+                  const std::vector<std::int32_t>& view_of,
+                  const std::vector<KnownKeyframe>& views) {
+  constexpr std::uint32_t kSteps = 1024;  // like one that has been learned for long
+  constexpr std::size_t kVisits = 12;     // of a keyframe, where keyframes and steps are as usual
+  const float growth = std::log(2.0f);
+  Impl& m = *impl_;
+  SGS_CHECK(m.keyframes.empty() && m.awaited.empty() && m.store.size() == 0, "a new mapper");
+  SGS_CHECK(view_of.size() == gaussians.size() && !views.empty(), "each Gaussian has its view");
+  const ScopedTimer timer(m.times, "map/know");
+  reserve(m.store, gaussians.size());
+  for (std::size_t i = 0; i < gaussians.size(); ++i) {
+    const map::Gaussian& g = gaussians[i];
+    const KnownKeyframe& view = views.at(static_cast<std::size_t>(view_of[i]));
+    m.store.append(g, anchor_of(g, view_of[i], view.T_world_camera),
+                   *std::max_element(g.log_scale, g.log_scale + 3) + growth);
+    m.store.steps.back() = kSteps;
+  }
+  m.bounds.assign(m.store.raw, m.store.average);
+  for (const KnownKeyframe& view : views) {
+    SGS_CHECK(view.view->camera() == m.camera, "the view's camera differs from the mapper's");
+    const std::size_t index = m.keyframes.size();
+    const KeyframeView shown = m.coloured(view);
+    const auto held = shown.kept->pictures();
+    MapKeyframe& keyframe = m.keyframes.emplace_back(shown, view.T_world_camera);
+    keyframe.T_odom_camera = view.T_odom_camera;
+    if (m.config.refinement.exposure && index > 0) {
+      const ExposureSums sums = exposure_sums(keyframe, m.rendering);
+      update_gain(keyframe, sums.measured, sums.rendered, m.config.refinement.exposure_prior, 1);
+    }
+    m.schedule.add_keyframe(index);
+    m.cull_keyframes();
+    m.make_room();
+  }
+  // They have had their turns, as often as the map was learned from a keyframe: new ones come
+  // first.
+  for (std::size_t k = 0; k < kVisits * views.size(); ++k) (void)m.schedule.next();
+  m.changed = true;
 }
 
 void Mapper::move_keyframes(const std::vector<SE3>& moves) {

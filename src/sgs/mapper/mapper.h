@@ -24,6 +24,15 @@ struct IterationReport {
   double loss = 0;  ///< mean loss per pixel of the last iteration's view
 };
 
+/// A view of a finished map that is learned from again.
+struct KnownKeyframe {
+  /// In grey, of the mapper's camera; its index is that of its pose in the path.
+  history::StoredViewPtr view;
+  Vector6d lag = Vector6d::Zero();  ///< of the camera, from its colour to its depth
+  SE3 T_world_camera;               ///< refined
+  SE3 T_odom_camera;                ///< where the tracker holds it to be
+};
+
 /// Optimises the Gaussian map from keyframes with given poses. Synchronous and deterministic for a
 /// given sequence of calls and seed, for any number of threads in the pool. Not thread-safe; what
 /// snapshot() returns is immutable and may be read from any thread.
@@ -45,6 +54,12 @@ class Mapper {
   int add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE3& T_world_camera);
   int add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE3& T_world_camera,
                    const SE3& T_odom_camera, const Vector6d& lag = Vector6d::Zero());
+  /// Goes on with a finished map, before the first keyframe. Its views become the first keyframes,
+  /// in order, each of a place that the map shows: nothing is inserted for them, and they are
+  /// learned from, so that what they show is not forgotten. Gaussian i hangs on view `view_of[i]`.
+  /// Its id is i.
+  void know(const std::vector<map::Gaussian>& gaussians, const std::vector<std::int32_t>& view_of,
+            const std::vector<KnownKeyframe>& views);
   /// Moves keyframes in the world, all that hangs on them with them: `moves[k]` is that of keyframe
   /// k, one for each. Learning goes on from there.
   void move_keyframes(const std::vector<SE3>& moves);

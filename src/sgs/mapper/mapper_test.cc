@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "sgs/camera/compact_view.h"
 #include "sgs/history/test_spill.h"
 #include "sgs/mapper/keyframe_refinement.h"
 #include "sgs/mapper/test_wall_scene.h"
@@ -89,6 +90,44 @@ history::CalibrationPtr calibration_behind(int i) {
 
 std::shared_ptr<history::ViewStore> views_within(std::size_t budget_bytes) {
   return std::make_shared<history::ViewStore>(budget_bytes, history::ViewStore::Options{});
+}
+
+// Grey views of a finished map hold what it showed, while another place is learned.
+TEST(Mapper, GoesOnWithAMapAndForgetsNothingOfIt) {
+  const auto first = trained(config_for_test(), nullptr, 60)->snapshot();
+  std::vector<KnownKeyframe> views;
+  std::vector<std::int32_t> view_of;
+  for (int i = 0; i < 5; ++i) {
+    const SE3 T = translated(0.1 * i, 0.02 * i, 0);
+    RgbdFrame grey = CompactView(*wall_frame(small_camera(), T)).frame();
+    grey.index = i - 100;
+    views.push_back({std::make_shared<history::StoredView>(grey), Vector6d::Zero(), T, T});
+  }
+  for (const map::Anchor& anchor : first->anchors) view_of.push_back(anchor.keyframe);
+  Mapper mapper(config_for_test(), small_camera(), 3, nullptr);
+  mapper.know(first->gaussians, view_of, views);
+  const auto begun = mapper.snapshot();
+  ASSERT_EQ(begun->gaussians.size(), first->gaussians.size());
+  EXPECT_EQ(begun->keyframe_frames.front(), -100);
+  for (std::size_t i = 0; i < begun->gaussians.size(); ++i) {
+    EXPECT_EQ(begun->anchors[i].id, i);
+    EXPECT_EQ(begun->gaussians[i].mean[0], first->gaussians[i].mean[0]);
+  }
+  const SE3 T_old = views[2].T_world_camera, T_new = translated(1.6, 0, 0);
+  const auto old = wall_frame(small_camera(), T_old), fresh = wall_frame(small_camera(), T_new, 1);
+  const double before = psnr_db(*begun, *old, T_old);
+  EXPECT_EQ(mapper.add_keyframe(fresh, T_new), 5);
+  mapper.iterate(120);
+  EXPECT_GT(mapper.size(), first->gaussians.size());
+  EXPECT_GT(before, 38);
+  EXPECT_GT(psnr_db(*mapper.snapshot(), *old, T_old), 38);
+  EXPECT_GT(psnr_db(*mapper.snapshot(), *fresh, T_new), 20);
+  // What hangs on a view moves with it.
+  const float x = mapper.snapshot()->gaussians.front().mean[0];
+  std::vector<SE3> moves(6);
+  moves[static_cast<std::size_t>(view_of.front())] = translated(0.5, 0, 0);
+  mapper.move_keyframes(moves);
+  EXPECT_NEAR(mapper.snapshot()->gaussians.front().mean[0], x + 0.5, 1e-5);
 }
 
 // Nothing but time depends on where the pictures lie.

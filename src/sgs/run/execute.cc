@@ -176,13 +176,18 @@ RunState state_of(const RunResult& result) {
 }
 
 /// Results, and that they are there. Once more where somebody removed the folder meanwhile.
-void write_end(const slam::Session& session, const Run& run, RunFolder& folder) {
+void write_end(const slam::Session& session, const Run& run,
+               const std::vector<mapfile::MapSession>& earlier, RunFolder& folder, int threads) {
+  // A camera that was only to find itself in a map, or has not, leaves none.
+  const bool leaves_map =
+      session.place_search() == nullptr || (run.input.extends_map && session.place_search()->found);
   for (int attempt = 0; attempt < 2; ++attempt) {
     const int made_again = folder.lock()->times_made_again();
     save_run(run, folder);
-    if (session.place_search() == nullptr) {
-      folder.save(files::kLastingMap,
-                  [&](const auto& path) { return save_lasting_map(path, session, run); });
+    if (leaves_map) {
+      folder.save(files::kLastingMap, [&](const auto& path) {
+        return save_lasting_map(path, session, run, earlier, threads);
+      });
     }
     folder.end(run.state.stage, run.frames.size(), run.state.reason);
     if (made_again == folder.lock()->times_made_again()) return;
@@ -231,8 +236,9 @@ Result<RunResult> run_in(Input& input, const InputSpec& spec, const RunConfig& a
   session_options.live = options.realtime;
   const PinholeCamera camera = input.source->camera();
   SGS_ASSIGN_OR_RETURN(auto session, slam::Session::create(asked.session, camera, session_options));
+  std::vector<mapfile::MapSession> earlier;
   if (!spec.map.empty()) {
-    SGS_RETURN_IF_ERROR(localise(*session, spec.map, camera, input.calibration.has_value()));
+    SGS_ASSIGN_OR_RETURN(earlier, give_map(*session, spec, camera, input.calibration.has_value()));
   }
   // What the folder keeps is what runs.
   const RunConfig config{session->config(), asked.refine};
@@ -293,7 +299,7 @@ Result<RunResult> run_in(Input& input, const InputSpec& spec, const RunConfig& a
   if (!chosen) result.too_few = too_few_frames(run.frames, spec, input.info).value_or("");
   run.state = state_of(result);
   run.metrics.state = run.state.word();
-  write_end(*session, run, folder);
+  write_end(*session, run, earlier, folder, options.threads);
   if (!options.trace.empty()) {
     if (const auto traced = io::write_file(
             options.trace, chrome_trace(times, clock ? clock->events : std::vector<InputEvent>{}));
@@ -318,9 +324,9 @@ Result<RunResult> execute(Input& input, const InputSpec& spec, const RunConfig& 
     delay = tracker::beside(delay, *input.calibration);
   }
   if (!spec.map.empty()) {
-    // What is known stays where it is.
-    used.session.loops.enabled = false;
+    // The metre is that of the map; and where nothing of it is to change, it stays where it is.
     used.session.backend.calibration.online = false;
+    used.session.loops.enabled = used.session.loops.enabled && spec.extends_map;
   }
   auto result = run_in(input, spec, used, options, folder, observer, stop);
   if (!result && !folder.resumed()) folder.end(Stage::kInterrupted, 0, result.error().message);

@@ -68,7 +68,10 @@ Status check_whole(const InputSpec& spec, const RunConfig& config, const RunOpti
   if (!spec.map.empty()) {
     SGS_ASSIGN_OR_RETURN(const auto map, mapfile::MapFile::open(spec.map));
     if (config.refine.steps_per_frame > 0) {
-      return fail(ErrorCode::kInvalidArgument, "a map that a camera finds itself in stays as it is",
+      return fail(ErrorCode::kInvalidArgument,
+                  spec.extends_map
+                      ? "a map of several sessions is not refined: only one recording is there"
+                      : "a map that a camera finds itself in stays as it is",
                   "leave out refine.steps_per_frame (--preset quality)");
     }
   }

@@ -25,6 +25,8 @@ class LoopBackEnd final : public BackEnd {
   int found() const override { return static_cast<int>(closer_.skeleton().loops().size()); }
 
   const loops::LoopCloser& closer() const { return closer_; }
+  /// To be told of a map before the first frame.
+  loops::LoopCloser& closer() { return closer_; }
 
  private:
   loops::LoopCloser closer_;

@@ -27,10 +27,30 @@ LaggedWorker<MapWorker::Order>::Tasks MapWorker::tasks() {
   LaggedWorker<Order>::Tasks tasks;
   tasks.work = [this](Order& order) { process(order); };
   tasks.publish = [this](const Order* order) { show(order); };
-  // A live mapper with at least one keyframe always has something to do.
-  tasks.has_idle_work = [this] { return !keyframes_.empty(); };
+  // A live mapper with at least one keyframe of its own always has something to do.
+  tasks.has_idle_work = [this] { return keyframes_.size() > known_keyframes_; };
   tasks.idle_work = [this] { iterate_live(); };
   return tasks;
+}
+
+// The thread has nothing to do before the first job, live before it can ask for the lock: its state
+// is free to be set here.
+void MapWorker::know(const std::vector<map::Gaussian>& gaussians,
+                     const std::vector<std::int32_t>& view_of,
+                     const std::vector<mapper::KnownKeyframe>& views,
+                     const history::Revision& revision) {
+  SGS_CHECK(submitted_ == 0 && keyframes_.empty(), "to be called before anything else");
+  const auto lock = worker_.lock();
+  mapper_.restore_calibration(revision.calibration);
+  mapper_.know(gaussians, view_of, views);
+  revision_ = revision;
+  submitted_revision_ = revision.number();
+  for (const mapper::KnownKeyframe& view : views) {
+    keyframes_.push_back({view.view->index(), view.view->timestamp_s(), view.T_world_camera});
+  }
+  known_keyframes_ = keyframes_.size();
+  publish();
+  live_view_ = newest_;
 }
 
 // Both worlds move alike: what refinement has found stays.
@@ -50,6 +70,18 @@ void MapWorker::follow(const history::Revision& revision) {
   publish();
 }
 
+// The newest one; where there are only views of a map that is gone on with, the nearest of these.
+const KeyframePose& MapWorker::keyframe_before(const SE3& T_odom_camera) const {
+  if (keyframes_.size() > known_keyframes_) return keyframes_.back();
+  const auto unlikeness = [&](const KeyframePose& k) {
+    const SE3 T = revision_.path.at(k.frame_index).inverse() * T_odom_camera;
+    return T.t.norm() + T.angle();  // a turn of 1 rad like a metre
+  };
+  return *std::min_element(keyframes_.begin(), keyframes_.end(), [&](const auto& a, const auto& b) {
+    return unlikeness(a) < unlikeness(b);
+  });
+}
+
 void MapWorker::process(const MapJob& job) {
   follow(job.revision);
   if (job.keyframe) {
@@ -58,7 +90,8 @@ void MapWorker::process(const MapJob& job) {
     // A tracker with a world of its own does not notice that keyframes move; the newest keyframe's
     // correction carries its poses into the refined map.
     if (!tracker_follows_map_ && !keyframes_.empty()) {
-      keyframe.T_world_camera = T_world_odom(keyframes_.back(), revision_.path) * T_odom_camera;
+      keyframe.T_world_camera =
+          T_world_odom(keyframe_before(T_odom_camera), revision_.path) * T_odom_camera;
     }
     if (mapper_.add_keyframe(job.keyframe, keyframe.T_world_camera, T_odom_camera, job.lag) >= 0) {
       keyframes_.push_back(keyframe);

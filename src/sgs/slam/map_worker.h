@@ -44,6 +44,10 @@ class MapWorker {
   MapWorker(const SessionConfig& config, const PinholeCamera& camera, bool tracker_follows_map,
             WorkerMode mode, int threads, std::shared_ptr<history::ViewStore> views = nullptr);
 
+  /// Goes on with a finished map (Mapper::know()); to be called before anything else. The path of
+  /// `revision` has the views.
+  void know(const std::vector<map::Gaussian>& gaussians, const std::vector<std::int32_t>& view_of,
+            const std::vector<mapper::KnownKeyframe>& views, const history::Revision& revision);
   /// Queues the job of the next frame; every frame has one. Rethrows a failure of the mapping
   /// thread.
   void submit(MapJob job);
@@ -106,6 +110,7 @@ class MapWorker {
   void replay(const MapJob& job);
   std::string state(std::string before);
   void follow(const history::Revision& revision);
+  const KeyframePose& keyframe_before(const SE3& T_odom_camera) const;
   void publish();
 
   SessionConfig config_;
@@ -115,6 +120,7 @@ class MapWorker {
   mapper::Mapper mapper_;
   history::Revision revision_;  // of the last job
   std::vector<KeyframePose> keyframes_;
+  std::size_t known_keyframes_ = 0;  // of them: views of a map that is gone on with
   double budget_ = 0;
   std::int64_t jobs_since_snapshot_ = 0;
   MapView newest_;

@@ -3,6 +3,7 @@
 #include "sgs/slam/session.h"
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 
 #include "sgs/camera/depth_lag.h"
@@ -88,22 +89,90 @@ Session::Session(const SessionConfig& config, const PinholeCamera& camera,
 
 Session::~Session() = default;
 
-Status Session::localise_in(const KnownMap& map) {
-  SGS_CHECK(map.gaussians != nullptr && records_.empty(), "a map, before the first frame");
-  SGS_CHECK(!loops_ && !calibrator_, "what is known stays where it is");
-  if (!tracker_->finds_itself()) {
-    return fail(
-        ErrorCode::kInvalidArgument,
-        fmt::format("the tracker {} cannot find itself in a map", to_string(config_.tracker.type)),
-        "leave out --tracker and --preset, or use --tracker spectral");
+Status Session::check_can_be_given_a_map() const {
+  SGS_CHECK(records_.empty() && revision_.path.empty(), "a map is given before the first frame");
+  if (tracker_->finds_itself()) return {};
+  return fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("the tracker {} cannot find itself in a map", to_string(config_.tracker.type)),
+      "leave out --tracker and --preset, or use --tracker spectral");
+}
+
+void Session::know(std::size_t number, double time_s, const tracker::KnownView& view) {
+  revision_.path.append({tracker::known_view_index(number), time_s, view.T_world_camera});
+  tracker_->know(view, revision_);
+  metre_.know(revision_.path.back().frame, view.view.frame());
+}
+
+// One line where the camera's metre is not that of the map.
+void Session::compare_metres(const RgbdFrame& frame, const FrameRecord& record) {
+  constexpr double kAnother = 0.015;
+  if (record.status == tracker::TrackingStatus::kLost || !has_place(record.index)) return;
+  if (!metre_.add(frame, revision_.path.back().T_odom_camera, revision_.path)) return;
+  const auto ratio = metre_.ratio();
+  if (!ratio || std::abs(*ratio - 1) < kAnother) return;
+  log().warn(
+      "depth of this camera is {:.1f} % {} than that of the map: poses and what is added to the "
+      "map are off by as much of the distance. Calibrate the camera (`sgs calibrate`) and run "
+      "again "
+      "with --calibration",
+      100 * std::abs(*ratio - 1), *ratio > 1 ? "longer" : "shorter");
+}
+
+Status Session::go_on_with(const KnownMap& map) {
+  SGS_CHECK(map.gaussians != nullptr && map.session_of.size() == map.views && map.views > 0 &&
+                map.births.size() == map.gaussians->gaussians.size(),
+            "a map that can be gone on with");
+  SGS_CHECK(!calibrator_, "the metre is that of the map");
+  SGS_RETURN_IF_ERROR(check_can_be_given_a_map());
+  if (!loops_) {
+    return fail(ErrorCode::kInvalidArgument, "without loops a map cannot be gone on with",
+                "leave out loops.enabled=false and settings of the tracker that switch loops off");
   }
+  if (map.calibration) {
+    revision_.calibration = std::make_shared<const DepthCalibration>(*map.calibration);
+  }
+  std::vector<const graph::Edge*> ways(map.views, nullptr);  // to each view
+  for (const graph::Edge& e : map.edges) {
+    if (!e.doubtful && e.to == e.from + 1) ways[static_cast<std::size_t>(e.to)] = &e;
+  }
+  std::vector<mapper::KnownKeyframe> keyframes;
+  std::vector<double> times_s;
+  loops::LoopCloser& closer = loop_back_end_->closer();
+  for (std::size_t i = 0; i < map.views; ++i) {
+    SGS_ASSIGN_OR_RETURN(const tracker::KnownView view, map.view(i));
+    know(i, tracker::known_view_time_s(i), view);
+    earlier_.views.push_back({map.session_of[i], view.timestamp_s});
+    times_s.push_back(view.timestamp_s);
+    RgbdFrame frame = tracker::seen_from(view, camera_);
+    frame.index = tracker::known_view_index(i);
+    frame.timestamp_s = tracker::known_view_time_s(i);
+    std::optional<graph::UncertainPose> way;
+    if (ways[i] != nullptr) way = {ways[i]->T_from_to, ways[i]->information.inverse()};
+    closer.know(view, frame, revision_, way);
+    const SE3& T_map_camera = map.T_map_camera.empty() ? view.T_world_camera : map.T_map_camera[i];
+    keyframes.push_back({views_->keep(frame, revision_.calibration), view.motion.lag(),
+                         T_map_camera, view.T_world_camera});
+  }
+  for (const graph::Edge& e : map.edges) {
+    if (ways[static_cast<std::size_t>(e.to)] != &e) closer.know(e);
+  }
+  worker_->know(map.gaussians->gaussians, views_of_gaussians(map, times_s), keyframes, revision_);
+  earlier_.sessions = map.sessions;
+  earlier_.births = map.births;
+  return {};
+}
+
+Status Session::localise_in(const KnownMap& map) {
+  SGS_CHECK(map.gaussians != nullptr, "a map");
+  SGS_CHECK(!loops_ && !calibrator_, "what is known stays where it is");
+  SGS_RETURN_IF_ERROR(check_can_be_given_a_map());
   if (map.calibration) {
     revision_.calibration = std::make_shared<const DepthCalibration>(*map.calibration);
   }
   for (std::size_t i = 0; i < map.views; ++i) {
     SGS_ASSIGN_OR_RETURN(const tracker::KnownView view, map.view(i));
-    revision_.path.append({tracker::known_view_index(i), view.timestamp_s, view.T_world_camera});
-    tracker_->know(view, revision_);
+    know(i, view.timestamp_s, view);
   }
   known_ = map.gaussians;
   return {};
@@ -140,6 +209,7 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& raw) {
   ask_back_ends(raw, frame, result, record);
   if (comes_as_before(record, depth_fingerprint(*raw))) hand_to_mapper(frame, result, record);
   report_loss(record);
+  compare_metres(*frame, record);
   const FrameRecord& added = records_.add(std::move(record));
   if (on_frame_) on_frame_(added);
   return added;
@@ -276,14 +346,14 @@ std::shared_ptr<const RgbdFrame> without_movers(std::shared_ptr<const RgbdFrame>
 
 void Session::hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame,
                              const tracker::TrackResult& result, FrameRecord& record) {
+  if (!found_at_ && record.status != tracker::TrackingStatus::kLost) found_at_ = record.index;
   if (known_) {
     ++frames_fed_;
-    if (!found_at_ && record.status != tracker::TrackingStatus::kLost) found_at_ = record.index;
     return;
   }
   keyframe_pending_ = keyframe_pending_ || record.tracking_keyframe;
   MapJob job;
-  job.frames = video_frames(record);
+  job.frames = has_place() ? video_frames(record) : 0;
   // Where it stands on the video's clock: as far behind the frame before as the gap is long.
   if (frames_fed_ > 0) video_time_ += job.frames;
   if (wants_mapping_keyframe(record)) {
@@ -386,10 +456,14 @@ const loops::Skeleton* Session::skeleton() const {
 
 map::SnapshotPtr Session::snapshot() { return known_ ? known_ : worker_->newest_snapshot(); }
 
-// Before the camera has found itself in its map it could be anywhere; and the map's own views are
-// no frames of this session.
+// Before the camera has found itself in a map that it was given it could be anywhere; and that
+// map's own views are no frames of this session.
 bool Session::has_place(std::int64_t frame) const {
-  return !known_ || (found_at_ && frame >= *found_at_);
+  return place_search() == nullptr || (found_at_ && frame >= *found_at_);
+}
+
+std::uint64_t Session::fern_seed() const {
+  return loop_back_end_ != nullptr ? loop_back_end_->closer().fern_seed() : config_.seed;
 }
 
 Trajectory Session::trajectory() const {
@@ -417,7 +491,7 @@ Trajectory Session::online_trajectory() const {
 
 Trajectory Session::keyframe_trajectory() const {
   std::vector<StampedPose> poses;
-  for (const KeyframePose& k : worker_->keyframes()) {
+  for (const KeyframePose& k : keyframes()) {
     poses.push_back({k.timestamp_s, k.T_world_camera});
   }
   return Trajectory(std::move(poses));

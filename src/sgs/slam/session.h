@@ -6,6 +6,7 @@
 #include <future>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,7 @@
 #include "sgs/slam/keyframe_pose.h"
 #include "sgs/slam/known_map.h"
 #include "sgs/slam/map_worker.h"
+#include "sgs/slam/metre_check.h"
 #include "sgs/slam/record_log.h"
 #include "sgs/slam/session_config.h"
 #include "sgs/tracker/tracker.h"
@@ -37,6 +39,19 @@ struct SessionOptions {
 };
 
 class LoopBackEnd;
+
+/// What a session remembers of those whose map it goes on with.
+struct EarlierSessions {
+  std::uint16_t sessions = 0;
+  std::vector<Birth> births;  ///< of the Gaussians, by their ids
+  std::vector<Birth> views;   ///< when they were seen
+
+  /// When the view was seen that stands in the path as `frame`; null for frames of this session.
+  const Birth* view(std::int64_t frame) const {
+    const std::int64_t k = frame - tracker::known_view_index(0);
+    return k >= 0 && k < std::ssize(views) ? &views[static_cast<std::size_t>(k)] : nullptr;
+  }
+};
 
 /// SLAM from frames to trajectory and map: tracker and mapper side by side, meeting only in
 /// immutable snapshots. feed() and finish() belong to one thread; snapshot() may be called from
@@ -64,6 +79,20 @@ class Session {
   /// cannot be given a map, or where a view cannot be had; needs a configuration without loops and
   /// online calibration, which would move what is known.
   Status localise_in(const KnownMap& map);
+  /// Before the first frame: the camera is somewhere in this map and has to find itself there, and
+  /// then goes on with it. Until it is found, nothing is learned; from then on this is a session
+  /// like any other, in the map's world: the Gaussians go on being learned, views and loops of all
+  /// sessions are one graph. Fails where the tracker cannot be given a map, where a view cannot be
+  /// had and where no loops are looked for; needs a configuration without online calibration: the
+  /// metre is that of the map.
+  Status go_on_with(const KnownMap& map);
+  /// Whether the camera is where it knows to be: always, but for maps of others before it is found.
+  bool has_place() const { return place_search() == nullptr || place_search()->found; }
+  /// What there was before this session; empty where it began a map of its own.
+  const EarlierSessions& earlier() const { return earlier_; }
+  /// Depth of this camera over that of the map it was given, where a second of tracking in it could
+  /// tell.
+  std::optional<double> metre_ratio() const { return metre_.ratio(); }
   /// How far it has come; null in a session with a map of its own.
   const tracker::PlaceSearch* place_search() const { return tracker_->place_search(); }
 
@@ -79,8 +108,10 @@ class Session {
   void finish();
 
   /// Whether save() works: not live, where everything depends on time, and not with a tracker that
-  /// follows the map, and not where the map is another's.
-  bool can_be_saved() const { return !live_ && !tracker_->follows_map() && !known_; }
+  /// follows the map, and not where there was a map before.
+  bool can_be_saved() const {
+    return !live_ && !tracker_->follows_map() && place_search() == nullptr;
+  }
   /// What restore() needs, behind the frames fed so far; ready as soon as the mapper is there, and
   /// an exception where it fails before that or where the memory does not suffice.
   std::future<std::string> save();
@@ -118,7 +149,14 @@ class Session {
   /// Poses of the mapping keyframes as refined (after finish()): from there the map looks like
   /// their pictures.
   Trajectory keyframe_trajectory() const;
-  const std::vector<KeyframePose>& keyframes() const { return worker_->keyframes(); }
+  std::span<const KeyframePose> keyframes() const {
+    return std::span(worker_->keyframes()).subspan(earlier_.views.size());
+  }
+  /// Carries poses of the path to where the map looks like what was seen from them (after
+  /// finish()).
+  PoseCorrection odom_to_map() const { return odom_to_world(worker_->keyframes(), revision_.path); }
+  /// Seed of the questions that the codes of nodes answer.
+  std::uint64_t fern_seed() const;
   std::int64_t iterations() const { return worker_->iterations(); }
   /// What became of loops (after finish()); empty where none are looked for.
   std::optional<loops::LoopCounts> loop_counts() const;
@@ -156,7 +194,10 @@ class Session {
   void hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame,
                       const tracker::TrackResult& result, FrameRecord& record);
   void report_loss(const FrameRecord& record);
+  void compare_metres(const RgbdFrame& frame, const FrameRecord& record);
   bool has_place(std::int64_t frame) const;
+  Status check_can_be_given_a_map() const;
+  void know(std::size_t number, double time_s, const tracker::KnownView& view);
   bool comes_as_before(const FrameRecord& record, std::int64_t depth_print);
 
   SessionConfig config_;
@@ -167,9 +208,11 @@ class Session {
   std::unique_ptr<MapWorker> worker_;
   // Null where the tracker cannot be corrected, or shall not:
   std::unique_ptr<BackEndWorker> loops_, calibrator_;
-  const LoopBackEnd* loop_back_end_ = nullptr;  // that of loops_
-  history::Revision revision_;                  // views of a map that is known come first
-  map::SnapshotPtr known_;  // the map that the camera is to find itself in; null: it makes its own
+  LoopBackEnd* loop_back_end_ = nullptr;  // that of loops_
+  history::Revision revision_;            // views of a map that is known come first
+  map::SnapshotPtr known_;  // the map that stays as it is; null: it makes its own, or goes on
+  EarlierSessions earlier_;
+  MetreCheck metre_;
   std::optional<std::int64_t> found_at_;  // index of the first frame that was found there
   RecordLog records_;
   std::int64_t frames_fed_ = 0;

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "sgs/camera/compact_view.h"
+#include "sgs/camera/rgbd_frame.h"
 #include "sgs/features/ferns.h"
 #include "sgs/geometry/se3.h"
 #include "sgs/registration/rolling_shutter.h"
@@ -19,6 +20,13 @@ inline std::int64_t known_view_index(std::size_t number) {
   return kFirst + static_cast<std::int64_t>(number);
 }
 
+/// The time under which that view stands in the path of a session that goes on with the map, and
+/// may move what is in it: sessions have clocks of their own, and all of a map's views come first.
+inline double known_view_time_s(std::size_t number) {
+  constexpr double kFirst_s = -1e9;
+  return kFirst_s + static_cast<double>(number);
+}
+
 /// A view of a finished map: what a camera saw from a place that is known.
 struct KnownView {
   double timestamp_s = 0;            ///< of its session
@@ -28,6 +36,9 @@ struct KnownView {
   features::FernCode ferns;          ///< of the picture in colour
   std::uint64_t fern_seed = 0;       ///< of the questions that `ferns` answers
 };
+
+/// What `camera` would have seen from the place of a known view, in grey.
+RgbdFrame seen_from(const KnownView& view, const PinholeCamera& camera);
 
 /// How far a camera that was given a map has come in finding itself there.
 struct PlaceSearch {

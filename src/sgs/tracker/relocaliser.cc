@@ -11,8 +11,9 @@ namespace sgs::tracker {
 namespace {
 
 constexpr int kEnoughWidth_px = 320;
-constexpr std::size_t kCompared = 6;
 constexpr std::size_t kRemembered = 400;  // keyframes: an hour's places, and few to compare
+constexpr std::size_t kCompared = 6, kComparedOfMap = 12;
+constexpr int kFeaturesOfMap = 1000;
 
 /// In grey, halved as often as it stays wide enough.
 RgbdFrame reduced(const RgbdFrame& frame) {
@@ -28,18 +29,24 @@ Relocaliser::Relocaliser(const RelocaliserConfig& config)
 
 void Relocaliser::add_keyframe(const RgbdFrame& frame, const history::CalibrationPtr& calibration) {
   if (keyframes_.size() >= kRemembered) keyframes_.pop_front();
-  keyframes_.push_back({views_->keep(frame, calibration), ferns_.code(frame), {}, {}});
+  keyframes_.push_back({frame.index, ferns_.code(frame), views_->keep(frame, calibration)});
 }
 
-void Relocaliser::know(const KnownView& view, const RgbdFrame& frame,
-                       const history::CalibrationPtr& calibration) {
+void Relocaliser::know(const KnownView& view, const RgbdFrame& frame) {
   auto known = std::find_if(known_.begin(), known_.end(),
                             [&](const KnownViews& k) { return k.fern_seed == view.fern_seed; });
   if (known == known_.end()) {
     known_.push_back({view.fern_seed, features::Ferns(view.fern_seed), {}});
     known = known_.end() - 1;
   }
-  known->keyframes.push_back({views_->keep(frame, calibration), view.ferns, {}, {}});
+  features::OrbExtractor extractor(orb());
+  known->keyframes.push_back({frame.index, view.ferns, nullptr, extractor.extract(frame)});
+}
+
+features::OrbConfig Relocaliser::orb() const {
+  features::OrbConfig orb = config_.orb;
+  orb.features = std::min(orb.features, known_.empty() ? config_.memory.features : kFeaturesOfMap);
+  return orb;
 }
 
 // The newest one, too: a camera that was lost for a moment is mostly still there.
@@ -59,14 +66,14 @@ std::vector<Relocaliser::Keyframe*> Relocaliser::most_alike(const RgbdFrame& fra
   std::vector<Keyframe*> out;
   if (!keyframes_.empty()) out.push_back(&keyframes_.back());
   for (const auto& [similarity, k] : alike) {
-    if (out.size() < kCompared) out.push_back(k);
+    if (out.size() < (known_.empty() ? kCompared : kComparedOfMap)) out.push_back(k);
   }
   return out;
 }
 
 // False where the view is gone.
 bool Relocaliser::extract(Keyframe& keyframe, const history::CalibrationPtr& calibration) const {
-  if (keyframe.features && keyframe.calibration == calibration) return true;
+  if (!keyframe.view || (keyframe.features && keyframe.calibration == calibration)) return true;
   const auto frame = keyframe.view->frame(calibration);
   if (!frame) return false;
   features::OrbExtractor extractor(orb());
@@ -75,25 +82,19 @@ bool Relocaliser::extract(Keyframe& keyframe, const history::CalibrationPtr& cal
   return true;
 }
 
-features::OrbConfig Relocaliser::orb() const {
-  features::OrbConfig orb = config_.orb;
-  orb.features = std::min(orb.features, config_.memory.features);
-  return orb;
-}
-
 std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame, const LocalPast& past) {
   last_look_ = {};
   features::OrbExtractor extractor(orb());
-  const features::OrbFrame current = extractor.extract(reduced(frame));
+  const features::OrbFrame current = extractor.extract(known_.empty() ? reduced(frame) : frame);
   if (static_cast<int>(current.keypoints.size()) < config_.pose.min_matches) return std::nullopt;
   features::VisualMap map(config_.pose);
   std::vector<Keyframe*> compared = most_alike(frame);
   std::erase_if(compared, [&](Keyframe* k) { return !extract(*k, past.revision().calibration); });
-  for (const Keyframe* k : compared) map.insert(*k->features, past.at(k->view->index()));
+  for (const Keyframe* k : compared) map.insert(*k->features, past.at(k->frame));
   const features::VisualPose found = map.relocalise(current);
   if (!compared.empty()) {
     const auto best = static_cast<std::size_t>(std::max(found.keyframe, 0));
-    last_look_ = {found.matches, found.inliers, compared[best]->view->index()};
+    last_look_ = {found.matches, found.inliers, compared[best]->frame};
   }
   if (found.verdict != features::Verdict::kOk) return std::nullopt;
   return found.T_world_camera;

@@ -21,7 +21,9 @@ namespace sgs::tracker {
 /// Finds the camera again after it was lost: among all visual keyframes those that look most alike
 /// (features::Ferns), and of these ORB features matched without a prediction. Features are
 /// extracted at about 320 pixels of width, only when they are needed, so that a run that is never
-/// lost never pays for them; and only then views are read from the disk.
+/// lost never pays for them; and only then views are read from the disk. A camera with a foreign
+/// map may see it from elsewhere than it was made from: of its views more are compared, by more
+/// features, of the whole picture.
 class Relocaliser {
  public:
   explicit Relocaliser(const RelocaliserConfig& config);
@@ -30,9 +32,8 @@ class Relocaliser {
   void remember_in(std::shared_ptr<history::ViewStore> views) { views_ = std::move(views); }
 
   /// Remembers a view of a finished map for good; `frame` is what a camera like that of the frames
-  /// to come saw there, under the view's index in the path, its depth corrected by `calibration`.
-  void know(const KnownView& view, const RgbdFrame& frame,
-            const history::CalibrationPtr& calibration);
+  /// to come saw there, under the view's index in the path.
+  void know(const KnownView& view, const RgbdFrame& frame);
   /// Remembers a keyframe, its depth corrected by `calibration`; the oldest makes room.
   void add_keyframe(const RgbdFrame& frame, const history::CalibrationPtr& calibration);
   /// Pose of a frame among the remembered keyframes, camera to local; empty when none fits. `past`
@@ -48,10 +49,11 @@ class Relocaliser {
 
  private:
   struct Keyframe {
-    history::StoredViewPtr view;
+    std::int64_t frame;  // its index
     features::FernCode ferns;
-    std::optional<features::OrbFrame> features;  // once they were needed
-    history::CalibrationPtr calibration;         // of their depth
+    history::StoredViewPtr view;                      // null: of a map, its features are all
+    std::optional<features::OrbFrame> features = {};  // once they were needed
+    history::CalibrationPtr calibration = {};         // of their depth
   };
   /// Views of a map whose codes answer the same questions.
   struct KnownViews {
@@ -59,8 +61,9 @@ class Relocaliser {
     features::Ferns ferns;
     std::vector<Keyframe> keyframes;
   };
-  std::vector<Keyframe*> most_alike(const RgbdFrame& frame);
+  /// For pictures of the frames that come.
   features::OrbConfig orb() const;
+  std::vector<Keyframe*> most_alike(const RgbdFrame& frame);
   bool extract(Keyframe& keyframe, const history::CalibrationPtr& calibration) const;
 
   RelocaliserConfig config_;

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "sgs/camera/resample.h"
 #include "sgs/tracker/loss_checks.h"
 
 namespace sgs::tracker {
@@ -17,19 +16,6 @@ LossPolicy::Limits loss_limits(const AlignmentConfig& config) {
   limits.min_pixels = config.min_pixels;
   limits.search_interval = config.relocalise_interval;
   return limits;
-}
-
-/// What `camera` would have seen from the place of a known view.
-RgbdFrame seen_from(const KnownView& view, const PinholeCamera& camera) {
-  RgbdFrame frame = view.view.frame();
-  if (frame.camera == camera) return frame;
-  auto seen = seen_by(frame.camera, camera);
-  frame.color = resample_color(frame.color, frame.camera, camera);
-  frame.depth = resample_depth(frame.depth, frame.camera, camera);
-  // A mask of the view's own is lost with its borders; they are few.
-  frame.seen = std::move(seen);
-  frame.camera = camera;
-  return frame;
 }
 
 /// Whether a hand may have carried a camera so in that time.
@@ -153,10 +139,12 @@ void SpectralTracker::know(const KnownView& view, const history::Revision& revis
   if (!search_) {
     search_.emplace();
     search_->needed_inliers = config_.relocaliser.pose.relocalisation_min_inliers;
+    if (revision.calibration) delay_.shift(0, revision.calibration->delay_sigma_s);
   }
+  view_times_s_.push_back(view.timestamp_s);
   RgbdFrame frame = seen_from(view, camera_);
   frame.index = revision.path.back().frame;
-  relocaliser_.know(view, frame, revision.calibration);
+  relocaliser_.know(view, frame);
   aligner_.look_at(frame, revision, nullptr);
   Alignment a;
   a.T_local_camera = aligner_.past().at(frame.index);
@@ -201,15 +189,24 @@ void SpectralTracker::note_look(double timestamp_s) {
   best.best_inliers = look.inliers;
   best.best_matches = look.matches;
   best.best_frame_s = timestamp_s;
-  const auto* view = aligner_.past().revision().path.find(look.keyframe);
-  best.best_view_s = view != nullptr ? view->timestamp_s : 0;
+  const std::int64_t view = look.keyframe - known_view_index(0);
+  const bool known = view >= 0 && view < std::ssize(view_times_s_);
+  best.best_view_s = known ? view_times_s_[static_cast<std::size_t>(view)] : 0;
 }
 
 // Whether a place that features have found is right in a map that the camera has not been seen in
 // yet: surfaces and picture have to say so both, and a second frame has to see itself next to it.
+// Who sees the map from farther away sees much that it does not show: then less has to be explained
+// by surfaces, where hardly a feature that is alike contradicts the others.
 bool SpectralTracker::is_first_place(const Alignment& a, double timestamp_s) {
+  constexpr double kPartlyExplained = 0.35, kUnanimous = 0.8;
+  const Relocaliser::Look& look = relocaliser_.last_look();
   const Evidence evidence = evidence_of(a);
-  if (!policy_.is_found(evidence) || !evidence.explained_by_surfaces || !evidence.picture_holds) {
+  const bool seen_from_afar = a.geometry && a.geometry->holds &&
+                              a.geometry->overlap >= kPartlyExplained &&
+                              look.inliers >= kUnanimous * look.matches;
+  if (!policy_.is_found(evidence) || !evidence.picture_holds ||
+      !(evidence.explained_by_surfaces || seen_from_afar)) {
     ++search_->refused;
     return false;
   }

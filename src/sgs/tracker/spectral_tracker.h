@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "sgs/tracker/delay_estimator.h"
 #include "sgs/tracker/joint_aligner.h"
@@ -80,6 +81,7 @@ class SpectralTracker : public Tracker {
   SE3 T_bridge_;  // camera to local while lost
 
   std::optional<PlaceSearch> search_;  // in the map that the tracker was given, if it was
+  std::vector<double> view_times_s_;   // of that map's views, in their sessions
   /// Where a frame saw itself in that map before the camera was found there.
   struct Sighting {
     SE3 T_local_camera;

@@ -251,11 +251,11 @@ TEST(SpectralTracker, SurvivesBrightnessChanges) {
   }
 }
 
-KnownView view_of_wall(int index) {
+KnownView view_of_wall(const SE3& T_world_camera, int index = 0) {
   KnownView view;
-  const RgbdFrame frame = see_wall(wall_pose(index), index);
+  const RgbdFrame frame = see_wall(T_world_camera, index);
   view.timestamp_s = 1000 + frame.timestamp_s;  // of another day
-  view.T_world_camera = wall_pose(index);
+  view.T_world_camera = T_world_camera;
   view.view = CompactView(frame);
   view.fern_seed = 7;
   view.ferns = features::Ferns(view.fern_seed).code(frame);
@@ -265,7 +265,7 @@ KnownView view_of_wall(int index) {
 std::unique_ptr<Odometry> tracker_that_knows_the_wall() {
   auto tracker = must_make(TrackerConfig(), kWallCamera, SE3{});
   EXPECT_EQ(tracker->place_search(), nullptr);
-  for (int i = 0; i < 40; i += 4) tracker->know(view_of_wall(i));
+  for (int i = 0; i < 40; i += 4) tracker->know(view_of_wall(wall_pose(i), i));
   return tracker;
 }
 
@@ -298,6 +298,48 @@ TEST(SpectralTracker, RatherStaysLostThanTakesAnotherPlaceForTheMaps) {
   EXPECT_FALSE(search.found);
   EXPECT_EQ(search.looks, 10);
   EXPECT_LT(search.best_inliers, search.needed_inliers);
+}
+
+// What a map of one view at two thirds of the distance shows fills less than half of the frame.
+TEST(SpectralTracker, FindsItselfInAMapThatItSeesFromFartherAway) {
+  const SE3 nearer(Eigen::Matrix3d::Identity(), {0.05, 0.03, kWallDistance_m / 3});
+  for (const bool here : {true, false}) {
+    const SE3 place = here ? SE3{} : SE3(Eigen::Matrix3d::Identity(), {7, 3, 0});
+    const auto tracker = must_make(TrackerConfig(), kWallCamera, SE3{});
+    tracker->know(view_of_wall(nearer));
+    for (int i = 0; i < 10; ++i) {
+      const TrackResult r = tracker->track(see_wall(place * wall_pose(i), i), nullptr);
+      if (r.status == TrackingStatus::kLost) continue;
+      EXPECT_LT(distance_m(r.T_odom_camera, wall_pose(i)), 0.01) << i;
+    }
+    EXPECT_EQ(tracker->place_search()->found, here);
+  }
+}
+
+// How much later than its stamp the tracker takes depth for measured in the end, in a map whose
+// calibration knows the delay to `sigma_s`; 0: there is no calibration.
+double delay_learned_in_a_map(double sigma_s) {
+  const auto tracker = must_make(TrackerConfig(), kWallCamera, SE3{});
+  if (sigma_s > 0) {
+    DepthCalibration calibration;
+    calibration.delay_sigma_s = sigma_s;
+    tracker->revise({{}, std::make_shared<const DepthCalibration>(calibration)});
+  }
+  for (int i = 0; i < 40; i += 8) tracker->know(view_of_wall(swinging(i / 30.0)));
+  double learned_s = 0;
+  for (int i = 0; i < 40; ++i) {
+    RgbdFrame frame = see_wall(swinging(i / 30.0), i);
+    frame.depth = see_wall(swinging(i / 30.0 + 0.008), i).depth;
+    const TrackResult r = tracker->track(frame, nullptr);
+    if (r.status != TrackingStatus::kLost) learned_s = r.motion.learned_delay_s;
+  }
+  return learned_s;
+}
+
+TEST(SpectralTracker, WhatTheCalibrationOfAMapKnowsIsNotLearnedThere) {
+  const double unsure_s = delay_learned_in_a_map(0);
+  EXPECT_GT(unsure_s, 0.002);
+  EXPECT_LT(std::abs(delay_learned_in_a_map(1e-5)), 0.3 * unsure_s);
 }
 
 }  // namespace
