@@ -9,7 +9,6 @@
 #include <memory>
 #include <vector>
 
-#include "sgs/camera/compact_view.h"
 #include "sgs/camera/luma_row.h"
 
 namespace sgs {
@@ -161,48 +160,6 @@ TEST(GrayPyramid, MaskOfAllChangesNothing) {
   for (int l = 0; l < 3; ++l) {
     const Image<float>&a = all.level(l).gray, &b = masked.level(l).gray;
     for (std::size_t i = 0; i < a.size(); ++i) EXPECT_FLOAT_EQ(a.data()[i], b.data()[i]);
-  }
-}
-
-// A view that is kept in bytes knows as well what was not seen; black that was seen stays seen.
-TEST(CompactView, KeepsWhatAlignmentsNeed) {
-  RgbdFrame frame;
-  frame.camera = camera_of(64, 48);
-  frame.timestamp_s = 1.25;
-  frame.index = 7;
-  frame.color = ColorImage(64, 48);
-  frame.depth = DepthImage(64, 48);
-  for (int y = 0; y < 48; ++y) {
-    for (int x = 0; x < 64; ++x) {
-      const auto g = static_cast<std::uint8_t>(4 * x);
-      frame.color(x, y) = {g, g, g};
-      frame.depth(x, y) = y == 0 ? 0.0f : 0.25f * static_cast<float>(y);
-    }
-  }
-  frame.depth(3, 47) = 1e9f;
-  const RgbdFrame back = CompactView(frame).frame();
-  EXPECT_EQ(back.index, 7);
-  EXPECT_EQ(back.timestamp_s, 1.25);
-  EXPECT_EQ(back.camera, camera_of(64, 48));
-  EXPECT_EQ(back.depth(5, 0), 0);
-  EXPECT_NEAR(back.depth(5, 9), 2.25f, 1e-4f);
-  EXPECT_EQ(back.depth(3, 47), 0) << "what does not fit counts as not measured";
-  for (int x = 0; x < 64; ++x) EXPECT_NEAR(back.color(x, 5).g, frame.color(x, 5).g, 1);
-}
-
-TEST(CompactView, KeepsWhatWasNotSeen) {
-  RgbdFrame frame;
-  frame.camera = camera_of(64, 48);
-  frame.color = ColorImage(64, 48);  // black
-  frame.depth = DepthImage(64, 48, 2.0f);
-  EXPECT_EQ(CompactView(frame, 1).frame().seen, nullptr);
-  PixelMask seen(64, 48, std::uint8_t{1});
-  for (int v = 0; v < 48; ++v) std::fill_n(seen.row(v), 10, std::uint8_t{0});
-  frame.seen = std::make_shared<const PixelMask>(seen);
-  const RgbdFrame kept = CompactView(frame, 1).frame();
-  ASSERT_NE(kept.seen, nullptr);
-  for (int v = 0; v < 24; ++v) {
-    for (int u = 0; u < 32; ++u) ASSERT_EQ(kept.sees(u, v), u >= 5) << u << " " << v;
   }
 }
 

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "sgs/features/visual_map.h"
-#include "sgs/loops/drift.h"
 #include "sgs/loops/pair_aligner.h"
 #include "sgs/registration/view_distance.h"
 
@@ -23,12 +22,10 @@ std::optional<LoopVerifier::Found> LoopVerifier::align(const Sight& older, const
                                                        const SE3& T_start) const {
   PairAligner aligner(tracker_, older.frame, older.node->motion);
   const auto a = aligner.align(newer.frame, newer.node->motion, T_start);
-  if (!a || a->overlap < config_.min_overlap) return std::nullopt;
-  if (a->used > 0 && a->used < config_.min_used) return std::nullopt;
-  const Matrix6d information = edge_information(a->information, newer.node->mean_depth_m,
-                                                config_.min_information, config_.drift);
-  if (information.isZero(0) || graph::rank(information) < config_.min_rank) return std::nullopt;
-  return Found{a->T_reference_camera, information};
+  if (!a || (a->used > 0 && a->used < config_.min_used)) return std::nullopt;
+  const auto information = information_of(*a, newer.node->mean_depth_m, config_);
+  if (!information || graph::rank(*information) < config_.min_rank) return std::nullopt;
+  return Found{a->T_reference_camera, *information};
 }
 
 std::optional<LoopVerifier::Found> LoopVerifier::measure(const Skeleton& skeleton, int older,

@@ -23,15 +23,15 @@ std::vector<const loops::Node*> nodes_with_views(const loops::Skeleton* skeleton
 }
 
 /// What can be known of a view that is gone is where it was.
-CompactView seen_from(const loops::Node& node, const history::CalibrationPtr& calibration) {
-  if (const auto frame = node.view->frame(calibration)) return CompactView(*frame);
+RgbdFrame seen_from(const loops::Node& node, const history::CalibrationPtr& calibration) {
+  if (auto frame = node.view->frame(calibration)) return *std::move(frame);
   RgbdFrame nothing;
   nothing.index = node.frame;
   nothing.timestamp_s = node.timestamp_s;
   nothing.camera = node.view->camera();
   nothing.color = ColorImage(nothing.camera.width, nothing.camera.height);
   nothing.depth = DepthImage(nothing.camera.width, nothing.camera.height);
-  return CompactView(nothing);
+  return nothing;
 }
 
 }  // namespace
@@ -70,7 +70,7 @@ tracker::KnownView known_view(const Session& session, const Trajectory& path, st
   view.T_world_camera =
       path.at(node.timestamp_s, 0.0).value_or(session.revision().path.at(node.frame));
   view.motion = node.motion;
-  view.view = seen_from(node, session.revision().calibration);
+  view.frame = seen_from(node, session.revision().calibration);
   view.ferns = node.ferns;
   view.fern_seed = session.fern_seed();
   if (const auto change = history::depth_change(session.skeleton()->revision().calibration,

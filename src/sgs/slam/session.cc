@@ -8,6 +8,7 @@
 
 #include "sgs/camera/depth_lag.h"
 #include "sgs/camera/fingerprint.h"
+#include "sgs/camera/resample.h"
 #include "sgs/core/log.h"
 #include "sgs/slam/calibration_back_end.h"
 #include "sgs/slam/loop_back_end.h"
@@ -101,7 +102,7 @@ Status Session::check_can_be_given_a_map() const {
 void Session::know(std::size_t number, double time_s, const tracker::KnownView& view) {
   revision_.path.append({tracker::known_view_index(number), time_s, view.T_world_camera});
   tracker_->know(view, revision_);
-  metre_.know(revision_.path.back().frame, view.view.frame());
+  metre_.know(revision_.path.back().frame, view.frame);
 }
 
 // One line where the camera's metre is not that of the map.
@@ -144,7 +145,7 @@ Status Session::go_on_with(const KnownMap& map) {
     know(i, tracker::known_view_time_s(i), view);
     earlier_.views.push_back({map.session_of[i], view.timestamp_s});
     times_s.push_back(view.timestamp_s);
-    RgbdFrame frame = tracker::seen_from(view, camera_);
+    RgbdFrame frame = resampled(view.frame, camera_);
     frame.index = tracker::known_view_index(i);
     frame.timestamp_s = tracker::known_view_time_s(i);
     std::optional<graph::UncertainPose> way;

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "sgs/camera/compact_view.h"
+#include "sgs/camera/resample.h"
 #include "sgs/features/visual_map.h"
 
 namespace sgs::tracker {
@@ -15,11 +15,11 @@ constexpr std::size_t kRemembered = 400;  // keyframes: an hour's places, and fe
 constexpr std::size_t kCompared = 6, kComparedOfMap = 12;
 constexpr int kFeaturesOfMap = 1000;
 
-/// In grey, halved as often as it stays wide enough.
+/// Halved as often as it stays wide enough.
 RgbdFrame reduced(const RgbdFrame& frame) {
   int level = 0;
   while (frame.camera.halved(level + 1).width >= kEnoughWidth_px) ++level;
-  return CompactView(frame, level).frame();
+  return resampled(frame, frame.camera.halved(level));
 }
 
 }  // namespace

@@ -256,7 +256,7 @@ KnownView view_of_wall(const SE3& T_world_camera, int index = 0) {
   const RgbdFrame frame = see_wall(T_world_camera, index);
   view.timestamp_s = 1000 + frame.timestamp_s;  // of another day
   view.T_world_camera = T_world_camera;
-  view.view = CompactView(frame);
+  view.frame = frame;
   view.fern_seed = 7;
   view.ferns = features::Ferns(view.fern_seed).code(frame);
   return view;
