@@ -94,6 +94,22 @@ TEST(ViewStore, DepthIsKeptAsDeliveredAndCalibratedWhenItIsRead) {
   EXPECT_NEAR(late->frame(second)->depth(9, 9), second->apply(raw->depth)(9, 9), 2e-4);
 }
 
+TEST(ViewStore, OtherPicturesOfAFrameStandBesideItsOwn) {
+  ViewStore store(1, {.least_in_memory = 1});
+  const auto own = store.keep(frame_of(3));
+  RgbdFrame coloured = frame_of(3);
+  coloured.color.fill({200, 0, 0});
+  auto other = store.keep_changed(coloured, nullptr);
+  EXPECT_EQ(other->index(), 3);
+  store.settle();
+  EXPECT_EQ(store.bytes_in_memory(), kBytes);
+  EXPECT_TRUE(shows(*own, frame_of(3)));
+  EXPECT_TRUE(shows(*other, coloured));
+  other.reset();
+  EXPECT_EQ(store.keep(frame_of(3)), own);
+  EXPECT_EQ(store.bytes_in_memory(), 0u) << "its own went to the disk first";
+}
+
 TEST(StoredView, FarDepthIsKeptInCoarserSteps) {
   RgbdFrame frame = frame_of(0);
   frame.depth(5, 5) = 14;
