@@ -42,7 +42,8 @@ Pixels pixels_of(const RgbdFrame& frame) {
   for (std::size_t i = 0; i < out.gray.size(); ++i) {
     const float gray = picture.level(0).gray.data()[i];  // not a number where nothing was seen
     const float least = out.all_seen ? 0.0f : 1.0f;
-    if (gray >= 0) out.gray.data()[i] = static_cast<std::uint8_t>(std::lround(std::max(least, gray)));
+    if (gray >= 0)
+      out.gray.data()[i] = static_cast<std::uint8_t>(std::lround(std::max(least, gray)));
     const float units = std::round(frame.depth.data()[i] * kUnitsPerMetre);
     if (units < 65536) out.depth.data()[i] = static_cast<std::uint16_t>(units);
   }
@@ -157,7 +158,8 @@ std::optional<tracker::KnownView> view_from(std::string_view bytes) {
   archive(gray, depth);
   if (!archive.complete() || !makes_sense(view)) return std::nullopt;
   const PinholeCamera& camera = view.frame.camera;
-  const auto size = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+  const auto size =
+      static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
   if (gray.size() != size || depth.size() != 2 * size) return std::nullopt;
   pixels.gray = Image<std::uint8_t>(camera.width, camera.height);
   pixels.depth = Image<std::uint16_t>(camera.width, camera.height);
