@@ -3,8 +3,12 @@
 #include "sgs/tracker/relocaliser.h"
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
 
-#include "sgs/camera/resample.h"
+#include "sgs/camera/pyramid.h"
+#include "sgs/core/error.h"
 #include "sgs/features/visual_map.h"
 
 namespace sgs::tracker {
@@ -15,11 +19,30 @@ constexpr std::size_t kRemembered = 400;  // keyframes: an hour's places, and fe
 constexpr std::size_t kCompared = 6, kComparedOfMap = 12;
 constexpr int kFeaturesOfMap = 1000;
 
-/// Halved as often as it stays wide enough.
+/// In grey, halved as often as it stays wide enough: means of grey values, every other depth.
 RgbdFrame reduced(const RgbdFrame& frame) {
   int level = 0;
   while (frame.camera.halved(level + 1).width >= kEnoughWidth_px) ++level;
-  return resampled(frame, frame.camera.halved(level));
+  GrayPyramid pyramid;
+  pyramid.build(frame.color, frame.camera, level + 1, frame.seen.get());
+  SGS_CHECK(pyramid.levels() == level + 1, "the image cannot be halved so often");
+  RgbdFrame out;
+  out.camera = frame.camera.halved(level);
+  out.color = ColorImage(out.camera.width, out.camera.height);
+  out.depth = DepthImage(out.camera.width, out.camera.height);
+  PixelMask seen(out.camera.width, out.camera.height, std::uint8_t{0});
+  for (int v = 0; v < out.camera.height; ++v) {
+    for (int u = 0; u < out.camera.width; ++u) {
+      out.depth(u, v) = frame.depth(u << level, v << level);
+      const float gray = pyramid.level(level).gray(u, v);
+      if (std::isnan(gray)) continue;
+      const auto g = static_cast<std::uint8_t>(std::lround(gray));
+      out.color(u, v) = {g, g, g};
+      seen(u, v) = 1;
+    }
+  }
+  if (frame.seen) out.seen = std::make_shared<const PixelMask>(std::move(seen));
+  return out;
 }
 
 }  // namespace
