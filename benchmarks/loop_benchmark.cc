@@ -139,7 +139,8 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
   const Trajectory truth = source.ground_truth();
   SGS_ASSIGN_OR_RETURN(auto tracker, tracker::make_tracker(config.tracker, source.camera(), SE3{}));
   tracker::Odometry odometry(options.drift.onto(std::move(tracker), config.seed));
-  loops::LoopCloser closer(config.loops, config.tracker, config.seed);
+  loops::LoopCloser closer(config.loops, config.tracker, config.seed,
+                           std::make_shared<history::ViewStore>(config.history));
   std::vector<StampedPose> online;
   std::vector<double> track_ms;
   double closing_ms = 0, longest_ms = 0;

@@ -25,7 +25,7 @@ import re
 import sys
 
 MODULES = ("backend", "history", "loops", "mapper", "slam", "tracker")
-ALSO = ("camera/compact_view.h", "camera/past_correction.h", "registration/photometric.h")
+ALSO = ("camera/past_correction.h", "registration/photometric.h")
 
 TRACKED = r"\bSE3\s+T_(?:odom|local|world)_camera\b|\bPhotometricReference\s+\w+"
 BESIDE_REFINED = r"\bSE3\s+T_odom_camera\b"
@@ -39,7 +39,7 @@ ENTERS = (
     r"|\bnote_applied\s*\(|\bvoid\s+follow\s*\("
 )
 FORMAT = (
-    r"\b(KeyframePictures|TrainingView|CompactView|StoredView|GrayPyramid|InverseDepthField"
+    r"\b(KeyframePictures|TrainingView|StoredView|GrayPyramid|InverseDepthField"
     r"|PhotometricReference)\b[^;()]*\b\w+(?:\s*=[^;]*)?;"
 )
 KNOB = r'\badd\(\s*"(memory_mb|relocalise_keyframes|most)"'

@@ -42,7 +42,7 @@ synthetic::SynthOptions walk() {
 slam::SessionConfig config_with_corrections() {
   auto config = slam::make_session_config(slam::Preset::kDefault);
   config.mapper.iterations_per_frame = 0.1;
-  config.mapper.memory_mb = 1;  // pictures that are on the disk change, too
+  config.history.memory_mb = 1;  // what is on the disk is calibrated, too
   config.mapper.schedule.most_keyframes = 12;
   config.loops.view_distance = 0.12;
   config.backend.calibration.online = true;

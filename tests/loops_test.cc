@@ -30,6 +30,10 @@ const Recording& desk() {
   return recording;
 }
 
+std::shared_ptr<history::ViewStore> new_store() {
+  return std::make_shared<history::ViewStore>(history::HistoryConfig{});
+}
+
 slam::SessionConfig config_with_loops() {
   auto config = slam::make_session_config(slam::Preset::kDefault);
   config.mapper.iterations_per_frame = 0.5;
@@ -130,7 +134,7 @@ Mending mend(double stretch, double turn_rad, double step_m = 0, double doubt_sh
   slam::SessionConfig config = config_with_loops();
   config.loops.doubt_share = doubt_share;
   config.loops.min_gap_s = 1000;
-  loops::LoopCloser closer(config.loops, config.tracker, 0);
+  loops::LoopCloser closer(config.loops, config.tracker, 0, new_store());
   SE3 T_said, T_now, T_true_last;
   history::Revision now;
   std::vector<StampedPose> said, online;
@@ -197,7 +201,7 @@ TEST(Loops, ASingleStepToOldSurfacesIsNotUndone) {
 /// poses.
 int loops_across(const std::function<SE3(const RgbdFrame&, std::size_t)>& pose_of) {
   const slam::SessionConfig config = config_with_loops();
-  loops::LoopCloser closer(config.loops, config.tracker, 0);
+  loops::LoopCloser closer(config.loops, config.tracker, 0, new_store());
   history::Revision now;
   std::size_t i = 0;
   for (const auto& frame : desk().frames) {
@@ -231,7 +235,7 @@ TEST(Loops, PlacesThatOnlyLookAlikeAreNotJoined) {
 
 TEST(Loops, TrackersThatSayNothingOfTheirCertaintyAreLeftAlone) {
   const slam::SessionConfig config = config_with_loops();
-  loops::LoopCloser closer(config.loops, config.tracker, 0);
+  loops::LoopCloser closer(config.loops, config.tracker, 0, new_store());
   history::Revision now;
   for (const auto& frame : desk().frames) {
     now.path.append({frame->index, frame->timestamp_s, {}});

@@ -54,7 +54,7 @@ int explain_shortage(int code) {
   if (code != kExitInterrupted || !memory_ran_short()) return code;
   say("sgs: the memory was used up, so the work was ended early; what was done is kept (use fewer "
       "or "
-      "smaller frames, or lower mapper.memory_mb)\n");
+      "smaller frames, or lower history.memory_mb)\n");
   return kExitFailed;
 }
 

@@ -9,7 +9,6 @@ namespace sgs::backend {
 /// Which frames the back end keeps, and which of their pixels.
 struct ArchiveConfig {
   double view_distance = 0.12;
-  int most = 200;
   double longest_gap_s = 0.25;
   double block_px = 24;
   double gradient_threshold = 6;
@@ -17,11 +16,6 @@ struct ArchiveConfig {
   void declare(ParameterList& p) {
     p.add("view_distance", view_distance, "How far the view moves between two keyframes.",
           "image widths", {0.01, 2});
-    p.add(
-        "most", most,
-        "Keyframes kept, the first of a recording: each takes 2 MB, and a minute or two tells what "
-        "there is to know.",
-        "", {8, 10000});
     p.add("longest_gap_s", longest_gap_s,
           "A frame whose neighbours are further apart becomes no keyframe: how the camera moved is "
           "not known.",
@@ -29,7 +23,7 @@ struct ArchiveConfig {
     p.add("block_px", block_px, "One pixel is followed per block of this size.", "px", {4, 200});
     p.add("gradient_threshold", gradient_threshold,
           "Smallest gradient of a pixel that is followed.", "grey/px", {0, 255});
-    p.for_users({"most"});
+    p.removed("most", "the first 200 tell what there is to know");
   }
 };
 

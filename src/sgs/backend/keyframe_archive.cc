@@ -9,6 +9,7 @@ namespace {
 
 constexpr int kLevels = 4;
 constexpr double kFarthest_m = 100;
+constexpr std::size_t kMost = 200;  // each takes 2 MB, and a minute or two tells what there is
 
 /// The pixels of highest contrast, one to a block, that lie on a smooth surface.
 std::vector<HostPixel> choose_pixels(const Keyframe& keyframe, const DepthImage& depth,
@@ -63,7 +64,7 @@ void KeyframeArchive::note_gap() {
 }
 
 bool KeyframeArchive::wants(const RgbdFrame& frame, const history::Path& path) const {
-  if (keyframes_.size() >= static_cast<std::size_t>(config_.most)) return false;
+  if (keyframes_.size() >= kMost) return false;
   if (keyframes_.empty()) return true;
   const Keyframe& last = keyframes_.back();
   return view_distance(last, path.at(last.frame).inverse() * path.at(frame.index)) >

@@ -30,16 +30,6 @@ DepthChange::DepthChange(const DepthCalibration& before, const DepthCalibration&
   prepare();
 }
 
-DepthChange DepthChange::halved(int level) const {
-  DepthChange out = *this;
-  for (DepthCalibration* c : {&out.after_, &out.difference_}) {
-    c->camera = c->camera.halved(level);
-    c->shift_px /= 1 << level;
-  }
-  out.prepare();
-  return out;
-}
-
 double DepthChange::rms_per_m() const {
   if (difference_.offset_per_m.empty()) return 0;
   const std::vector<double> area = difference_.grid.area();

@@ -20,8 +20,6 @@ class DepthChange {
 
   /// The new calibration.
   const DepthCalibration& after() const { return after_; }
-  /// The same for images that were halved `level` times.
-  DepthChange halved(int level) const;
   /// A depth image corrected by `before` as `after` would have corrected it.
   DepthImage apply(const DepthImage& before) const { return difference_.apply(before); }
   /// A point in its camera's coordinates on a surface with that unit normal: where and how the

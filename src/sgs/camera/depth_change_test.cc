@@ -120,18 +120,6 @@ TEST(DepthChange, WhatWasMeasuredLaterWasSeenFromElsewhere) {
   }
 }
 
-TEST(DepthChange, HalvedImagesChangeAlike) {
-  const DepthChange change({}, calibration(0.001, {2, -2}));
-  DepthImage half(kChangedCamera.width / 2, kChangedCamera.height / 2);
-  for (int v = 0; v < half.height(); ++v) {
-    for (int u = 0; u < half.width(); ++u) half(u, v) = measured()(2 * u, 2 * v);
-  }
-  const DepthImage whole = change.apply(measured()), changed = change.halved(1).apply(half);
-  for (int v = 3; v < 20; ++v) {
-    for (int u = 3; u < 28; ++u) ASSERT_NEAR(1 / changed(u, v), 1 / whole(2 * u, 2 * v), 5e-5);
-  }
-}
-
 TEST(DepthChange, WhatWouldLieBehindTheCameraStays) {
   const DepthChange change({}, calibration(-0.2, {0, 0}));
   Eigen::Vector3f point(0.2f, 0, 9), normal(0, 0, -1);

@@ -61,7 +61,7 @@ DepthImage depth_with_colour(const DepthImage& depth, const PinholeCamera& camer
 std::shared_ptr<const RgbdFrame> frame_of_one_time(const std::shared_ptr<const RgbdFrame>& frame,
                                                    const Vector6d& lag) {
   if (lag.isZero(0)) return frame;
-  auto out = std::make_shared<RgbdFrame>(*frame);
+  auto out = copy_to_change(frame);
   out->depth = depth_with_colour(frame->depth, frame->camera, lag);
   out->depth_delay_s = 0;
   return out;

@@ -9,7 +9,6 @@
 #include <memory>
 #include <vector>
 
-#include "sgs/camera/compact_view.h"
 #include "sgs/camera/luma_row.h"
 
 namespace sgs {
@@ -161,23 +160,6 @@ TEST(GrayPyramid, MaskOfAllChangesNothing) {
   for (int l = 0; l < 3; ++l) {
     const Image<float>&a = all.level(l).gray, &b = masked.level(l).gray;
     for (std::size_t i = 0; i < a.size(); ++i) EXPECT_FLOAT_EQ(a.data()[i], b.data()[i]);
-  }
-}
-
-// A view that is kept in bytes knows as well what was not seen; black that was seen stays seen.
-TEST(CompactView, KeepsWhatWasNotSeen) {
-  RgbdFrame frame;
-  frame.camera = camera_of(64, 48);
-  frame.color = ColorImage(64, 48);  // black
-  frame.depth = DepthImage(64, 48, 2.0f);
-  EXPECT_EQ(CompactView(frame, 1).frame().seen, nullptr);
-  PixelMask seen(64, 48, std::uint8_t{1});
-  for (int v = 0; v < 48; ++v) std::fill_n(seen.row(v), 10, std::uint8_t{0});
-  frame.seen = std::make_shared<const PixelMask>(seen);
-  const RgbdFrame kept = CompactView(frame, 1).frame();
-  ASSERT_NE(kept.seen, nullptr);
-  for (int v = 0; v < 24; ++v) {
-    for (int u = 0; u < 32; ++u) ASSERT_EQ(kept.sees(u, v), u >= 5) << u << " " << v;
   }
 }
 

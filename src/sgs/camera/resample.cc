@@ -3,7 +3,9 @@
 #include "sgs/camera/resample.h"
 
 #include <algorithm>
+#include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 #include <vector>
 
 #include "sgs/camera/opencv_threads.h"
@@ -141,6 +143,37 @@ DepthImage resample_depth(const DepthImage& image, const PinholeCamera& from,
     }
   }
   return out;
+}
+
+namespace {
+
+/// Which pixels of `to` show what `from` saw; `seen` are those of `from`, null for all.
+std::shared_ptr<const PixelMask> seen_in(const PinholeCamera& from, const PinholeCamera& to,
+                                         const std::shared_ptr<const PixelMask>& seen) {
+  const auto inside = seen_by(from, to);
+  if (!seen) return inside;
+  auto both = std::make_shared<PixelMask>(to.width, to.height, std::uint8_t{0});
+  for (int v = 0; v < to.height; ++v) {
+    for (int u = 0; u < to.width; ++u) {
+      if (inside && (*inside)(u, v) == 0) continue;
+      const double x = (u - to.cx) / to.fx * from.fx + from.cx;
+      const double y = (v - to.cy) / to.fy * from.fy + from.cy;
+      (*both)(u, v) = (*seen)(std::clamp(static_cast<int>(std::lround(x)), 0, from.width - 1),
+                              std::clamp(static_cast<int>(std::lround(y)), 0, from.height - 1));
+    }
+  }
+  return both;
+}
+
+}  // namespace
+
+RgbdFrame resampled(RgbdFrame frame, const PinholeCamera& to) {
+  const PinholeCamera from = std::exchange(frame.camera, to);
+  if (from == to) return frame;
+  frame.seen = seen_in(from, to, frame.seen);
+  frame.color = resample_color(frame.color, from, to);
+  frame.depth = resample_depth(frame.depth, from, to);
+  return frame;
 }
 
 }  // namespace sgs

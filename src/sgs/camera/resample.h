@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "sgs/camera/pinhole.h"
+#include "sgs/camera/rgbd_frame.h"
 #include "sgs/core/image.h"
 
 namespace sgs {
@@ -30,5 +31,8 @@ std::shared_ptr<const PixelMask> seen_by(const PinholeCamera& from, const Pinhol
 /// stay edges; 0 where `from` saw nothing.
 DepthImage resample_depth(const DepthImage& image, const PinholeCamera& from,
                           const PinholeCamera& to);
+
+/// The frame as `to` would have seen it.
+RgbdFrame resampled(RgbdFrame frame, const PinholeCamera& to);
 
 }  // namespace sgs

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 
 namespace sgs {
 namespace {
@@ -103,6 +105,26 @@ TEST(Resample, SeenAreThePixelsThatTheOtherCameraHas) {
     }
   }
   EXPECT_EQ(wrong, 0);
+}
+
+TEST(Resample, AFrameKnowsWhatTheOtherCameraHasNotSeen) {
+  RgbdFrame frame;
+  frame.index = 7;
+  frame.camera = kFrom;
+  frame.color = picture(kFrom);
+  frame.depth = DepthImage(kFrom.width, kFrom.height, 2.0f);
+  EXPECT_EQ(resampled(frame, kFrom).seen, nullptr);
+  PixelMask seen(kFrom.width, kFrom.height, std::uint8_t{1});
+  for (int v = 0; v < kFrom.height; ++v) std::fill_n(seen.row(v), 10, std::uint8_t{0});
+  frame.seen = std::make_shared<const PixelMask>(seen);
+  const RgbdFrame half = resampled(frame, kFrom.halved(1));
+  EXPECT_EQ(half.index, 7);
+  EXPECT_EQ(half.camera, kFrom.halved(1));
+  EXPECT_LE(largest_error(half.color, half.camera, 1), 3);
+  EXPECT_EQ(half.depth(20, 20), 2);
+  for (int v = 0; v < half.camera.height; ++v) {
+    for (int u = 0; u < half.camera.width; ++u) ASSERT_EQ(half.sees(u, v), u >= 5) << u << " " << v;
+  }
 }
 
 TEST(Resample, WidthIsLimitedByWholeFactorsWhereThatLeavesEnough) {

@@ -29,7 +29,17 @@ struct RgbdFrame {
   /// Where somebody else says that the camera was; only a tracker of given poses reads it.
   std::optional<SE3> given_T_world_camera = {};
 
+  /// As it was delivered, where its depth or its mask are others since; null: it is that one.
+  std::shared_ptr<const RgbdFrame> delivered = {};
+
   bool sees(int u, int v) const { return !seen || (*seen)(u, v) != 0; }
 };
+
+/// A copy to be changed, which knows what it was made of.
+inline std::shared_ptr<RgbdFrame> copy_to_change(const std::shared_ptr<const RgbdFrame>& frame) {
+  auto out = std::make_shared<RgbdFrame>(*frame);
+  if (!out->delivered) out->delivered = frame;
+  return out;
+}
 
 }  // namespace sgs

@@ -259,6 +259,12 @@ tl::unexpected<Error> ParameterList::unknown_key(std::string_view key) const {
 
 Status ParameterList::set(std::string_view key, std::string_view value_text) const {
   if (const Parameter* parameter = find(key)) return parameter->set_from_text(value_text);
+  const auto is_gone = [&](const FormerKey& former) {
+    return former.now.empty() && is_or_below(key, former.key);
+  };
+  if (passes_over_removed_ && std::any_of(former_keys_.begin(), former_keys_.end(), is_gone)) {
+    return {};
+  }
   return unknown_key(key);
 }
 

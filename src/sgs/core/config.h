@@ -153,6 +153,8 @@ class ParameterList {
   void renamed(std::string_view former, std::string_view now);
   /// Makes an error of the key `former` that says why it is gone.
   void removed(std::string_view former, std::string_view why);
+  /// Values of such keys are passed over: what an earlier version wrote is to be read.
+  void pass_over_removed() { passes_over_removed_ = true; }
   /// Makes an error of a word that the parameter `name` (added before) once accepted; `instead`
   /// says what to write, e.g. "relative" or "tracker.type = paper".
   void renamed_word(std::string_view name, std::string_view former, std::string_view instead);
@@ -183,6 +185,7 @@ class ParameterList {
   std::string prefix_;
   std::vector<Parameter> parameters_;
   std::vector<FormerKey> former_keys_;
+  bool passes_over_removed_ = false;
 };
 
 /// Whether every value of a config struct is allowed, however it was built. Keys in the error are

@@ -53,7 +53,8 @@ Status apply_node(const toml::node& node, const std::string& key, std::string_vi
   const Parameter* parameter = parameters.find(key);
   if (parameter == nullptr) {
     // ParameterList words the error for unknown keys; the value no longer matters.
-    return located(parameters.set(key, "").error());
+    const Status status = parameters.set(key, "");
+    return status ? status : located(status.error());
   }
   SGS_ASSIGN_OR_RETURN(const std::string text, value_text(node, source, *parameter));
   if (auto status = parameter->set_from_text(text); !status) return located(status.error());

@@ -63,17 +63,15 @@ std::vector<graph::Edge> measured(const PosedViews& views, const std::vector<Pla
   std::vector<graph::Edge> edges;
   if (to.empty()) return edges;
   const tracker::KnownView older = views.view(from);
-  PairAligner aligner(tracker, older.view.frame(), older.motion);
+  PairAligner aligner(tracker, older.frame, older.motion);
   for (const std::size_t k : to) {
     const tracker::KnownView newer = views.view(k);
     const SE3 T_start = places[from].T_world_camera.inverse() * places[k].T_world_camera;
-    const auto a = aligner.align(newer.view.frame(), newer.motion, T_start);
-    if (!a || a->overlap < config.min_overlap) continue;
-    const Matrix6d information = edge_information(a->information, places[k].mean_depth_m,
-                                                  config.min_information, config.drift);
-    if (information.isZero(0)) continue;
+    const auto a = aligner.align(newer.frame, newer.motion, T_start);
+    const auto information = a ? information_of(*a, places[k].mean_depth_m, config) : std::nullopt;
+    if (!information) continue;
     edges.push_back({static_cast<int>(from) + 1, static_cast<int>(k) + 1, a->T_reference_camera,
-                     information, true});
+                     *information, true});
   }
   return edges;
 }
@@ -85,9 +83,8 @@ std::vector<SE3> agreeing_poses(const PosedViews& views, const LoopConfig& confi
   std::vector<Place> places;
   for (std::size_t i = 0; i < views.count; ++i) {
     const tracker::KnownView view = views.view(i);
-    const RgbdFrame frame = view.view.frame();
-    places.push_back({frame.camera, view.T_world_camera,
-                      registration::mean_depth(frame.depth, kFarthestDepth_m)});
+    places.push_back({view.frame.camera, view.T_world_camera,
+                      registration::mean_depth(view.frame.depth, kFarthestDepth_m)});
   }
   const auto later = neighbours(places, config.revisit_distance);
   const tracker::SpectralConfig alignment(tracker);

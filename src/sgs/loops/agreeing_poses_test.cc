@@ -20,7 +20,7 @@ class AgreeingPosesTest : public testing::Test {
       view.timestamp_s = i;
       view.T_world_camera = true_.back() * SE3(so3_exp({0.003 * side, -0.002, 0.002 * side}),
                                                {0.004 * side, 0.003 * (i % 3 - 1), 0.005 * side});
-      view.view = CompactView(tracker::see_wall(true_.back(), i));
+      view.frame = tracker::see_wall(true_.back(), i);
       views_.push_back(std::move(view));
     }
   }
@@ -70,9 +70,7 @@ TEST_F(AgreeingPosesTest, ThreadsChangeNothing) {
 TEST_F(AgreeingPosesTest, AViewWithoutNeighboursIsLeftAlone) {
   views_.resize(1);
   EXPECT_LT((agreeing(1)[0].inverse() * views_[0].T_world_camera).log().norm(), 1e-9);
-  RgbdFrame blind = views_[0].view.frame();
-  blind.depth.fill(0);
-  views_[0].view = CompactView(blind);
+  views_[0].frame.depth.fill(0);
   EXPECT_LT((agreeing(1)[0].inverse() * views_[0].T_world_camera).log().norm(), 1e-9);
   views_.clear();
   EXPECT_TRUE(agreeing(1).empty());

@@ -15,6 +15,7 @@ namespace sgs::loops {
 namespace {
 
 constexpr std::size_t kMostPending = 64;
+constexpr std::size_t kMostViews = 434;  // of places: what there is to solve grows with them
 
 /// By how many image widths a view may be elsewhere than expected, one standard deviation.
 double view_sigma(const Matrix6d& covariance, const PinholeCamera& camera, double depth_m) {
@@ -36,12 +37,13 @@ bool agree(const Skeleton& skeleton, const graph::Edge& k, const graph::Edge& l)
 }  // namespace
 
 LoopCloser::LoopCloser(const LoopConfig& config, const tracker::TrackerConfig& tracker,
-                       std::uint64_t seed)
+                       std::uint64_t seed, std::shared_ptr<history::ViewStore> views)
     : config_(config),
       verifier_(config, tracker),
       way_check_(config),
       fern_seed_(seed),
-      ferns_(seed) {}
+      ferns_(seed),
+      views_(std::move(views)) {}
 
 void LoopCloser::know(const tracker::KnownView& view, const RgbdFrame& frame,
                       const history::Revision& revision,
@@ -60,7 +62,7 @@ void LoopCloser::know(const tracker::KnownView& view, const RgbdFrame& frame,
   node.mean_depth_m =
       std::max(kLeastDepth_m, registration::mean_depth(frame.depth, kFarthestDepth_m));
   node.motion = view.motion;
-  node.view = frame.camera == view.view.camera() ? view.view : CompactView(frame);
+  node.view = views_->keep(frame, revision.calibration);
   // Other questions: those of brightness and depth are answered by the view.
   node.ferns = view.fern_seed == fern_seed_ ? view.ferns : ferns_.code(frame);
   node.left = true;
@@ -155,7 +157,7 @@ void LoopCloser::add_node(const RgbdFrame& frame, const tracker::TrackResult& re
   node.mean_depth_m = registration::mean_depth(frame.depth, kFarthestDepth_m);
   if (node.mean_depth_m <= 0) return;
   node.motion = result.motion;
-  node.view = CompactView(frame);
+  node.view = views_->keep(frame, skeleton_.revision().calibration);
   node.ferns = ferns_.code(frame);
   const Matrix6d covariance =
       motion_covariance(*result.information, node.mean_depth_m, path_m_, gap_s_, config_.drift);
@@ -163,7 +165,7 @@ void LoopCloser::add_node(const RgbdFrame& frame, const tracker::TrackResult& re
   mend_way();
   tie_to_known_place(*result.information);
   skeleton_.note_left(camera_, config_.left_distance);
-  skeleton_.bound_views(camera_, static_cast<std::size_t>(config_.memory_mb) * 1'000'000);
+  skeleton_.bound_views(camera_, kMostViews);
   skeleton_.join_ways(pending_);
   path_m_ = gap_s_ = 0;
 }
@@ -209,7 +211,7 @@ std::vector<int> LoopCloser::candidates(const std::vector<graph::UncertainPose>&
   std::vector<std::pair<double, int>> alike;
   for (int k = 0; k < newest; ++k) {
     const Node& m = skeleton_.node(k);
-    if (!m.left || m.view.empty() || n.timestamp_s - m.timestamp_s < config_.min_gap_s) continue;
+    if (!m.left || !m.view || n.timestamp_s - m.timestamp_s < config_.min_gap_s) continue;
     const graph::UncertainPose& p = predicted[static_cast<std::size_t>(k)];
     const double distance = registration::view_distance(camera_, m.mean_depth_m, p.T);
     const double reach = config_.reach_sigmas * view_sigma(p.covariance, camera_, m.mean_depth_m);

@@ -10,6 +10,7 @@
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/features/ferns.h"
 #include "sgs/history/revision.h"
+#include "sgs/history/view_store.h"
 #include "sgs/loops/loop_config.h"
 #include "sgs/loops/loop_verifier.h"
 #include "sgs/loops/skeleton.h"
@@ -37,7 +38,9 @@ struct LoopCounts {
 /// it suits; until one comes there is no other.
 class LoopCloser {
  public:
-  LoopCloser(const LoopConfig& config, const tracker::TrackerConfig& tracker, std::uint64_t seed);
+  /// `views`: where frames are remembered.
+  LoopCloser(const LoopConfig& config, const tracker::TrackerConfig& tracker, std::uint64_t seed,
+             std::shared_ptr<history::ViewStore> views);
 
   /// Before the first frame: a view of a map that is gone on with becomes a node, under the last
   /// index of the path of `revision`. `frame` is what a camera like that of the frames to come saw
@@ -78,6 +81,7 @@ class LoopCloser {
   WayCheck way_check_;
   std::uint64_t fern_seed_;
   features::Ferns ferns_;
+  std::shared_ptr<history::ViewStore> views_;
   PinholeCamera camera_;
   Skeleton skeleton_;
   std::vector<graph::Edge> pending_;        // verified, without enough support so far

@@ -61,7 +61,6 @@ struct LoopConfig {
   double way_doubt = 0.1;
   double way_ratio = 10;
   double doubt_share = 0.33;
-  int memory_mb = 400;
   DriftConfig drift;
 
   void declare(ParameterList& p) {
@@ -128,12 +127,9 @@ struct LoopConfig {
     p.add("doubt_share", doubt_share,
           "While ways are mended nodes are so much closer together: what drifts in between stays.",
           "", {0.05, 1});
-    p.add("memory_mb", memory_mb,
-          "What views of places may hold in memory; beyond, of views that show the same the newer "
-          "ones go.",
-          "MB", {10, 100000});
     p.add_group("drift", drift);
-    p.for_users({"enabled", "most_loops", "rhythm", "memory_mb"});
+    p.for_users({"enabled", "most_loops", "rhythm"});
+    p.removed("memory_mb", "history.memory_mb bounds all frames that are remembered");
   }
 };
 

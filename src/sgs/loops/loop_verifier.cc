@@ -4,39 +4,43 @@
 
 #include <Eigen/Eigenvalues>
 #include <numbers>
+#include <utility>
 
 #include "sgs/features/visual_map.h"
-#include "sgs/loops/drift.h"
 #include "sgs/loops/pair_aligner.h"
 #include "sgs/registration/view_distance.h"
 
 namespace sgs::loops {
 
-std::optional<LoopVerifier::Found> LoopVerifier::align(const Node& older, const Node& newer,
-                                                       const RgbdFrame& frame,
+std::optional<LoopVerifier::Sight> LoopVerifier::sight(const Skeleton& skeleton, int node) {
+  auto frame = skeleton.seen(node);
+  if (!frame) return std::nullopt;
+  return Sight{&skeleton.node(node), std::move(*frame)};
+}
+
+std::optional<LoopVerifier::Found> LoopVerifier::align(const Sight& older, const Sight& newer,
                                                        const SE3& T_start) const {
-  const RgbdFrame reference = older.view.frame();
-  PairAligner aligner(tracker_, reference, older.motion);
-  const auto a = aligner.align(frame, newer.motion, T_start);
-  if (!a || a->overlap < config_.min_overlap) return std::nullopt;
-  if (a->used > 0 && a->used < config_.min_used) return std::nullopt;
-  const Matrix6d information =
-      edge_information(a->information, newer.mean_depth_m, config_.min_information, config_.drift);
-  if (information.isZero(0) || graph::rank(information) < config_.min_rank) return std::nullopt;
-  return Found{a->T_reference_camera, information};
+  PairAligner aligner(tracker_, older.frame, older.node->motion);
+  const auto a = aligner.align(newer.frame, newer.node->motion, T_start);
+  if (!a || (a->used > 0 && a->used < config_.min_used)) return std::nullopt;
+  const auto information = information_of(*a, newer.node->mean_depth_m, config_);
+  if (!information || graph::rank(*information) < config_.min_rank) return std::nullopt;
+  return Found{a->T_reference_camera, *information};
 }
 
-std::optional<LoopVerifier::Found> LoopVerifier::measure(const Node& older, const Node& newer,
-                                                         const SE3& T_start) const {
-  if (older.view.empty() || newer.view.empty()) return std::nullopt;
-  return align(older, newer, newer.view.frame(), T_start);
+std::optional<LoopVerifier::Found> LoopVerifier::measure(const Skeleton& skeleton, int older,
+                                                         int newer, const SE3& T_start) const {
+  const auto from = sight(skeleton, older), to = sight(skeleton, newer);
+  if (!from || !to) return std::nullopt;
+  return align(*from, *to, T_start);
 }
 
-std::optional<SE3> LoopVerifier::match_features(const Node& older, const RgbdFrame& frame) const {
+std::optional<SE3> LoopVerifier::match_features(const RgbdFrame& older,
+                                                const RgbdFrame& newer) const {
   features::OrbExtractor extractor(tracker_.relocaliser.orb);
   features::VisualMap map(tracker_.relocaliser.pose);
-  map.insert(extractor.extract(older.view.frame()), SE3{});
-  const auto found = map.relocalise(extractor.extract(frame));
+  map.insert(extractor.extract(older), SE3{});
+  const auto found = map.relocalise(extractor.extract(newer));
   if (found.verdict != features::Verdict::kOk) return std::nullopt;
   return found.T_world_camera;
 }
@@ -56,17 +60,17 @@ bool LoopVerifier::agree(const Found& found, const SE3& other) const {
 
 std::optional<graph::Edge> LoopVerifier::verify(const Skeleton& skeleton, int older, int newer,
                                                 const SE3& T_older_newer) const {
-  const Node &m = skeleton.node(older), &n = skeleton.node(newer);
-  const RgbdFrame frame = n.view.frame();
-  auto found = align(m, n, frame, T_older_newer);
+  const auto from = sight(skeleton, older), to = sight(skeleton, newer);
+  if (!from || !to) return std::nullopt;
+  auto found = align(*from, *to, T_older_newer);
   if (!found) {
-    const auto start = match_features(m, frame);
-    if (start) found = align(m, n, frame, *start);
+    const auto start = match_features(from->frame, to->frame);
+    if (start) found = align(*from, *to, *start);
   }
   if (!found) return std::nullopt;
   // From afar, what a distorting camera sees does not fit: it is off by centimetres.
-  const PinholeCamera& camera = m.view.camera();
-  if (registration::view_distance(camera, m.mean_depth_m, found->T_older_newer) >
+  const PinholeCamera& camera = from->frame.camera;
+  if (registration::view_distance(camera, from->node->mean_depth_m, found->T_older_newer) >
       config_.revisit_distance) {
     return std::nullopt;
   }
@@ -75,14 +79,14 @@ std::optional<graph::Edge> LoopVerifier::verify(const Skeleton& skeleton, int ol
   for (const int step : {-1, 1}) {
     int neighbour = older + step;
     const auto exists = [&] { return neighbour >= 0 && neighbour < newer - 1; };
-    while (exists() && skeleton.node(neighbour).view.empty()) neighbour += step;
+    while (exists() && !skeleton.node(neighbour).view) neighbour += step;
     if (!exists()) continue;
     const SE3 T_older_neighbour = skeleton.tracked(older, neighbour).T;
     const SE3 expected = T_older_neighbour.inverse() * found->T_older_newer;
-    const Node& k = skeleton.node(neighbour);
-    if (registration::view_distance(camera, k.mean_depth_m, expected) > kFarthestNeighbour)
-      continue;
-    const auto other = align(k, n, frame, expected);
+    const double depth_m = skeleton.node(neighbour).mean_depth_m;
+    if (registration::view_distance(camera, depth_m, expected) > kFarthestNeighbour) continue;
+    const auto beside = sight(skeleton, neighbour);
+    const auto other = beside ? align(*beside, *to, expected) : std::nullopt;
     if (!other) continue;
     if (!agree(*found, T_older_neighbour * other->T_older_newer)) return std::nullopt;
     ++confirmed;

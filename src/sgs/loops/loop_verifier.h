@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "sgs/camera/rgbd_frame.h"
 #include "sgs/loops/loop_config.h"
 #include "sgs/loops/skeleton.h"
 #include "sgs/tracker/tracker_config.h"
@@ -27,14 +28,19 @@ class LoopVerifier {
     Matrix6d information;  ///< as of graph::Edge
   };
   /// The view of `newer` aligned to that of `older`, and nothing else asked. Empty where it cannot
-  /// be, and where one of the views is forgotten.
-  std::optional<Found> measure(const Node& older, const Node& newer, const SE3& T_start) const;
+  /// be, and where one of the views is forgotten or gone.
+  std::optional<Found> measure(const Skeleton& skeleton, int older, int newer,
+                               const SE3& T_start) const;
 
  private:
-  /// `frame` is what `newer` saw.
-  std::optional<Found> align(const Node& older, const Node& newer, const RgbdFrame& frame,
-                             const SE3& T_start) const;
-  std::optional<SE3> match_features(const Node& older, const RgbdFrame& frame) const;
+  /// What a node saw, and how it moved meanwhile.
+  struct Sight {
+    const Node* node;
+    RgbdFrame frame;
+  };
+  static std::optional<Sight> sight(const Skeleton& skeleton, int node);
+  std::optional<Found> align(const Sight& older, const Sight& newer, const SE3& T_start) const;
+  std::optional<SE3> match_features(const RgbdFrame& older, const RgbdFrame& newer) const;
   bool agree(const Found& found, const SE3& other) const;
 
   LoopConfig config_;

@@ -27,7 +27,7 @@ class LoopVerifierTest : public testing::Test {
     node.frame = skeleton_.size();
     node.timestamp_s = 10 * skeleton_.size();
     node.mean_depth_m = registration::mean_depth(frame.depth, 10);
-    node.view = CompactView(frame);
+    node.view = std::make_shared<const history::StoredView>(frame);
     revision_.path.append({node.frame, node.timestamp_s, T_said});
     skeleton_.follow(revision_);
     skeleton_.add(std::move(node), 1e-4 * Matrix6d::Identity());

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/loops/pair_aligner.h"
 
+#include "sgs/loops/drift.h"
+
 namespace sgs::loops {
 namespace {
 
@@ -15,6 +17,14 @@ tracker::SpectralConfig of_one_view(tracker::SpectralConfig config) {
 }
 
 }  // namespace
+
+std::optional<Matrix6d> information_of(const PairAlignment& alignment, double mean_depth_m,
+                                       const LoopConfig& config) {
+  if (alignment.overlap < config.min_overlap) return std::nullopt;
+  const Matrix6d information =
+      edge_information(alignment.information, mean_depth_m, config.min_information, config.drift);
+  return information.isZero(0) ? std::nullopt : std::optional(information);
+}
 
 PairAligner::PairAligner(const tracker::SpectralConfig& config, const RgbdFrame& reference,
                          const registration::FrameMotion& motion)

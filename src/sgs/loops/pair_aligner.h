@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "sgs/camera/rgbd_frame.h"
+#include "sgs/loops/loop_config.h"
 #include "sgs/tracker/joint_aligner.h"
 
 namespace sgs::loops {
@@ -19,6 +20,10 @@ struct PairAlignment {
   double overlap = 0;  ///< share of the aligned view's points that fit
   double mean_cost = 0;
 };
+
+/// What it is worth as an edge of the graph (edge_information()); empty where too little fits.
+std::optional<Matrix6d> information_of(const PairAlignment& alignment, double mean_depth_m,
+                                       const LoopConfig& config);
 
 /// Aligns views to a reference view as the tracker aligns frames to its map (JointAligner), and
 /// with the same right to say that it cannot.

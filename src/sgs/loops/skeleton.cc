@@ -32,15 +32,17 @@ void Skeleton::note_left(const PinholeCamera& camera, double left_distance) {
   }
 }
 
-void Skeleton::bound_views(const PinholeCamera& camera, std::size_t most_bytes) {
+std::optional<RgbdFrame> Skeleton::seen(int index) const {
+  const auto& view = node(index).view;
+  return view ? view->frame(revision_.calibration) : std::nullopt;
+}
+
+void Skeleton::bound_views(const PinholeCamera& camera, std::size_t most) {
   std::vector<int> kept;
-  std::size_t bytes = 0;
   for (int k = 0; k < size(); ++k) {
-    if (node(k).view.empty()) continue;
-    kept.push_back(k);
-    bytes += node(k).view.bytes();
+    if (node(k).view) kept.push_back(k);
   }
-  if (bytes <= most_bytes) return;
+  if (kept.size() <= most) return;
   const auto one_way = [&](int a, int b) {
     return registration::view_distance(camera, node(a).mean_depth_m, pose(a).inverse() * pose(b));
   };
@@ -58,12 +60,13 @@ void Skeleton::bound_views(const PinholeCamera& camera, std::size_t most_bytes) 
   std::sort(pairs.begin(), pairs.end(), [](const Likeness& x, const Likeness& y) {
     return std::tie(x.distance, y.newer, y.older) < std::tie(y.distance, x.newer, x.older);
   });
+  std::size_t left = kept.size();
   for (const Likeness& pair : pairs) {
-    if (bytes <= most_bytes - most_bytes / 8) break;
-    CompactView& view = nodes_[static_cast<std::size_t>(pair.newer)].view;
-    if (view.empty() || node(pair.older).view.empty()) continue;
-    bytes -= view.bytes();
-    view = {};
+    if (left <= most - most / 8) break;
+    history::StoredViewPtr& view = nodes_[static_cast<std::size_t>(pair.newer)].view;
+    if (!view || !node(pair.older).view) continue;
+    view.reset();
+    --left;
   }
 }
 
@@ -83,7 +86,7 @@ void Skeleton::join_ways(std::vector<graph::Edge>& others) {
       const Motion& m = motions_[k - 1];
       way = way.covariance.isZero(0) ? m : joined(way, m);
     }
-    if (!needed[k] && nodes_[k].view.empty()) continue;
+    if (!needed[k] && !nodes_[k].view) continue;
     new_index[k] = static_cast<int>(kept);
     if (kept > 0) motions_[kept - 1] = way;
     if (kept != k) nodes_[kept] = std::move(nodes_[k]);
@@ -206,10 +209,7 @@ void Skeleton::follow(const history::Revision& revision) {
 
 void Skeleton::change_depth(const DepthChange& change, const std::vector<SE3>& T_before,
                             const std::vector<SE3>& T_now) {
-  for (Node& n : nodes_) {
-    if (!n.view.empty()) n.view.change_depth(change);
-    n.motion.recalibrate(change.delay_s());
-  }
+  for (Node& n : nodes_) n.motion.recalibrate(change.delay_s());
   const auto measured_anew = [&](const SE3& T_from_to, int from, int to) {
     const auto a = static_cast<std::size_t>(from), b = static_cast<std::size_t>(to);
     const SE3 deviation = (T_before[a].inverse() * T_before[b]).inverse() * T_from_to;

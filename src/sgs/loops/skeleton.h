@@ -6,11 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "sgs/camera/compact_view.h"
 #include "sgs/features/ferns.h"
 #include "sgs/graph/consistency.h"
 #include "sgs/graph/pose_graph.h"
-#include "sgs/history/revision.h"
+#include "sgs/history/stored_view.h"
 #include "sgs/registration/rolling_shutter.h"
 
 namespace sgs::loops {
@@ -22,7 +21,7 @@ struct Node {
   double timestamp_s = 0;
   double mean_depth_m = 0;
   registration::FrameMotion motion;  ///< of the camera while it was measured
-  CompactView view;                  ///< empty: forgotten, the place is known by others
+  history::StoredViewPtr view;       ///< null: forgotten, the place is known by others
   features::FernCode ferns;
   bool left = false;  ///< the camera has looked elsewhere since
 };
@@ -39,6 +38,9 @@ class Skeleton {
 
   int size() const { return static_cast<int>(nodes_.size()); }
   const Node& node(int index) const { return nodes_[static_cast<std::size_t>(index)]; }
+  /// What node number `index` saw, its depth as known now; empty where its view is forgotten or
+  /// gone.
+  std::optional<RgbdFrame> seen(int index) const;
   /// Camera to odom.
   const SE3& pose(int index) const { return revision_.path.at(node(index).frame); }
   /// Appends a node; `motion_covariance` is that of the way from the last one, on twists of the new
@@ -53,10 +55,10 @@ class Skeleton {
   /// How many nodes there were, those that have been joined to others included.
   int nodes_added() const { return added_; }
 
-  /// Forgets views of places that were left until at most seven eighths of `most_bytes` are held,
-  /// once there are more: always one of the two that show most alike, the newer one, as it has
-  /// drifted more.
-  void bound_views(const PinholeCamera& camera, std::size_t most_bytes);
+  /// Forgets views of places that were left until at most seven eighths of `most` are held, once
+  /// there are more: always one of the two that show most alike, the newer one, as it has drifted
+  /// more.
+  void bound_views(const PinholeCamera& camera, std::size_t most);
   /// Joins the ways to and from nodes whose views are forgotten and that no loop needs, so that
   /// what there is to solve grows with the places and not with the time. `others` are edges that
   /// are not in the graph yet; they and the loops are numbered anew.

@@ -44,7 +44,7 @@ void WayCheck::measure_closure(const Skeleton& skeleton, const LoopVerifier& ver
   for (auto T = T_steps_.end() - static_cast<std::ptrdiff_t>(steps); T != T_steps_.end(); ++T) {
     T_a_c = T_a_c * *T;
   }
-  const auto over = verifier.measure(skeleton.node(a), skeleton.node(c), T_a_c);
+  const auto over = verifier.measure(skeleton, a, c, T_a_c);
   if (over) closure_.add(per_direction(*over, T_a_c) / static_cast<double>(steps + 1));
 }
 
@@ -54,7 +54,7 @@ std::optional<graph::UncertainPose> WayCheck::mended(const Skeleton& skeleton,
   const int c = skeleton.size() - 1, b = c - 1;
   if (b < 0) return std::nullopt;
   const graph::UncertainPose way = skeleton.tracked(b, c);
-  const auto seen = verifier.measure(skeleton.node(b), skeleton.node(c), way.T);
+  const auto seen = verifier.measure(skeleton, b, c, way.T);
   const auto is_possible = [&](const LoopVerifier::Found& found) {
     const graph::Edge edge{b, c, found.T_older_newer, found.information, true};
     return deviation_chi2(edge, way) <= config_.max_gate_chi2;

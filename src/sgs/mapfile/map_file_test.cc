@@ -27,17 +27,20 @@ tracker::KnownView view_at(double x, std::uint64_t seed) {
   view.motion.depth_delay_s = 0.01;
   view.ferns = {0, 7, features::Ferns::kUnknown};
   view.fern_seed = seed;
-  CompactView::Parts parts{kCamera,
-                           42,
-                           view.timestamp_s,
-                           false,
-                           Image<std::uint8_t>(kCamera.width, kCamera.height),
-                           Image<std::uint16_t>(kCamera.width, kCamera.height)};
-  for (std::size_t i = 0; i < parts.gray.size(); ++i) {
-    parts.gray.data()[i] = static_cast<std::uint8_t>(37 * i);
-    parts.depth.data()[i] = static_cast<std::uint16_t>(i % 5 == 0 ? 0 : 12345 * i);
+  view.frame.camera = kCamera;
+  view.frame.index = 42;
+  view.frame.timestamp_s = view.timestamp_s;
+  view.frame.color = ColorImage(kCamera.width, kCamera.height);
+  view.frame.depth = DepthImage(kCamera.width, kCamera.height);
+  PixelMask seen(kCamera.width, kCamera.height);
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    const auto g = static_cast<std::uint8_t>(37 * i);
+    view.frame.color.data()[i] = {g, g, g};
+    seen.data()[i] = g > 0 ? 1 : 0;
+    const auto units = static_cast<std::uint16_t>(i % 5 == 0 ? 0 : 12345 * i);
+    view.frame.depth.data()[i] = static_cast<float>(units) / 5000;
   }
-  view.view = CompactView(std::move(parts));
+  view.frame.seen = std::make_shared<const PixelMask>(std::move(seen));
   return view;
 }
 
@@ -90,12 +93,13 @@ TEST(MapFile, GivesBackWhatItWasGiven) {
     EXPECT_EQ(view->motion.readout, expected.motion.readout);
     EXPECT_EQ(view->ferns, expected.ferns);
     EXPECT_EQ(view->fern_seed, 3u);
-    const auto parts = view->view.parts(), wanted = expected.view.parts();
-    EXPECT_EQ(parts.index, 42);
-    EXPECT_FALSE(parts.all_seen);
-    for (std::size_t p = 0; p < parts.gray.size(); ++p) {
-      EXPECT_EQ(parts.gray.data()[p], wanted.gray.data()[p]);
-      EXPECT_EQ(parts.depth.data()[p], wanted.depth.data()[p]);
+    EXPECT_EQ(view->frame.index, 42);
+    EXPECT_EQ(view->frame.camera, kCamera);
+    ASSERT_TRUE(view->frame.seen);
+    for (std::size_t p = 0; p < view->frame.color.size(); ++p) {
+      EXPECT_EQ(view->frame.color.data()[p].g, expected.frame.color.data()[p].g);
+      EXPECT_EQ(view->frame.depth.data()[p], expected.frame.depth.data()[p]);
+      EXPECT_EQ(view->frame.seen->data()[p], expected.frame.seen->data()[p]);
     }
   }
 }

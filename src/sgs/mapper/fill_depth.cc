@@ -45,13 +45,9 @@ void fill_empty_rows(DepthImage& depth) {
 
 }  // namespace
 
-FilledDepth fill_depth(const MapKeyframe& keyframe, bool fill) {
-  const int width = keyframe.camera().width, height = keyframe.camera().height;
-  const auto pictures = keyframe.pictures();
-  FilledDepth filled{DepthImage(width, height), Image<std::uint8_t>(width, height, 0)};
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) filled.depth(x, y) = pictures->depth_m(x, y);
-  }
+FilledDepth fill_depth(const KeyframePictures& pictures, bool fill) {
+  const int width = pictures.depth.width(), height = pictures.depth.height();
+  FilledDepth filled{pictures.depth, Image<std::uint8_t>(width, height, 0)};
   if (!fill) return filled;
   for (std::size_t i = 0; i < filled.depth.size(); ++i) {
     filled.borrowed.data()[i] = filled.depth.data()[i] <= 0 ? 1 : 0;
@@ -59,9 +55,9 @@ FilledDepth fill_depth(const MapKeyframe& keyframe, bool fill) {
   std::vector<float> scratch(static_cast<std::size_t>(width));
   for (int y = 0; y < height; ++y) fill_row(filled.depth.row(y), width, scratch);
   fill_empty_rows(filled.depth);
-  for (int y = 0; pictures->seen && y < height; ++y) {
+  for (int y = 0; pictures.seen && y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      if (!pictures->sees(x, y)) filled.depth(x, y) = 0;
+      if (!pictures.sees(x, y)) filled.depth(x, y) = 0;
     }
   }
   return filled;

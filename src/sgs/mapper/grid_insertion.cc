@@ -52,12 +52,13 @@ std::size_t insert_grid(const MapKeyframe& keyframe, int keyframe_index,
   constexpr double kReferenceWidth_px = 640;
   const PinholeCamera& camera = keyframe.camera();
   const auto pictures = keyframe.pictures();
+  if (!pictures) return 0;
   const int step = std::max(
       1, static_cast<int>(std::lround(config.grid_step_px * camera.width / kReferenceWidth_px)));
   Image<Eigen::Vector3f> points(camera.width / step, camera.height / step, Eigen::Vector3f::Zero());
   for (int j = 0; j < points.height(); ++j) {
     for (int i = 0; i < points.width(); ++i) {
-      const float z = pictures->depth_m(i * step, j * step);
+      const float z = pictures->depth(i * step, j * step);
       if (z <= 0 || !pictures->sees(i * step, j * step)) continue;
       points(i, j) = camera.back_project(i * step, j * step, z).cast<float>();
     }
@@ -73,7 +74,7 @@ std::size_t insert_grid(const MapKeyframe& keyframe, int keyframe_index,
       if (!shape) continue;
       const Eigen::Vector3f position = (T * p.cast<double>()).cast<float>();
       const Eigen::Quaterniond q(T.R * shape->axes.cast<double>());
-      const Rgb8& color = pictures->color(i * step, j * step);
+      const Rgb8& color = pictures->color()(i * step, j * step);
       const float shrink = std::max(1.0f, 2 * std::pow(p.z(), 1.5f));
       map::Gaussian g{};
       for (int k = 0; k < 3; ++k) {

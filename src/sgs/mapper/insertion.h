@@ -16,7 +16,7 @@ struct FilledDepth {
 };
 /// Measured depth; pixels without take the farther of the nearest measurements left and right in
 /// their row, rows without any take those above or below. `fill` false leaves the holes.
-FilledDepth fill_depth(const MapKeyframe& keyframe, bool fill);
+FilledDepth fill_depth(const KeyframePictures& pictures, bool fill);
 
 /// What a sampled surface point contributes: shape of a Gaussian lying on it.
 struct SurfacePoint {
@@ -27,7 +27,7 @@ struct SurfacePoint {
 /// Adds Gaussians for a keyframe with an image quadtree (docs/mapping.md, section 2): leaves are as
 /// large as colour and depth are flat; a leaf is used only where `rendering`, the present map seen
 /// from the keyframe at full or half resolution, is not opaque or lies behind the measurement. Null
-/// `rendering`: the map is empty. Returns how many were added.
+/// `rendering`: the map is empty. Returns how many were added: none where its view is gone.
 std::size_t insert_quadtree(const MapKeyframe& keyframe, int keyframe_index,
                             const render::Rendering* rendering, const InsertionConfig& config,
                             double max_growth, map::GaussianStore& store);

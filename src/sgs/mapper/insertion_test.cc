@@ -104,7 +104,7 @@ TEST(MapKeyframe, HalvesImagesWithoutMixingSurfaces) {
   frame->depth(0, 0) = frame->depth(1, 0) = 1.0f;
   frame->depth(0, 1) = frame->depth(1, 1) = 3.0f;
   frame->depth(2, 0) = 0;
-  const auto image = MapKeyframe(*frame, SE3{}, 10).training_image(1);
+  const auto image = MapKeyframe(*frame, SE3{}, 10).training_image(1).value();
   EXPECT_NEAR(image.color(0, 0).r, 25.0 / 255, 1e-6);
   EXPECT_EQ(image.depth(0, 0), 0.0f);
   EXPECT_NEAR(image.depth(1, 0), 2.0f, 1e-3f);
@@ -155,7 +155,8 @@ TEST(GridInsertion, NoGaussianIsBornOfWhatWasNotSeen) {
 TEST(MapKeyframe, TrainingImagesSayWhatWasNotSeen) {
   const auto frame = half_seen_wall(43, true);
   const MapKeyframe keyframe(*frame, SE3{}, 10);
-  const auto full = keyframe.training_image(0), half = keyframe.training_image(1);
+  const auto full = keyframe.training_image(0).value();
+  const auto half = keyframe.training_image(1).value();
   for (int v = 0; v < 120; ++v) {
     for (int u = 0; u < 160; ++u) {
       ASSERT_EQ(full.depth(u, v) == render::TrainingImage::kUnseen, u < 43) << u << " " << v;

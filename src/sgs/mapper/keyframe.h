@@ -8,57 +8,63 @@
 #include <optional>
 #include <vector>
 
-#include "sgs/camera/depth_change.h"
 #include "sgs/camera/rgbd_frame.h"
-#include "sgs/core/spill_file.h"
 #include "sgs/geometry/archive_se3.h"
+#include "sgs/history/stored_view.h"
 #include "sgs/render/rasterizer.h"
 
 namespace sgs::mapper {
 
-/// The images of a keyframe in compact form: 8-bit colour, 16-bit depth, 5 bytes a pixel.
+/// What a keyframe shows, its depth as it is known now.
 struct KeyframePictures {
-  ColorImage color;
-  Image<std::uint16_t> depth;  ///< in units of `depth_unit_m`, 0 = none
-  float depth_unit_m = 0;
+  history::PicturesPtr kept;
+  DepthImage depth;                            ///< metres, 0: none
   std::shared_ptr<const PixelMask> seen = {};  ///< as RgbdFrame::seen
 
+  const ColorImage& color() const { return kept->color; }
   bool sees(int x, int y) const { return !seen || (*seen)(x, y) != 0; }
-  float depth_m(int x, int y) const { return depth_unit_m * static_cast<float>(depth(x, y)); }
 };
 
-/// A keyframe of the map: its pictures, its pose and exposure as refined so far. Training images
-/// are made from it on demand.
+/// What a keyframe remembers of its frame, and how that becomes what it shows.
+struct KeyframeView {
+  history::StoredViewPtr kept;
+  double max_depth_m = 0;                      ///< what is farther counts as not measured
+  history::CalibrationPtr calibration = {};    ///< of depth, in force
+  Vector6d lag = Vector6d::Zero();             ///< of the camera, from colour to depth
+  std::shared_ptr<const PixelMask> seen = {};  ///< as RgbdFrame::seen
+
+  /// What it shows; empty where the view is gone.
+  std::optional<KeyframePictures> pictures() const;
+};
+
+/// A keyframe of the map: the view that it remembers, its pose and exposure as refined so far.
+/// Training images are made from it on demand.
 class MapKeyframe {
  public:
-  /// Both poses begin as `T_world_camera`. `max_depth_m` bounds the depth that is kept; farther
-  /// measurements are dropped.
+  /// Both poses begin as `T_world_camera`. The view is nobody else's; of its depth nothing farther
+  /// than `max_depth_m` is used.
   MapKeyframe(const RgbdFrame& frame, const SE3& T_world_camera, double max_depth_m);
-  /// One without pictures: take_pictures() comes next.
+  MapKeyframe(KeyframeView view, const SE3& T_world_camera);
+  /// One without a view: take_view() comes next.
   explicit MapKeyframe(const PinholeCamera& camera) : camera_(camera) {}
-  /// The pictures of the frame that the keyframe was made of. `max_depth_m` as above.
-  void take_pictures(const RgbdFrame& frame, double max_depth_m);
+  /// The view of the frame that the keyframe was made of.
+  void take_view(KeyframeView view) { view_ = std::move(view); }
 
   /// The images at full (0) or half (1) resolution. Half resolution averages 2x2 pixels; depth only
   /// where at least two of the four agree, so that no depth floats between fore- and background.
-  render::TrainingImage training_image(int level) const;
-  /// The same into an image whose memory is used again where its size fits. `room` is where parked
-  /// pictures are read to: likewise.
-  void write_training_image(int level, render::TrainingImage& image, KeyframePictures& room) const;
-  /// Read from disk where they were parked.
-  std::shared_ptr<const KeyframePictures> pictures() const;
-  /// Moves the pictures to `file`, which must outlive this object.
-  Status park(SpillFile& file);
-  /// Nothing is learned from this keyframe any more. Its pose stays for what hangs on it. `file`:
-  /// where the pictures may be parked.
-  void cull(SpillFile* file);
+  /// Empty where the view is gone.
+  std::optional<render::TrainingImage> training_image(int level) const;
+  /// The same into an image whose memory is used again where its size fits; false where the view is
+  /// gone.
+  bool write_training_image(int level, render::TrainingImage& image) const;
+  /// Empty where the view is gone.
+  std::optional<KeyframePictures> pictures() const { return view_.pictures(); }
+  /// Nothing is learned from this keyframe any more: its view goes. Its pose stays for what hangs
+  /// on it.
+  void cull();
   bool culled() const { return culled_; }
-  /// Depth is known better now. Parked pictures follow whenever they are read.
-  void change_depth(const std::shared_ptr<const DepthChange>& change);
-  /// The same of the pictures only.
-  void change_pictures(const std::shared_ptr<const DepthChange>& change);
-  /// What pictures() takes in memory unless they are parked.
-  std::size_t picture_bytes() const;
+  /// That of its depth which is in force.
+  void see_with(const history::CalibrationPtr& calibration) { view_.calibration = calibration; }
   /// Of the pixels that have one, as measured first.
   double mean_depth_m() const { return mean_depth_m_; }
   const PinholeCamera& camera() const { return camera_; }
@@ -85,18 +91,11 @@ class MapKeyframe {
   }
 
  private:
-  void read_parked(KeyframePictures& pictures) const;
-
   PinholeCamera camera_;
   std::int64_t frame_index_ = 0;
-  float depth_unit_m_ = 0;
   double mean_depth_m_ = 1;
   bool culled_ = false;
-  std::shared_ptr<const PixelMask> seen_;       // of the pictures
-  std::shared_ptr<KeyframePictures> pictures_;  // null where they are parked:
-  const SpillFile* file_ = nullptr;
-  std::int64_t color_at_ = 0, depth_at_ = 0;
-  std::vector<std::shared_ptr<const DepthChange>> changes_;  // since they were parked
+  KeyframeView view_;
 };
 
 /// Memory of a training view at half resolution.
@@ -114,12 +113,14 @@ class TrainingViewCache {
   TrainingViewCache(const render::Rasterizer& rasterizer, std::size_t full_kept)
       : rasterizer_(rasterizer), full_kept_(full_kept) {}
 
-  /// View of keyframe number `index` at level 0 or 1.
+  /// View of keyframe number `index` at level 0 or 1; null where what it was made of is gone.
   std::shared_ptr<const render::TrainingView> get(const MapKeyframe& keyframe, std::size_t index,
                                                   int level);
-  /// The half-resolution view of `index`, the oldest one kept, is made anew for each visit from now
-  /// on.
-  void drop_half(std::size_t index);
+  /// From now on the oldest half-resolution views are made anew for each visit, as many as hold
+  /// `bytes`; but for the newest ones, which are visited most.
+  void drop_halves(std::size_t bytes, const std::vector<MapKeyframe>& keyframes);
+  /// What the half-resolution views of all keyframes take that are kept.
+  std::size_t half_bytes(const std::vector<MapKeyframe>& keyframes) const;
   std::size_t first_half_kept() const { return first_half_kept_; }
   /// A view that is not asked for any more.
   void forget(std::size_t index);
@@ -130,7 +131,6 @@ class TrainingViewCache {
   const render::Rasterizer& rasterizer_;
   std::size_t full_kept_;
   std::array<render::TrainingImage, 2> scratch_;  // per level
-  KeyframePictures room_;                         // for parked ones
   std::vector<std::shared_ptr<const render::TrainingView>> half_;
   std::size_t first_half_kept_ = 0;
   /// Most recently used last.

@@ -23,12 +23,13 @@ ExposureSums exposure_sums(const MapKeyframe& keyframe, const render::Rendering&
   const int scale = rendering_scale(rendering, keyframe.camera());
   const auto pictures = keyframe.pictures();
   ExposureSums sums;
+  if (!pictures) return sums;
   for (int y = 0; y < keyframe.camera().height; y += kStep) {
     for (int x = 0; x < keyframe.camera().width; x += kStep) {
       const int u = std::min(x / scale, rendering.alpha.width() - 1);
       const int v = std::min(y / scale, rendering.alpha.height() - 1);
-      if (rendering.alpha(u, v) <= 0.9f || pictures->depth_m(x, y) <= 0) continue;
-      const Rgb8& c = pictures->color(x, y);
+      if (rendering.alpha(u, v) <= 0.9f || pictures->depth(x, y) <= 0) continue;
+      const Rgb8& c = pictures->color()(x, y);
       const render::Rgbf& r = rendering.color(u, v);
       const std::array<double, 3> measured = {c.r / 255.0, c.g / 255.0, c.b / 255.0};
       const std::array<double, 3> rendered = {r.r, r.g, r.b};

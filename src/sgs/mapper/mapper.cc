@@ -14,7 +14,6 @@
 #include "sgs/mapper/insertion.h"
 #include "sgs/mapper/keyframe.h"
 #include "sgs/mapper/keyframe_culling.h"
-#include "sgs/mapper/keyframe_memory.h"
 #include "sgs/mapper/keyframe_refinement.h"
 #include "sgs/mapper/map_archive.h"
 #include "sgs/mapper/merge_layers.h"
@@ -70,7 +69,8 @@ bool has_depth(const RgbdFrame& frame, double max_depth_m) {
 }  // namespace
 
 struct Mapper::Impl {
-  Impl(const MapperConfig& c, const PinholeCamera& cam, std::uint64_t seed, ThreadPool* pool)
+  Impl(const MapperConfig& c, const PinholeCamera& cam, std::uint64_t seed, ThreadPool* pool,
+       std::shared_ptr<history::ViewStore> store_of_views)
       : config(for_focal_length(c, 0.5 * (cam.fx + cam.fy))),
         camera(cam),
         rasterizer(render::make_cpu_rasterizer(pool)),
@@ -79,13 +79,19 @@ struct Mapper::Impl {
         schedule(seed, c.schedule.order, c.schedule.visit_bias),
         views(c.schedule.look_interval),
         loss(loss_config(c.objective)),
-        memory(static_cast<std::size_t>(c.memory_mb) << 20) {}
+        kept(store_of_views ? std::move(store_of_views)
+                            : std::make_shared<history::ViewStore>(history::HistoryConfig{},
+                                                                   c.insertion.max_depth_m)) {}
 
   void step();
   void prune();
   /// After a move only: what keyframes see is forgotten then, and need not follow the removal.
   void merge_layers(std::span<const SE3> moves);
   void cull_keyframes();
+  void cull(std::size_t index);
+  KeyframeView remember(const RgbdFrame& frame, const Vector6d& lag);
+  KeyframeView coloured(const KnownKeyframe& view);
+  void make_room();
   void take_awaited();
   /// Everything but the keyframes.
   template <class Archive>
@@ -104,8 +110,9 @@ struct Mapper::Impl {
   map::GaussianSet removed;
   render::LossConfig loss;
   map::GaussianStore store;
-  map::MeanBounds bounds;  // of store.raw and store.average
-  KeyframeMemory memory;   // before the keyframes: they may lie in its file
+  map::MeanBounds bounds;                    // of store.raw and store.average
+  std::shared_ptr<history::ViewStore> kept;  // what keyframes show
+  history::CalibrationPtr calibration;       // of their depth
   std::vector<MapKeyframe> keyframes;
   std::deque<MapKeyframe> awaited;  // restored keyframes without pictures, in order
   render::Rendering rendering;
@@ -131,6 +138,7 @@ void Mapper::Impl::step() {
   const double asked_s = wall_time_s();
   const auto training = training_views.get(keyframe, index, level);
   times.add_interval("map/iteration/view", asked_s, 1e3 * (wall_time_s() - asked_s));
+  if (!training) return cull(index);
   StepWithBackward step_with_backward(optimizer, store, bounds);
   const ViewCandidates::Visit visit = views.next(index, store.size());
   const render::EvaluateOptions options = {
@@ -152,8 +160,9 @@ void Mapper::Impl::step() {
   }
   if (refinement.pose && index > 0 && keyframe.visits >= refinement.pose_first_visit) {
     if (!keyframe.pose_information) {
-      keyframe.pose_information =
-          std::make_shared<Matrix6d>(render::pose_information(keyframe.training_image(1), loss));
+      const auto half = keyframe.training_image(1);
+      if (!half) return cull(index);
+      keyframe.pose_information = std::make_shared<Matrix6d>(render::pose_information(*half, loss));
     }
     // A step at full resolution sums over four times as many pixels.
     const PinholeCamera half = camera.halved(1);
@@ -198,17 +207,48 @@ void Mapper::Impl::merge_layers(std::span<const SE3> moves) {
 
 void Mapper::Impl::cull_keyframes() {
   while (schedule.active().size() > static_cast<std::size_t>(config.schedule.most_keyframes)) {
-    const std::size_t index = most_redundant(keyframes, schedule.active());
-    schedule.cull(index);
-    memory.cull(keyframes[index]);
-    training_views.forget(index);
-    views.forget(index);
+    cull(most_redundant(keyframes, schedule.active()));
   }
 }
 
+// Of the last one nothing can be learned any more either, where its view is gone; but there is
+// nothing else.
+void Mapper::Impl::cull(std::size_t index) {
+  if (schedule.active().size() < 2) return;
+  schedule.cull(index);
+  keyframes[index].cull();
+  training_views.forget(index);
+  views.forget(index);
+}
+
+KeyframeView Mapper::Impl::remember(const RgbdFrame& frame, const Vector6d& lag) {
+  return {kept->keep(frame, calibration), config.insertion.max_depth_m, calibration, lag,
+          frame.seen};
+}
+
+// One that is gone already stays so.
+KeyframeView Mapper::Impl::coloured(const KnownKeyframe& view) {
+  auto frame = view.view->frame(calibration);
+  auto kept_view = view.view;
+  if (frame) {
+    rasterizer->render(store.average, camera, view.T_world_camera, rendering);
+    colour_view(rendering, *frame);
+    kept_view = kept->keep_changed(*frame, calibration);
+  }
+  return {kept_view, config.insertion.max_depth_m, calibration, view.lag,
+          frame ? frame->seen : nullptr};
+}
+
+// Few steps need the pictures, as most work at half resolution; half-resolution views go after
+// them.
+void Mapper::Impl::make_room() {
+  kept->note_beside(training_views.half_bytes(keyframes) + views.bytes());
+  training_views.drop_halves(kept->excess_bytes(), keyframes);
+}
+
 Mapper::Mapper(const MapperConfig& config, const PinholeCamera& camera, std::uint64_t seed,
-               ThreadPool* pool)
-    : impl_(std::make_unique<Impl>(config, camera, seed, pool)) {}
+               ThreadPool* pool, std::shared_ptr<history::ViewStore> views)
+    : impl_(std::make_unique<Impl>(config, camera, seed, pool, std::move(views))) {}
 
 Mapper::~Mapper() = default;
 
@@ -217,7 +257,7 @@ int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE
 }
 
 int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE3& T,
-                         const SE3& T_odom_camera) {
+                         const SE3& T_odom_camera, const Vector6d& lag) {
   Impl& m = *impl_;
   SGS_CHECK(frame && frame->camera == m.camera, "the keyframe's camera differs from the mapper's");
   const bool finite = T.all_finite() && T_odom_camera.all_finite();
@@ -228,9 +268,11 @@ int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE
   }
   const ScopedTimer timer(m.times, "map/insertion");
   const auto index = static_cast<int>(m.keyframes.size());
+  const KeyframeView view = m.remember(*frame, lag);
+  const auto held = view.kept->pictures();  // and not read anew by each step of the insertion
   {
     const ScopedTimer part(m.times, "map/insertion/keyframe");
-    m.keyframes.emplace_back(*frame, T, m.config.insertion.max_depth_m);
+    m.keyframes.emplace_back(view, T);
   }
   MapKeyframe& keyframe = m.keyframes.back();
   keyframe.T_odom_camera = T_odom_camera;
@@ -260,7 +302,7 @@ int Mapper::add_keyframe(const std::shared_ptr<const RgbdFrame>& frame, const SE
   {
     const ScopedTimer part(m.times, "map/insertion/memory");
     m.cull_keyframes();
-    m.memory.make_room(m.keyframes, m.training_views, m.views.bytes());
+    m.make_room();
   }
   m.changed = true;
   if (index == 0) iterate(m.config.first_keyframe_iterations);
@@ -287,13 +329,11 @@ void Mapper::know(const std::vector<map::Gaussian>& gaussians,
   }
   m.bounds.assign(m.store.raw, m.store.average);
   for (const KnownKeyframe& view : views) {
-    RgbdFrame frame = view.frame;
-    SGS_CHECK(frame.camera == m.camera, "the view's camera differs from the mapper's");
-    m.rasterizer->render(m.store.average, m.camera, view.T_world_camera, m.rendering);
-    colour_view(m.rendering, frame);
+    SGS_CHECK(view.view->camera() == m.camera, "the view's camera differs from the mapper's");
     const std::size_t index = m.keyframes.size();
-    MapKeyframe& keyframe =
-        m.keyframes.emplace_back(frame, view.T_world_camera, m.config.insertion.max_depth_m);
+    const KeyframeView shown = m.coloured(view);
+    const auto held = shown.kept->pictures();
+    MapKeyframe& keyframe = m.keyframes.emplace_back(shown, view.T_world_camera);
     keyframe.T_odom_camera = view.T_odom_camera;
     if (m.config.refinement.exposure && index > 0) {
       const ExposureSums sums = exposure_sums(keyframe, m.rendering);
@@ -301,7 +341,7 @@ void Mapper::know(const std::vector<map::Gaussian>& gaussians,
     }
     m.schedule.add_keyframe(index);
     m.cull_keyframes();
-    m.memory.make_room(m.keyframes, m.training_views, m.views.bytes());
+    m.make_room();
   }
   // They have had their turns, as often as the map was learned from a keyframe: new ones come
   // first.
@@ -325,13 +365,16 @@ void Mapper::move_keyframes(const std::vector<SE3>& moves) {
   m.changed = true;
 }
 
-void Mapper::change_depth(const std::shared_ptr<const DepthChange>& change) {
+void Mapper::change_depth(const history::CalibrationPtr& calibration) {
   Impl& m = *impl_;
+  const auto change = history::depth_change(m.calibration, calibration);
   SGS_CHECK(change != nullptr, "change_depth() needs a change");
+  m.calibration = calibration;
   const ScopedTimer timer(m.times, "map/change depth");
   std::vector<SE3> T_world_keyframe;
   for (MapKeyframe& keyframe : m.keyframes) {
-    keyframe.change_depth(change);
+    keyframe.see_with(calibration);
+    keyframe.pose_information.reset();
     T_world_keyframe.push_back(keyframe.T_world_camera);
   }
   mapper::change_depth(T_world_keyframe, *change, m.store);
@@ -408,20 +451,20 @@ std::optional<std::int64_t> Mapper::awaited_frame() const {
   return impl_->awaited.front().frame_index();
 }
 
-void Mapper::restore_keyframe(const RgbdFrame& frame) {
+void Mapper::restore_keyframe(const RgbdFrame& frame, const Vector6d& lag) {
   Impl& m = *impl_;
   SGS_CHECK(frame.index == awaited_frame(), "another frame is awaited");
   SGS_CHECK(frame.camera == m.camera, "the keyframe's camera differs from the mapper's");
-  m.awaited.front().take_pictures(frame, m.config.insertion.max_depth_m);
+  m.awaited.front().take_view(m.remember(frame, lag));
   m.keyframes.push_back(std::move(m.awaited.front()));
   m.awaited.pop_front();
   m.take_awaited();
-  m.memory.make_room(m.keyframes, m.training_views, m.views.bytes());
+  m.make_room();
 }
 
-void Mapper::restore_depth_change(const std::shared_ptr<const DepthChange>& change) {
-  SGS_CHECK(change != nullptr, "restore_depth_change() needs a change");
-  for (MapKeyframe& keyframe : impl_->keyframes) keyframe.change_pictures(change);
+void Mapper::restore_calibration(const history::CalibrationPtr& calibration) {
+  impl_->calibration = calibration;
+  for (MapKeyframe& keyframe : impl_->keyframes) keyframe.see_with(calibration);
 }
 
 map::SnapshotPtr Mapper::snapshot() {

@@ -262,7 +262,6 @@ struct MergeConfig {
 struct MapperConfig {
   double iterations_per_frame = 1.5;
   int first_keyframe_iterations = 30;
-  int memory_mb = 300;
   InsertionConfig insertion;
   OptimizerConfig optimizer;
   ObjectiveConfig objective;
@@ -279,18 +278,14 @@ struct MapperConfig {
         "Optimisation steps spent on the first keyframe at once, so that a young map is not a raw "
         "one.",
         "", {0, 100000});
-    p.add(
-        "memory_mb", memory_mb,
-        "Memory for pictures and training views of keyframes; beyond it the oldest ones go to disk "
-        "(the folder TMPDIR names, else /var/tmp). The map stays the same to the bit.",
-        "MiB", {1, 1e6});
     p.add_group("insertion", insertion);
     p.add_group("optimizer", optimizer);
     p.add_group("objective", objective);
     p.add_group("schedule", schedule);
     p.add_group("refinement", refinement);
     p.add_group("merge", merge);
-    p.for_users({"iterations_per_frame", "first_keyframe_iterations", "memory_mb"});
+    p.for_users({"iterations_per_frame", "first_keyframe_iterations"});
+    p.removed("memory_mb", "history.memory_mb bounds all frames that are remembered");
   }
 };
 

@@ -6,9 +6,10 @@
 
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <limits>
 
-#include "sgs/camera/compact_view.h"
+#include "sgs/history/test_spill.h"
 #include "sgs/mapper/keyframe_refinement.h"
 #include "sgs/mapper/test_wall_scene.h"
 
@@ -73,6 +74,23 @@ TEST(Mapper, VisitsThatLookAtLessLearnAsMuch) {
               0.1 * static_cast<double>(size_all));
 }
 
+/// How the depth camera is known behind keyframe `i` of the walk; null = as before.
+history::CalibrationPtr calibration_behind(int i) {
+  if (i % 8 != 5) return nullptr;
+  const int times = i / 8;
+  DepthCalibration c;
+  c.camera = small_camera();
+  c.grid = {4, 3};
+  c.sigma_per_m.assign(12, 1e-4);
+  for (int k = 0; k < 12; ++k) c.offset_per_m.push_back(1e-3 * times * (k % 4) - 2e-3);
+  c.shift_px = {0.3 * times, -0.2};
+  return std::make_shared<const DepthCalibration>(c);
+}
+
+std::shared_ptr<history::ViewStore> views_within(std::size_t budget_bytes) {
+  return std::make_shared<history::ViewStore>(budget_bytes, history::ViewStore::Options{});
+}
+
 // Grey views of a finished map hold what it showed, while another place is learned.
 TEST(Mapper, GoesOnWithAMapAndForgetsNothingOfIt) {
   const auto first = trained(config_for_test(), nullptr, 60)->snapshot();
@@ -80,9 +98,13 @@ TEST(Mapper, GoesOnWithAMapAndForgetsNothingOfIt) {
   std::vector<std::int32_t> view_of;
   for (int i = 0; i < 5; ++i) {
     const SE3 T = translated(0.1 * i, 0.02 * i, 0);
-    RgbdFrame grey = CompactView(*wall_frame(small_camera(), T)).frame();
+    RgbdFrame grey = *wall_frame(small_camera(), T);
+    for (std::size_t k = 0; k < grey.color.size(); ++k) {
+      Rgb8& c = grey.color.data()[k];
+      c.r = c.g = c.b = static_cast<std::uint8_t>(std::lround(luma(c)));
+    }
     grey.index = i - 100;
-    views.push_back({grey, T, T});
+    views.push_back({std::make_shared<history::StoredView>(grey), Vector6d::Zero(), T, T});
   }
   for (const map::Anchor& anchor : first->anchors) view_of.push_back(anchor.keyframe);
   Mapper mapper(config_for_test(), small_camera(), 3, nullptr);
@@ -113,22 +135,44 @@ TEST(Mapper, GoesOnWithAMapAndForgetsNothingOfIt) {
 
 // Nothing but time depends on where the pictures lie.
 TEST(Mapper, MemoryHasNoEffectOnTheMap) {
-  const auto map_with = [](int memory_mb) {
+  const auto map_with = [](std::size_t budget_bytes) {
     MapperConfig config = config_for_test();
-    config.memory_mb = memory_mb;
     config.schedule.half_resolution_share = 0.7;
     config.schedule.most_keyframes = 100;
-    Mapper mapper(config, small_camera(), 3, nullptr);
+    const auto views = views_within(budget_bytes);
+    Mapper mapper(config, small_camera(), 3, nullptr, views);
     for (int i = 0; i < 150; ++i) {
       const SE3 T = translated(0.01 * (i % 40), 0.002 * (i % 40), 0);
       mapper.add_keyframe(wall_frame(small_camera(), T, i), T);
       mapper.iterate(2);
     }
+    EXPECT_EQ(views->reads() > 0, budget_bytes == 1);
     return mapper.snapshot()->gaussians;
   };
-  const auto expected = map_with(1000), actual = map_with(1);
+  const auto expected = map_with(std::size_t{1} << 30), actual = map_with(1);
   ASSERT_EQ(actual.size(), expected.size());
   EXPECT_EQ(std::memcmp(actual.data(), expected.data(), actual.size() * sizeof(map::Gaussian)), 0);
+}
+
+// What the disk has not kept is not learned from.
+TEST(Mapper, GoesOnWithoutTheViewsThatAreGone) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "lost views";
+  std::filesystem::create_directories(folder);
+  const auto views = std::make_shared<history::ViewStore>(
+      1, history::ViewStore::Options{.least_in_memory = 2, .folder = folder});
+  Mapper mapper(config_for_test(), small_camera(), 3, nullptr, views);
+  for (int i = 0; i < 6; ++i) {
+    const SE3 T = translated(0.1 * i, 0.02 * i, 0);
+    mapper.add_keyframe(wall_frame(small_camera(), T, i), T);
+  }
+  views->settle();
+  ASSERT_TRUE(history::empty_spill_file_in(folder));
+  mapper.change_depth(calibration_behind(5));  // so that every view is read again
+  mapper.iterate(60);
+  EXPECT_GE(mapper.iterations(), 30);
+  EXPECT_EQ(mapper.snapshot()->T_world_keyframe.size(), 6u) << "no pose is lost";
+  const auto frame = wall_frame(small_camera(), translated(0.5, 0.1, 0), 5);
+  EXPECT_GT(psnr_db(*mapper.snapshot(), *frame, translated(0.5, 0.1, 0)), 15);
 }
 
 TEST(Mapper, TrainingViewsLeaveOutWhatTheyAreTold) {
@@ -295,27 +339,11 @@ void add_keyframe_of_walk(Mapper& mapper, int i) {
   mapper.add_keyframe(wall_frame(small_camera(), T, 10 * i), T);
 }
 
-/// How the depth camera becomes better known behind keyframe `i` of the walk; null = not at all.
-std::shared_ptr<const DepthChange> change_behind(int i) {
-  const auto calibration = [](int times) {
-    DepthCalibration c;
-    c.camera = small_camera();
-    c.grid = {4, 3};
-    c.sigma_per_m.assign(12, 1e-4);
-    for (int k = 0; k < 12; ++k) c.offset_per_m.push_back(1e-3 * times * (k % 4) - 2e-3);
-    c.shift_px = {0.3 * times, -0.2};
-    return c;
-  };
-  if (i % 8 != 5) return nullptr;
-  return std::make_shared<DepthChange>(i < 8 ? DepthCalibration{} : calibration(i / 8 - 1),
-                                       calibration(i / 8));
-}
-
 void walk(Mapper& mapper, int begin, int end) {
   for (int i = begin; i < end; ++i) {
     add_keyframe_of_walk(mapper, i);
     mapper.iterate(7);
-    if (const auto change = change_behind(i)) mapper.change_depth(change);
+    if (const auto now = calibration_behind(i)) mapper.change_depth(now);
     if (i % 11 == 10) {
       std::vector<SE3> moves;  // two keyframes not alike, so that some Gaussians are merged
       for (int k = 0; k <= i; ++k) moves.push_back(translated(0, 0, k % 2 == 0 ? 1e-3 : 0.015));
@@ -332,7 +360,6 @@ MapperConfig config_that_uses_everything() {
   config.schedule.half_resolution_share = 0.6;
   config.schedule.most_keyframes = 24;
   config.refinement.pose_first_visit = 2;
-  config.memory_mb = 1;
   return config;
 }
 
@@ -344,22 +371,24 @@ std::string state_of(Mapper& mapper) {
 
 void restore_frames(Mapper& mapper) {
   int next = 0;
+  // Keyframes that were culled are not awaited; what was learned behind them is to come again.
+  const auto calibrate_before = [&](int i) {
+    for (; next < std::min(i, 60); ++next) {
+      if (const auto now = calibration_behind(next)) mapper.restore_calibration(now);
+    }
+  };
   while (const auto frame = mapper.awaited_frame()) {
     const int i = static_cast<int>(*frame / 10);
-    // Keyframes that were culled are not awaited; what was learned behind them is to come again.
-    for (; next < std::min(i, 60); ++next) {
-      if (const auto change = change_behind(next)) mapper.restore_depth_change(change);
-    }
-    next = i + 1;
+    calibrate_before(i);
     const SE3 T = translated(0.03 * (i % 20), 0.006 * (i % 20), 0);
     mapper.restore_keyframe(*wall_frame(small_camera(), T, 10 * i));
-    if (const auto change = change_behind(i)) mapper.restore_depth_change(change);
   }
+  calibrate_before(40);
 }
 
 TEST(Mapper, GoesOnFromASavedStateToTheBit) {
   const MapperConfig config = config_that_uses_everything();
-  Mapper whole(config, small_camera(), 3, nullptr);
+  Mapper whole(config, small_camera(), 3, nullptr, views_within(1));
   walk(whole, 0, 40);
   const std::string state = state_of(whole);
   walk(whole, 40, 60);

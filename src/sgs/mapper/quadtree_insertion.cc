@@ -93,7 +93,7 @@ int smallest_cell(const InsertionConfig& config) {
 /// One insertion: what its steps share.
 class QuadtreeInsertion {
  public:
-  QuadtreeInsertion(const MapKeyframe& keyframe, int keyframe_index,
+  QuadtreeInsertion(const MapKeyframe& keyframe, KeyframePictures pictures, int keyframe_index,
                     const render::Rendering* rendering, const InsertionConfig& config,
                     double max_growth, map::GaussianStore& store)
       : keyframe_(keyframe),
@@ -104,9 +104,9 @@ class QuadtreeInsertion {
         max_growth_(max_growth),
         store_(store),
         camera_(keyframe.camera()),
-        pictures_(keyframe.pictures()),
-        depth_(fill_depth(keyframe, config.fill_missing_depth)),
-        sums_(pictures_->color, smallest_cell(config)) {}
+        pictures_(std::move(pictures)),
+        depth_(fill_depth(pictures_, config.fill_missing_depth)),
+        sums_(pictures_.color(), smallest_cell(config)) {}
 
   void run() {
     for (int y = 0; y < camera_.height; y += config_.leaf_max_px) {
@@ -158,8 +158,8 @@ class QuadtreeInsertion {
   /// A leaf that reaches over the border of what the camera saw has no colour of its own.
   bool is_seen(int x, int y, int size) const {
     const int far = size - 1;
-    return pictures_->sees(x, y) && pictures_->sees(x + far, y) && pictures_->sees(x, y + far) &&
-           pictures_->sees(x + far, y + far);
+    return pictures_.sees(x, y) && pictures_.sees(x + far, y) && pictures_.sees(x, y + far) &&
+           pictures_.sees(x + far, y + far);
   }
 
   /// Whether the map leaves this leaf open. A borrowed depth is replaced by the rendered one where
@@ -257,7 +257,7 @@ class QuadtreeInsertion {
   double max_growth_;
   map::GaussianStore& store_;
   PinholeCamera camera_;
-  std::shared_ptr<const KeyframePictures> pictures_;
+  KeyframePictures pictures_;
   FilledDepth depth_;
   CellSums sums_;
 };
@@ -267,8 +267,12 @@ class QuadtreeInsertion {
 std::size_t insert_quadtree(const MapKeyframe& keyframe, int keyframe_index,
                             const render::Rendering* rendering, const InsertionConfig& config,
                             double max_growth, map::GaussianStore& store) {
+  auto pictures = keyframe.pictures();
+  if (!pictures) return 0;
   const std::size_t before = store.size();
-  QuadtreeInsertion(keyframe, keyframe_index, rendering, config, max_growth, store).run();
+  QuadtreeInsertion(keyframe, std::move(*pictures), keyframe_index, rendering, config, max_growth,
+                    store)
+      .run();
   return store.size() - before;
 }
 

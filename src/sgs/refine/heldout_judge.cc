@@ -44,7 +44,7 @@ HeldoutScores HeldoutJudge::scores(std::span<const map::Gaussian> gaussians,
     const auto compare = [&](int chunk, int) {
       const auto i = static_cast<std::size_t>(chunk);
       const auto pictures = frames_[first + i].keyframe.pictures();
-      const auto truth = eval::to_float(pictures->color);
+      const auto truth = eval::to_float(pictures->color());
       const PixelMask* seen = pictures->seen.get();
       const auto& drawn = renderings[i].color;
       const auto gain = exposures.at(frames_[first + i].timestamp_s);

@@ -263,7 +263,7 @@ void Refiner::Impl::learn_frame(RefineFrame& frame, bool first, const PinholeCam
   if (!config.poses || first) return;
   if (!keyframe.pose_information) {
     keyframe.pose_information =
-        std::make_shared<Matrix6d>(render::pose_information(keyframe.training_image(1), loss));
+        std::make_shared<Matrix6d>(render::pose_information(*keyframe.training_image(1), loss));
   }
   const PinholeCamera half = keyframe.camera().halved(1);
   const double pixels = static_cast<double>(half.width) * half.height;

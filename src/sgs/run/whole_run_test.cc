@@ -130,5 +130,26 @@ TEST(WholeRun, FoldersOfFormatTwoAreReadAsTheyWereMeant) {
   EXPECT_GT(saved->config.refine.steps_per_frame, 0);
 }
 
+// What an earlier version has run is read; to be run again, it says what takes the key's place.
+TEST(WholeRun, FoldersWithParametersThatAreGoneAreRead) {
+  const io::TemporaryFolder scratch;
+  std::string text = config_text(few_frames(), quick_quality());
+  const std::string table = "[loops]\n";
+  const auto at = text.find(table);
+  ASSERT_NE(at, std::string::npos);
+  text.insert(at + table.size(), "memory_mb = 123\n");
+  const auto file = scratch.path() / files::kConfig;
+  ASSERT_TRUE(io::write_file(file, text));
+  const auto saved = load_config(scratch.path());
+  EXPECT_TRUE(saved) << saved.error().text();
+  ConfigSources sources;
+  sources.file = file.string();
+  InputSpec input;
+  const auto again = resolve_config(sources, input);
+  ASSERT_FALSE(again);
+  EXPECT_NE(again.error().text().find("history.memory_mb"), std::string::npos)
+      << again.error().text();
+}
+
 }  // namespace
 }  // namespace sgs::run

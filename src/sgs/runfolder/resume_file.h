@@ -11,7 +11,7 @@ namespace sgs::run {
 
 /// Format of the states that this version writes. To be raised whenever what slam::Session saves,
 /// or what it does with it, changes: a state is gone on from by the same format only.
-inline constexpr int kResumeFormat = 6;
+inline constexpr int kResumeFormat = 7;
 
 /// Writes what slam::Session::save() gave, with a length and a checksum.
 Status save_resume_file(const std::filesystem::path& path, std::string state);

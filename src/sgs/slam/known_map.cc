@@ -17,9 +17,21 @@ namespace {
 std::vector<const loops::Node*> nodes_with_views(const loops::Skeleton* skeleton) {
   std::vector<const loops::Node*> nodes;
   for (int i = 0; skeleton != nullptr && i < skeleton->size(); ++i) {
-    if (!skeleton->node(i).view.empty()) nodes.push_back(&skeleton->node(i));
+    if (skeleton->node(i).view) nodes.push_back(&skeleton->node(i));
   }
   return nodes;
+}
+
+/// What can be known of a view that is gone is where it was.
+RgbdFrame seen_from(const loops::Node& node, const history::CalibrationPtr& calibration) {
+  if (auto frame = node.view->frame(calibration)) return *std::move(frame);
+  RgbdFrame nothing;
+  nothing.index = node.frame;
+  nothing.timestamp_s = node.timestamp_s;
+  nothing.camera = node.view->camera();
+  nothing.color = ColorImage(nothing.camera.width, nothing.camera.height);
+  nothing.depth = DepthImage(nothing.camera.width, nothing.camera.height);
+  return nothing;
 }
 
 }  // namespace
@@ -58,12 +70,11 @@ tracker::KnownView known_view(const Session& session, const Trajectory& path, st
   view.T_world_camera =
       path.at(node.timestamp_s, 0.0).value_or(session.revision().path.at(node.frame));
   view.motion = node.motion;
-  view.view = node.view;
+  view.frame = seen_from(node, session.revision().calibration);
   view.ferns = node.ferns;
   view.fern_seed = session.fern_seed();
   if (const auto change = history::depth_change(session.skeleton()->revision().calibration,
                                                 session.revision().calibration)) {
-    view.view.change_depth(*change);
     view.motion.recalibrate(change->delay_s());
   }
   return view;
@@ -109,7 +120,7 @@ std::vector<graph::Edge> edges_of_views(const Session& session, const std::vecto
   };
   int views = 0;
   for (int k = 0, last = -1; k < skeleton->size(); ++k) {
-    if (skeleton->node(k).view.empty()) continue;
+    if (!skeleton->node(k).view) continue;
     number[static_cast<std::size_t>(k)] = views++;
     if (last >= 0) add(last, k, skeleton->tracked(last, k).covariance.inverse(), false);
     last = k;

@@ -41,7 +41,7 @@ TEST(KnownMap, IsThereFromTheBeginningAndKeepsItsBirths) {
   map.view = [&](std::size_t) -> Result<tracker::KnownView> {
     tracker::KnownView view;
     view.timestamp_s = 5;
-    view.view = CompactView(*wall);
+    view.frame = *wall;
     view.ferns = features::Ferns(3).code(*wall);
     view.fern_seed = 3;
     return view;

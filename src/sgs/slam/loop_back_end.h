@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "sgs/loops/loop_closer.h"
 #include "sgs/slam/back_end.h"
@@ -11,11 +12,11 @@
 
 namespace sgs::slam {
 
-/// Closes loops. Frames come with their depth corrected.
+/// Closes loops. Frames come with their depth corrected and are remembered as delivered.
 class LoopBackEnd final : public BackEnd {
  public:
-  explicit LoopBackEnd(const SessionConfig& config)
-      : closer_(config.loops, config.tracker, config.seed) {}
+  LoopBackEnd(const SessionConfig& config, std::shared_ptr<history::ViewStore> views)
+      : closer_(config.loops, config.tracker, config.seed, std::move(views)) {}
 
   std::optional<history::Update> add(const std::shared_ptr<const RgbdFrame>& frame,
                                      const tracker::TrackResult& result,

@@ -13,13 +13,14 @@ constexpr int kHelperNice = 19;
 }  // namespace
 
 MapWorker::MapWorker(const SessionConfig& config, const PinholeCamera& camera,
-                     bool tracker_follows_map, WorkerMode mode, int threads)
+                     bool tracker_follows_map, WorkerMode mode, int threads,
+                     std::shared_ptr<history::ViewStore> views)
     : config_(config),
       tracker_follows_map_(tracker_follows_map),
       mode_(mode),
       // Beside a tracker all but one of the mapper's threads take what the tracker leaves.
       pool_(threads, mode == WorkerMode::kInline ? 0 : kHelperNice),
-      mapper_(config.mapper, camera, config.seed, &pool_),
+      mapper_(config.mapper, camera, config.seed, &pool_, std::move(views)),
       worker_(mode, tasks()) {}
 
 LaggedWorker<MapWorker::Order>::Tasks MapWorker::tasks() {
@@ -40,11 +41,12 @@ void MapWorker::know(const std::vector<map::Gaussian>& gaussians,
                      const history::Revision& revision) {
   SGS_CHECK(submitted_ == 0 && keyframes_.empty(), "to be called before anything else");
   const auto lock = worker_.lock();
+  mapper_.restore_calibration(revision.calibration);
   mapper_.know(gaussians, view_of, views);
   revision_ = revision;
   submitted_revision_ = revision.number();
   for (const mapper::KnownKeyframe& view : views) {
-    keyframes_.push_back({view.frame.index, view.frame.timestamp_s, view.T_world_camera});
+    keyframes_.push_back({view.view->index(), view.view->timestamp_s(), view.T_world_camera});
   }
   known_keyframes_ = keyframes_.size();
   publish();
@@ -54,10 +56,11 @@ void MapWorker::know(const std::vector<map::Gaussian>& gaussians,
 // Both worlds move alike: what refinement has found stays.
 void MapWorker::follow(const history::Revision& revision) {
   const history::Revision before = std::exchange(revision_, revision);
-  if (before.number() == revision.number()) return;
-  if (const auto change = history::depth_change(before.calibration, revision.calibration)) {
-    mapper_.change_depth(change);
+  if (before.calibration != revision.calibration) {
+    keyframes_.empty() ? mapper_.restore_calibration(revision.calibration)
+                       : mapper_.change_depth(revision.calibration);
   }
+  if (before.number() == revision.number()) return;
   std::vector<SE3> moves;
   moves.reserve(keyframes_.size());
   for (const KeyframePose& k : keyframes_) {
@@ -90,7 +93,7 @@ void MapWorker::process(const MapJob& job) {
       keyframe.T_world_camera =
           T_world_odom(keyframe_before(T_odom_camera), revision_.path) * T_odom_camera;
     }
-    if (mapper_.add_keyframe(job.keyframe, keyframe.T_world_camera, T_odom_camera) >= 0) {
+    if (mapper_.add_keyframe(job.keyframe, keyframe.T_world_camera, T_odom_camera, job.lag) >= 0) {
       keyframes_.push_back(keyframe);
     }
   }
@@ -187,11 +190,11 @@ Status MapWorker::restore(ArchiveReader& bytes) {
 void MapWorker::replay(const MapJob& job) {
   ++submitted_;
   const history::Revision before = std::exchange(revision_, job.revision);
-  if (const auto change = history::depth_change(before.calibration, revision_.calibration)) {
-    mapper_.restore_depth_change(change);
+  if (before.calibration != revision_.calibration) {
+    mapper_.restore_calibration(revision_.calibration);
   }
   if (job.keyframe && mapper_.awaited_frame() == job.keyframe->index) {
-    mapper_.restore_keyframe(*job.keyframe);
+    mapper_.restore_keyframe(*job.keyframe, job.lag);
   }
   if (left_to_replay() > 0) return;
   SGS_CHECK(!mapper_.awaited_frame(), "not all keyframes came again");

@@ -25,6 +25,7 @@ struct MapJob {
   history::Revision revision;                 ///< its path has the frame
   double frames = 1;     ///< of a video that this one stands for: its steps are so many times more
   bool is_turn = false;  ///< a keyframe's turn once more, after the last one: steps live, too
+  Vector6d lag = Vector6d::Zero();  ///< of the keyframe's depth (Mapper::add_keyframe())
 };
 
 /// Map state that one frame may see.
@@ -39,8 +40,9 @@ struct MapView {
 /// has no new keyframe and the tracker sees the newest snapshot.
 class MapWorker {
  public:
+  /// `views`: where frames are remembered; null: in a store of the mapper's own.
   MapWorker(const SessionConfig& config, const PinholeCamera& camera, bool tracker_follows_map,
-            WorkerMode mode, int threads);
+            WorkerMode mode, int threads, std::shared_ptr<history::ViewStore> views = nullptr);
 
   /// Goes on with a finished map (Mapper::know()); to be called before anything else. The path of
   /// `revision` has the views.

@@ -8,6 +8,7 @@
 
 #include "sgs/camera/depth_lag.h"
 #include "sgs/camera/fingerprint.h"
+#include "sgs/camera/resample.h"
 #include "sgs/core/log.h"
 #include "sgs/slam/calibration_back_end.h"
 #include "sgs/slam/loop_back_end.h"
@@ -67,14 +68,17 @@ Session::Session(const SessionConfig& config, const PinholeCamera& camera,
     : config_(effective(config, *tracker)),
       camera_(camera),
       live_(options.live),
+      views_(std::make_shared<history::ViewStore>(config_.history,
+                                                  config_.mapper.insertion.max_depth_m)),
       tracker_(std::move(tracker)) {
   const auto mode = options.live           ? WorkerMode::kLive
                     : options.threads == 1 ? WorkerMode::kInline
                                            : WorkerMode::kThread;
-  worker_ =
-      std::make_unique<MapWorker>(config_, camera_, tracker_->follows_map(), mode, options.threads);
+  tracker_->remember_in(views_);
+  worker_ = std::make_unique<MapWorker>(config_, camera_, tracker_->follows_map(), mode,
+                                        options.threads, views_);
   if (config_.loops.enabled) {
-    auto back_end = std::make_unique<LoopBackEnd>(config_);
+    auto back_end = std::make_unique<LoopBackEnd>(config_, views_);
     loop_back_end_ = back_end.get();
     loops_ = std::make_unique<BackEndWorker>(std::move(back_end), config_.loops.lag, mode);
   }
@@ -98,7 +102,7 @@ Status Session::check_can_be_given_a_map() const {
 void Session::know(std::size_t number, double time_s, const tracker::KnownView& view) {
   revision_.path.append({tracker::known_view_index(number), time_s, view.T_world_camera});
   tracker_->know(view, revision_);
-  metre_.know(revision_.path.back().frame, view.view.frame());
+  metre_.know(revision_.path.back().frame, view.frame);
 }
 
 // One line where the camera's metre is not that of the map.
@@ -141,15 +145,15 @@ Status Session::go_on_with(const KnownMap& map) {
     know(i, tracker::known_view_time_s(i), view);
     earlier_.views.push_back({map.session_of[i], view.timestamp_s});
     times_s.push_back(view.timestamp_s);
-    auto frame = std::make_shared<RgbdFrame>(tracker::seen_from(view, camera_));
-    frame->index = tracker::known_view_index(i);
-    frame->timestamp_s = tracker::known_view_time_s(i);
+    RgbdFrame frame = resampled(view.frame, camera_);
+    frame.index = tracker::known_view_index(i);
+    frame.timestamp_s = tracker::known_view_time_s(i);
     std::optional<graph::UncertainPose> way;
     if (ways[i] != nullptr) way = {ways[i]->T_from_to, ways[i]->information.inverse()};
-    closer.know(view, *frame, revision_, way);
+    closer.know(view, frame, revision_, way);
     const SE3& T_map_camera = map.T_map_camera.empty() ? view.T_world_camera : map.T_map_camera[i];
-    keyframes.push_back(
-        {*frame_of_one_time(frame, view.motion.lag()), T_map_camera, view.T_world_camera});
+    keyframes.push_back({views_->keep(frame, revision_.calibration), view.motion.lag(),
+                         T_map_camera, view.T_world_camera});
   }
   for (const graph::Edge& e : map.edges) {
     if (ways[static_cast<std::size_t>(e.to)] != &e) closer.know(e);
@@ -184,11 +188,17 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& raw) {
             "frames come in the order of their indices");
   const double moved_m = revise_past();
   auto frame = calibrated(raw);
-  if (!tracker_->knows_depth_lag())
-    frame = frame_of_one_time(frame, frame->depth_delay_s * last_velocity());
+  const bool of_one_time = !tracker_->knows_depth_lag();
+  registration::FrameMotion motion;
+  if (of_one_time) {
+    motion.velocity = last_velocity();
+    motion.depth_delay_s = frame->depth_delay_s;
+    frame = frame_of_one_time(frame, motion.lag());
+  }
   const MapView view = wait_for_map();
   double cpu_ms = 0;
-  const tracker::TrackResult result = track(*frame, view.snapshot, cpu_ms);
+  tracker::TrackResult result = track(*frame, view.snapshot, cpu_ms);
+  if (of_one_time) result.motion = motion;
   revision_.path.append({frame->index, frame->timestamp_s, result.T_odom_camera});
   FrameRecord record = make_record(*frame, view, result);
   record.correction_m = moved_m;
@@ -226,7 +236,7 @@ std::shared_ptr<const RgbdFrame> Session::calibrated(
     const std::shared_ptr<const RgbdFrame>& raw) const {
   const auto& calibration = revision_.calibration;
   if (!calibration) return raw;
-  auto frame = std::make_shared<RgbdFrame>(*raw);
+  auto frame = copy_to_change(raw);
   frame->depth = calibration->apply(raw->depth);
   frame->depth_delay_s += calibration->delay_s;  // beside what its stamp says
   return frame;
@@ -328,7 +338,7 @@ namespace {
 std::shared_ptr<const RgbdFrame> without_movers(std::shared_ptr<const RgbdFrame> frame,
                                                 const tracker::TrackResult& result) {
   if (!result.still) return frame;
-  auto out = std::make_shared<RgbdFrame>(*frame);
+  auto out = copy_to_change(frame);
   out->seen = result.still;
   return out;
 }
@@ -352,7 +362,9 @@ void Session::hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame,
     last_mapping_keyframe_ = video_time_;
     ++mapping_keyframes_;
     keyframe_pending_ = false;
-    job.keyframe = without_movers(frame_of_one_time(frame, result.motion.lag()), result);
+    job.lag = result.motion.lag();
+    job.keyframe = without_movers(
+        tracker_->knows_depth_lag() ? frame_of_one_time(frame, job.lag) : frame, result);
   }
   job.revision = revision_;
   worker_->submit(std::move(job));

@@ -16,6 +16,7 @@
 #include "sgs/core/stopwatch.h"
 #include "sgs/geometry/trajectory.h"
 #include "sgs/history/revision.h"
+#include "sgs/history/view_store.h"
 #include "sgs/loops/loop_closer.h"
 #include "sgs/map/gaussian.h"
 #include "sgs/slam/back_end_worker.h"
@@ -202,6 +203,7 @@ class Session {
   SessionConfig config_;
   PinholeCamera camera_;
   bool live_;
+  std::shared_ptr<history::ViewStore> views_;
   std::unique_ptr<tracker::Tracker> tracker_;
   std::unique_ptr<MapWorker> worker_;
   // Null where the tracker cannot be corrected, or shall not:

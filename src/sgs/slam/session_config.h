@@ -8,6 +8,7 @@
 #include "sgs/backend/backend_config.h"
 #include "sgs/camera/heldout.h"
 #include "sgs/core/config.h"
+#include "sgs/history/history_config.h"
 #include "sgs/loops/loop_config.h"
 #include "sgs/mapper/mapper_config.h"
 #include "sgs/tracker/tracker_config.h"
@@ -41,6 +42,7 @@ struct SessionConfig {
   mapper::MapperConfig mapper;
   backend::BackendConfig backend;
   loops::LoopConfig loops;
+  history::HistoryConfig history;
 
   void declare(ParameterList& p) {
     {
@@ -71,6 +73,7 @@ struct SessionConfig {
     p.add_group("mapper", mapper);
     p.add_group("backend", backend);
     p.add_group("loops", loops);
+    p.add_group("history", history);
   }
 };
 

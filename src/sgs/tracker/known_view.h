@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "sgs/camera/compact_view.h"
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/features/ferns.h"
 #include "sgs/geometry/se3.h"
@@ -32,13 +31,10 @@ struct KnownView {
   double timestamp_s = 0;            ///< of its session
   SE3 T_world_camera;                ///< in the world of the map
   registration::FrameMotion motion;  ///< of the camera while it was measured
-  CompactView view;                  ///< not halved
+  RgbdFrame frame;                   ///< what was seen; of a map from a file in grey
   features::FernCode ferns;          ///< of the picture in colour
   std::uint64_t fern_seed = 0;       ///< of the questions that `ferns` answers
 };
-
-/// What `camera` would have seen from the place of a known view, in grey.
-RgbdFrame seen_from(const KnownView& view, const PinholeCamera& camera);
 
 /// How far a camera that was given a map has come in finding itself there.
 struct PlaceSearch {

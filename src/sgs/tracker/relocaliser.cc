@@ -3,29 +3,56 @@
 #include "sgs/tracker/relocaliser.h"
 
 #include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
 
+#include "sgs/camera/pyramid.h"
+#include "sgs/core/error.h"
 #include "sgs/features/visual_map.h"
 
 namespace sgs::tracker {
 namespace {
 
 constexpr int kEnoughWidth_px = 320;
+constexpr std::size_t kRemembered = 400;  // keyframes: an hour's places, and few to compare
 constexpr std::size_t kCompared = 6, kComparedOfMap = 12;
 constexpr int kFeaturesOfMap = 1000;
 
-/// How often an image is halved before it is kept.
-int kept_level(const PinholeCamera& camera) {
+/// In grey, halved as often as it stays wide enough: means of grey values, every other depth.
+RgbdFrame reduced(const RgbdFrame& frame) {
   int level = 0;
-  while (camera.halved(level + 1).width >= kEnoughWidth_px) ++level;
-  return level;
+  while (frame.camera.halved(level + 1).width >= kEnoughWidth_px) ++level;
+  GrayPyramid pyramid;
+  pyramid.build(frame.color, frame.camera, level + 1, frame.seen.get());
+  SGS_CHECK(pyramid.levels() == level + 1, "the image cannot be halved so often");
+  RgbdFrame out;
+  out.camera = frame.camera.halved(level);
+  out.color = ColorImage(out.camera.width, out.camera.height);
+  out.depth = DepthImage(out.camera.width, out.camera.height);
+  PixelMask seen(out.camera.width, out.camera.height, std::uint8_t{0});
+  for (int v = 0; v < out.camera.height; ++v) {
+    for (int u = 0; u < out.camera.width; ++u) {
+      out.depth(u, v) = frame.depth(u << level, v << level);
+      const float gray = pyramid.level(level).gray(u, v);
+      if (std::isnan(gray)) continue;
+      const auto g = static_cast<std::uint8_t>(std::lround(gray));
+      out.color(u, v) = {g, g, g};
+      seen(u, v) = 1;
+    }
+  }
+  if (frame.seen) out.seen = std::make_shared<const PixelMask>(std::move(seen));
+  return out;
 }
 
 }  // namespace
 
+Relocaliser::Relocaliser(const RelocaliserConfig& config)
+    : config_(config), views_(std::make_shared<history::ViewStore>(history::HistoryConfig{})) {}
+
 void Relocaliser::add_keyframe(const RgbdFrame& frame, const history::CalibrationPtr& calibration) {
-  if (static_cast<int>(keyframes_.size()) >= config_.memory.keyframes) keyframes_.pop_front();
-  keyframes_.push_back(
-      {frame.index, ferns_.code(frame), CompactView(frame, kept_level(frame.camera)), calibration});
+  if (keyframes_.size() >= kRemembered) keyframes_.pop_front();
+  keyframes_.push_back({frame.index, ferns_.code(frame), views_->keep(frame, calibration)});
 }
 
 void Relocaliser::know(const KnownView& view, const RgbdFrame& frame) {
@@ -35,14 +62,14 @@ void Relocaliser::know(const KnownView& view, const RgbdFrame& frame) {
     known_.push_back({view.fern_seed, features::Ferns(view.fern_seed), {}});
     known = known_.end() - 1;
   }
-  features::OrbExtractor extractor(orb(kFeaturesOfMap));
-  known->keyframes.push_back({frame.index, view.ferns, {}, nullptr, extractor.extract(frame)});
+  features::OrbExtractor extractor(orb());
+  known->keyframes.push_back({frame.index, view.ferns, nullptr, extractor.extract(frame)});
 }
 
-features::OrbConfig Relocaliser::orb(int features) const {
-  features::OrbConfig out = config_.orb;
-  out.features = std::min(out.features, features);
-  return out;
+features::OrbConfig Relocaliser::orb() const {
+  features::OrbConfig orb = config_.orb;
+  orb.features = std::min(orb.features, known_.empty() ? config_.memory.features : kFeaturesOfMap);
+  return orb;
 }
 
 // The newest one, too: a camera that was lost for a moment is mostly still there.
@@ -67,27 +94,26 @@ std::vector<Relocaliser::Keyframe*> Relocaliser::most_alike(const RgbdFrame& fra
   return out;
 }
 
+// False where the view is gone.
+bool Relocaliser::extract(Keyframe& keyframe, const history::CalibrationPtr& calibration) const {
+  if (!keyframe.view || (keyframe.features && keyframe.calibration == calibration)) return true;
+  const auto frame = keyframe.view->frame(calibration);
+  if (!frame) return false;
+  features::OrbExtractor extractor(orb());
+  keyframe.features = extractor.extract(reduced(*frame));
+  keyframe.calibration = calibration;
+  return true;
+}
+
 std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame, const LocalPast& past) {
   last_look_ = {};
-  const bool has_map = !known_.empty();
-  features::OrbExtractor extractor(orb(has_map ? kFeaturesOfMap : config_.memory.features));
-  const CompactView view(frame, has_map ? 0 : kept_level(frame.camera));
-  const features::OrbFrame current = extractor.extract(view.frame());
+  features::OrbExtractor extractor(orb());
+  const features::OrbFrame current = extractor.extract(known_.empty() ? reduced(frame) : frame);
   if (static_cast<int>(current.keypoints.size()) < config_.pose.min_matches) return std::nullopt;
   features::VisualMap map(config_.pose);
-  const std::vector<Keyframe*> compared = most_alike(frame);
-  for (Keyframe* keyframe : compared) {
-    if (keyframe->view.empty()) {
-      map.insert(keyframe->features, past.at(keyframe->frame));
-      continue;
-    }
-    const history::CalibrationPtr& now = past.revision().calibration;
-    if (const auto change = history::depth_change(keyframe->calibration, now)) {
-      keyframe->view.change_depth(*change);
-      keyframe->calibration = now;
-    }
-    map.insert(extractor.extract(keyframe->view.frame()), past.at(keyframe->frame));
-  }
+  std::vector<Keyframe*> compared = most_alike(frame);
+  std::erase_if(compared, [&](Keyframe* k) { return !extract(*k, past.revision().calibration); });
+  for (const Keyframe* k : compared) map.insert(*k->features, past.at(k->frame));
   const features::VisualPose found = map.relocalise(current);
   if (!compared.empty()) {
     const auto best = static_cast<std::size_t>(std::max(found.keyframe, 0));

@@ -9,9 +9,9 @@
 #include <optional>
 #include <vector>
 
-#include "sgs/camera/compact_view.h"
 #include "sgs/features/ferns.h"
 #include "sgs/features/orb.h"
+#include "sgs/history/view_store.h"
 #include "sgs/tracker/known_view.h"
 #include "sgs/tracker/local_past.h"
 #include "sgs/tracker/tracker_config.h"
@@ -19,19 +19,22 @@
 namespace sgs::tracker {
 
 /// Finds the camera again after it was lost: among all visual keyframes those that look most alike
-/// (features::Ferns), and of these ORB features matched without a prediction. Keyframes are kept at
-/// about 320 pixels of width; features are extracted only when they are needed, so that a run that
-/// is never lost never pays for them. A camera with a foreign map may see it from elsewhere than it
-/// was made from: of its views more are compared, by more features, of the whole picture.
+/// (features::Ferns), and of these ORB features matched without a prediction. Features are
+/// extracted at about 320 pixels of width, only when they are needed, so that a run that is never
+/// lost never pays for them; and only then views are read from the disk. A camera with a foreign
+/// map may see it from elsewhere than it was made from: of its views more are compared, by more
+/// features, of the whole picture.
 class Relocaliser {
  public:
-  explicit Relocaliser(const RelocaliserConfig& config) : config_(config) {}
+  explicit Relocaliser(const RelocaliserConfig& config);
+
+  /// Where frames are remembered from now on; before that in a store of its own.
+  void remember_in(std::shared_ptr<history::ViewStore> views) { views_ = std::move(views); }
 
   /// Remembers a view of a finished map for good; `frame` is what a camera like that of the frames
   /// to come saw there, under the view's index in the path.
   void know(const KnownView& view, const RgbdFrame& frame);
-  /// Remembers a keyframe (what is needed of it is copied), its depth corrected by `calibration`;
-  /// the oldest makes room.
+  /// Remembers a keyframe, its depth corrected by `calibration`; the oldest makes room.
   void add_keyframe(const RgbdFrame& frame, const history::CalibrationPtr& calibration);
   /// Pose of a frame among the remembered keyframes, camera to local; empty when none fits. `past`
   /// tells where those are.
@@ -48,9 +51,9 @@ class Relocaliser {
   struct Keyframe {
     std::int64_t frame;  // its index
     features::FernCode ferns;
-    CompactView view;                     // empty where there are features
-    history::CalibrationPtr calibration;  // of its depth
-    features::OrbFrame features = {};     // of a view of a map
+    history::StoredViewPtr view;                      // null: of a map, its features are all
+    std::optional<features::OrbFrame> features = {};  // once they were needed
+    history::CalibrationPtr calibration = {};         // of their depth
   };
   /// Views of a map whose codes answer the same questions.
   struct KnownViews {
@@ -58,11 +61,13 @@ class Relocaliser {
     features::Ferns ferns;
     std::vector<Keyframe> keyframes;
   };
-  /// At most so many features are extracted of a picture.
-  features::OrbConfig orb(int features) const;
+  /// For pictures of the frames that come.
+  features::OrbConfig orb() const;
   std::vector<Keyframe*> most_alike(const RgbdFrame& frame);
+  bool extract(Keyframe& keyframe, const history::CalibrationPtr& calibration) const;
 
   RelocaliserConfig config_;
+  std::shared_ptr<history::ViewStore> views_;
   features::Ferns ferns_{0};
   std::deque<Keyframe> keyframes_;
   std::vector<KnownViews> known_;

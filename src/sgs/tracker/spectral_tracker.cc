@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "sgs/camera/resample.h"
 #include "sgs/tracker/loss_checks.h"
 
 namespace sgs::tracker {
@@ -142,7 +143,7 @@ void SpectralTracker::know(const KnownView& view, const history::Revision& revis
     if (revision.calibration) delay_.shift(0, revision.calibration->delay_sigma_s);
   }
   view_times_s_.push_back(view.timestamp_s);
-  RgbdFrame frame = seen_from(view, camera_);
+  RgbdFrame frame = resampled(view.frame, camera_);
   frame.index = revision.path.back().frame;
   relocaliser_.know(view, frame);
   aligner_.look_at(frame, revision, nullptr);

@@ -30,6 +30,9 @@ class SpectralTracker : public Tracker {
                     const map::SnapshotPtr& snapshot) override;
   bool follows_map() const override { return aligner_.geometry().targets().follows_map(); }
   bool knows_depth_lag() const override { return true; }
+  void remember_in(const std::shared_ptr<history::ViewStore>& views) override {
+    relocaliser_.remember_in(views);
+  }
   bool finds_itself() const override { return true; }
   void know(const KnownView& view, const history::Revision& revision) override;
   const PlaceSearch* place_search() const override { return search_ ? &*search_ : nullptr; }

@@ -196,6 +196,25 @@ TEST(SpectralTracker, SurfacesAreNotBelievedAgainstThePicture) {
   EXPECT_LT(distance_m(back.T_odom_camera, wall_pose(9)), 0.01);
 }
 
+// What it tracks by are points and pixels of its own: the pictures lie on a disk that may be slow.
+TEST(SpectralTracker, ReadsTheDiskOnlyOnceItIsLost) {
+  const auto views =
+      std::make_shared<history::ViewStore>(1, history::ViewStore::Options{.least_in_memory = 1});
+  auto made = make_tracker({}, kWallCamera, wall_pose(0));
+  ASSERT_TRUE(made);
+  (*made)->remember_in(views);
+  Odometry tracker(std::move(*made));
+  for (int i = 0; i < 60; ++i) {
+    EXPECT_NE(tracker.track(see_wall(wall_pose(i), i), nullptr).status, TrackingStatus::kLost) << i;
+    views->settle();
+  }
+  EXPECT_EQ(views->reads(), 0u);
+  SE3 elsewhere = wall_pose(10);
+  elsewhere.t.x() += 50;
+  for (int i = 61; i < 75; ++i) tracker.track(see_wall(elsewhere, i), nullptr);
+  EXPECT_GT(views->reads(), 0u);
+}
+
 // From far off most of what was near can still be seen, too small to be aligned to: the frame in
 // which the camera is found must be as well aligned as those that follow.
 TEST(SpectralTracker, CarriedBackToTheWallItIsAlignedToWhatItSawThere) {
@@ -237,7 +256,7 @@ KnownView view_of_wall(const SE3& T_world_camera, int index = 0) {
   const RgbdFrame frame = see_wall(T_world_camera, index);
   view.timestamp_s = 1000 + frame.timestamp_s;  // of another day
   view.T_world_camera = T_world_camera;
-  view.view = CompactView(frame);
+  view.frame = frame;
   view.fern_seed = 7;
   view.ferns = features::Ferns(view.fern_seed).code(frame);
   return view;

@@ -8,6 +8,7 @@
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/core/error.h"
 #include "sgs/history/revision.h"
+#include "sgs/history/view_store.h"
 #include "sgs/map/gaussian.h"
 #include "sgs/tracker/known_view.h"
 #include "sgs/tracker/track_result.h"
@@ -46,6 +47,10 @@ class Tracker {
   /// Whether depth may lag behind colour (RgbdFrame::depth_delay_s): else track() is given frames
   /// of one time.
   virtual bool knows_depth_lag() const { return false; }
+
+  /// Where frames that the tracker remembers are kept, with those of others; before the first
+  /// frame.
+  virtual void remember_in(const std::shared_ptr<history::ViewStore>& /*views*/) {}
 
   /// Whether the tracker can be given a finished map by know().
   virtual bool finds_itself() const { return false; }

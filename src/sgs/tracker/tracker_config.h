@@ -217,19 +217,16 @@ struct VisualKeyframeConfig {
   }
 };
 
-/// How many pictures are kept to find the camera again after a loss.
+/// How the camera is found again after a loss.
 struct RelocalisationConfig {
-  int keyframes = 400;
   int features = 400;
 
   void declare(ParameterList& p) {
-    p.add("relocalise_keyframes", keyframes,
-          "Visual keyframes remembered for relocalisation, the newest: each takes 0.25 MB.", "",
-          {1, 10000});
     p.add("relocalise_features", features,
           "ORB features per frame that a lost camera is looked for with, the strongest: its time "
           "grows with their square.",
           "", {10, 20000});
+    p.removed("relocalise_keyframes", "history.memory_mb bounds all frames that are remembered");
   }
 };
 

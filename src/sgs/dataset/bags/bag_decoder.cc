@@ -31,24 +31,6 @@ tl::unexpected<Error> other_size(const char* what, ImageSize image, ImageSize ca
               "color_info=/TOPIC,depth_info=/TOPIC for both");
 }
 
-/// Which pixels of `to` show what `from` saw; `seen` are those of `from`, null for all.
-std::shared_ptr<const PixelMask> seen_in(const PinholeCamera& from, const PinholeCamera& to,
-                                         const std::shared_ptr<const PixelMask>& seen) {
-  const auto inside = seen_by(from, to);
-  if (!seen) return inside;
-  auto both = std::make_shared<PixelMask>(to.width, to.height, std::uint8_t{0});
-  for (int v = 0; v < to.height; ++v) {
-    for (int u = 0; u < to.width; ++u) {
-      if (inside && (*inside)(u, v) == 0) continue;
-      const double x = (u - to.cx) / to.fx * from.fx + from.cx;
-      const double y = (v - to.cy) / to.fy * from.fy + from.cy;
-      (*both)(u, v) = (*seen)(std::clamp(static_cast<int>(std::lround(x)), 0, from.width - 1),
-                              std::clamp(static_cast<int>(std::lround(y)), 0, from.height - 1));
-    }
-  }
-  return both;
-}
-
 }  // namespace
 
 BagPictures::BagPictures(const bag::Bag& bag, const BagTopics& topics, const bag::DepthUnit& unit)
@@ -163,9 +145,8 @@ Status BagDecoder::read(const BagPairs::Event& pair, RgbdFrame& frame) {
   mode_of(lens, own_depth, depth_size).rectifier.rectify(std::move(color), std::move(depth), frame);
   const PinholeCamera& delivered = cameras_.color.camera;
   if (lens.camera != delivered) {
-    frame.seen = seen_in(lens.camera, delivered, frame.seen);
-    frame.color = resample_color(frame.color, lens.camera, delivered);
-    frame.depth = resample_depth(frame.depth, lens.camera, delivered);
+    frame.camera = lens.camera;
+    frame = resampled(std::move(frame), delivered);
   }
   return {};
 }
