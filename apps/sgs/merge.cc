@@ -40,11 +40,14 @@ int run_merge(const MergeCommand& command) {
   const std::vector<fs::path> maps(command.maps.begin(), command.maps.end());
   const auto done = mapjoin::join_files(maps, command.output, command.threads);
   if (!done) return report(done.error());
-  if (done->joined) {
+  for (const std::string& sentence : done->joined) {
+    if (!command.quiet) say("sgs: {}\n", sentence);
+  }
+  for (const std::string& sentence : done->not_joined) say("sgs: not joined: {}\n", sentence);
+  if (done->not_joined.empty()) {
     print("{}\n", command.output);
     return kExitDone;
   }
-  for (const std::string& sentence : done->sentences) say("sgs: not joined: {}\n", sentence);
   return kExitLost;
 }
 

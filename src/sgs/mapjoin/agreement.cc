@@ -60,6 +60,15 @@ SE3 middle(const std::vector<graph::Edge>& ties, const std::vector<SE3>& poses) 
   return best.normalized();
 }
 
+/// Maps that have drifted do not fit on each other everywhere. What is so far off is another place.
+bool says_elsewhere(const graph::Edge& tie, const std::vector<SE3>& poses,
+                    const SE3& T_base_other) {
+  constexpr double kFar_m = 0.3, kFar_rad = 0.15;
+  const SE3 expected = at(poses, tie.from).inverse() * T_base_other * at(poses, tie.to);
+  const SE3 off = expected.inverse() * tie.T_from_to;
+  return off.t.norm() > kFar_m || off.angle() > kFar_rad;
+}
+
 }  // namespace
 
 Agreement agreement_of(const std::vector<graph::Edge>& ties, const std::vector<SE3>& poses,
@@ -82,7 +91,8 @@ Agreement agreement_of(const std::vector<graph::Edge>& ties, const std::vector<S
   out.T_base_other = middle(out.ties, poses);
   std::vector<std::size_t> others;
   for (std::size_t i = 0; i < count; ++i) {
-    if ((believed >> i & 1) == 0) others.push_back(i);
+    const bool agrees_not = (believed >> i & 1) == 0;
+    if (agrees_not && says_elsewhere(ties[i], poses, out.T_base_other)) others.push_back(i);
   }
   std::vector<std::uint64_t> among(others.size(), 0);
   for (std::size_t a = 0; a < others.size(); ++a) {

@@ -13,7 +13,7 @@ namespace sgs::mapjoin {
 /// that say the same of where the one lies in the other.
 struct Agreement {
   std::vector<graph::Edge> ties;  ///< the largest set that agrees pair by pair
-  std::size_t rival = 0;          ///< size of the largest such set among the others
+  std::size_t rival = 0;          ///< size of the largest such set that says another place
   SE3 T_base_other;               ///< by the one in the middle of them, where there are any
 };
 

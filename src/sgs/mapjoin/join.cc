@@ -18,9 +18,9 @@
 namespace sgs::mapjoin {
 namespace {
 
-constexpr std::size_t kNeeded = 3;           // views that agree
-constexpr std::size_t kEnough = 8;           // with so many nobody needs to look on
-constexpr double kLeastConfirmed = 1.0 / 3;  // of the views that should see the base
+constexpr std::size_t kNeeded = 3;       // views that agree
+constexpr std::size_t kEnough = 8;       // with so many nobody needs to look on
+constexpr double kLeastConfirmed = 0.5;  // of the views that should see the base
 constexpr double kAnotherMetre = 0.015;
 
 /// The numbers of a range, spread over all of it from the first on: every 16th, those halfway
@@ -116,6 +116,7 @@ Outcome join(Part& base, const Part& other, ThreadPool& pool) {
   // The world is that of the base: its first view stays.
   const SE3 back = both.T_world_camera.front() * poses.front().inverse();
   for (SE3& T : poses) T = (back * T).normalized();
+  poses.front() = both.T_world_camera.front();
   outcome.T_base_other = poses[first] * both.T_world_camera[first].inverse();
   both.graph.edges = at_rest(std::move(graph.edges), poses);
   outcome.merged = move_part(both, std::move(poses));

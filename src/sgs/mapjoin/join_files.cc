@@ -6,7 +6,6 @@
 
 #include <utility>
 
-#include "sgs/core/log.h"
 #include "sgs/mapjoin/join.h"
 
 namespace sgs::mapjoin {
@@ -115,30 +114,30 @@ Result<JoinedFiles> join_files(const std::vector<fs::path>& inputs, const fs::pa
   SGS_RETURN_IF_ERROR(check_output(inputs, output));
   SGS_ASSIGN_OR_RETURN(std::vector<Waiting> waiting, load_all(inputs));
   Part base = std::move(waiting.front().part);
-  std::string joined = waiting.front().name;
+  std::string base_name = waiting.front().name;
   waiting.erase(waiting.begin());
   ThreadPool pool(threads);
   JoinedFiles out;
   bool progress = true;
   while (!waiting.empty() && std::exchange(progress, false)) {
-    out.sentences.clear();
+    out.not_joined.clear();
     for (auto map = waiting.begin(); map != waiting.end();) {
       const Outcome outcome = join(base, map->part, pool);
-      const std::string told = fmt::format("{} in {}: {}", map->name, joined, outcome.sentence());
+      const std::string told =
+          fmt::format("{} in {}: {}", map->name, base_name, outcome.sentence());
       if (!outcome.joined) {
-        out.sentences.push_back(told);
+        out.not_joined.push_back(told);
         ++map;
         continue;
       }
-      log().info("{}", told);
-      joined += " + " + map->name;
+      out.joined.push_back(told);
+      base_name += " + " + map->name;
       progress = true;
       map = waiting.erase(map);
     }
   }
   if (!waiting.empty()) return out;
   SGS_RETURN_IF_ERROR(save(output, base));
-  out.joined = true;
   return out;
 }
 

@@ -12,8 +12,9 @@ namespace sgs::mapjoin {
 
 /// What became of joining map files.
 struct JoinedFiles {
-  bool joined = false;                 ///< all of them; otherwise nothing was written
-  std::vector<std::string> sentences;  ///< what is to be told of each map but the first
+  std::vector<std::string> joined;  ///< how each map was joined, in that order
+  std::vector<std::string>
+      not_joined;  ///< why others were not; if there are any nothing is written
 };
 
 /// Joins the maps `inputs` (files or run folders) in the world of the first one into the file

@@ -53,6 +53,7 @@ TEST(Join, ThreadsChangeNothing) {
   Part one = walk_along_wall("first", 0, kViews, SE3{}), three = one;
   joined(one, second, 1);
   joined(three, second, 3);
+  ASSERT_EQ(one.views(), 2u * kViews);
   ASSERT_EQ(one.views(), three.views());
   for (std::size_t i = 0; i < one.views(); ++i) {
     EXPECT_EQ(one.T_world_camera[i].t, three.T_world_camera[i].t);
