@@ -18,7 +18,8 @@ struct Outcome {
   std::size_t agreed = 0, rival = 0;  ///< ties that say one thing, and the most that say another
   int expected = 0, confirmed = 0;    ///< views that should see the base, and those that do
   std::size_t ties = 0;               ///< in the graph in the end
-  std::size_t merged = 0;             ///< Gaussians that lay twice
+  std::size_t merged = 0;             ///< Gaussians that became one with others
+  std::size_t dropped = 0;            ///< that hung in the air, as the other map saw
   SE3 T_base_other;                   ///< where the world of the other lies in that of the base
   std::optional<double> metre;        ///< depth of the other over that of the base
 
