@@ -12,6 +12,7 @@
 #include "sgs/camera/resample.h"
 #include "sgs/loops/agreeing_poses.h"
 #include "sgs/mapjoin/agreement.h"
+#include "sgs/mapjoin/even_colours.h"
 #include "sgs/mapjoin/in_the_air.h"
 #include "sgs/mapjoin/move_part.h"
 #include "sgs/mapjoin/one_graph.h"
@@ -121,6 +122,7 @@ Outcome join(Part& base, const Part& other, ThreadPool& pool) {
   outcome.T_base_other = poses[first] * both.T_world_camera[first].inverse();
   both.graph.edges = at_rest(std::move(graph.edges), poses);
   outcome.merged = move_part(both, std::move(poses));
+  outcome.colours = even_colours(both, static_cast<std::uint16_t>(base.sessions.size()));
   outcome.dropped = drop_in_the_air(both, static_cast<std::uint16_t>(base.sessions.size()));
   base = std::move(both);
   outcome.joined = true;
@@ -134,9 +136,10 @@ std::string Outcome::sentence() const {
   if (joined) {
     out = fmt::format(
         "{}; {} of {} that should see it do, {} ties; its world is turned by {:.2f} degrees and "
-        "shifted by {:.3f} m; {} Gaussians were there twice, {} hung in the air",
+        "shifted by {:.3f} m; {} Gaussians were there twice, {} hung in the air; "
+        "its colours were multiplied by {:.2f} {:.2f} {:.2f}",
         looked, confirmed, expected, ties, T_base_other.angle() * 180 / std::numbers::pi,
-        T_base_other.t.norm(), merged, dropped);
+        T_base_other.t.norm(), merged, dropped, colours[0], colours[1], colours[2]);
   } else if (expected > 0 && agreed >= kNeeded) {
     out = fmt::format(
         "{} views agree on a place ({}), but there only {} of {} views see what they should",

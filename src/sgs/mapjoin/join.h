@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 
@@ -20,8 +21,9 @@ struct Outcome {
   std::size_t ties = 0;               ///< in the graph in the end
   std::size_t merged = 0;             ///< Gaussians that became one with others
   std::size_t dropped = 0;            ///< that hung in the air, as the other map saw
-  SE3 T_base_other;                   ///< where the world of the other lies in that of the base
-  std::optional<double> metre;        ///< depth of the other over that of the base
+  std::array<float, 3> colours = {1, 1, 1};  ///< by which those of the other were multiplied
+  SE3 T_base_other;             ///< where the world of the other lies in that of the base
+  std::optional<double> metre;  ///< depth of the other over that of the base
 
   /// Why it was not joined and how near it came, or how it was.
   std::string sentence() const;
