@@ -291,11 +291,16 @@ ReadoutModel SpectralTracker::readout_model(double timestamp_s, const MotionMode
             return readout_.predict(motion.rate_to(T_local_camera, timestamp_s),
                                     aligner_.vision().newest_keyframe());
           },
-          // Not the rate to the pose that is looked for: points that follow a pose's own velocity
-          // make it swing to and fro.
-          [this, &motion](const Vector6d& seen, const SE3&) {
-            return registration::FrameMotion{frame_readout(seen), motion.steady_rate(),
-                                             depth_delay_s_, delay_.delay_s()};
+          // Where depth is the older half of the frame, not the rate to the pose that is looked
+          // for: points that follow a pose's own velocity backwards make it swing to and fro.
+          // Forwards they damp it, and a rate of the frames before is late by a degree where a
+          // hand turns fast (docs/decisions/0076-the-velocity-of-a-frame.md).
+          [this, timestamp_s, &motion](const Vector6d& seen, const SE3& T_local_camera) {
+            const Vector6d velocity = depth_delay_s_ > 0
+                                          ? motion.rate_to(T_local_camera, timestamp_s)
+                                          : motion.steady_rate();
+            return registration::FrameMotion{frame_readout(seen), velocity, depth_delay_s_,
+                                             delay_.delay_s()};
           }};
 }
 

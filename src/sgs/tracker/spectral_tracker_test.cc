@@ -50,25 +50,28 @@ TEST(SpectralTracker, HoldsOnToAPaperedWallWhereGeometrySlides) {
 
 // A camera that goes to and fro before the wall, at up to half a metre a second, and turns. It
 // begins at rest: the motion of the first frame is not known.
-SE3 swinging(double t_s) {
-  const auto swing = [&](double rate) { return 1 - std::cos(rate * t_s); };
+SE3 swinging(double t_s, double haste = 1) {
+  const auto swing = [&](double rate) {
+    return (1 - std::cos(haste * rate * t_s)) / haste;  // as fast, and turns round as often
+  };
   return SE3(so3_exp({0.04 * swing(5), 0.05 * swing(4), 0}), {0.1 * swing(3), 0, 0.1 * swing(5)});
 }
 
 // Root mean square error of the path where depth comes late, in metres.
-double error_with_depth_later_by(double delay_s, double known_delay_s, bool learn) {
+double error_with_depth_later_by(double delay_s, double known_delay_s, bool learn,
+                                 double haste = 1) {
   constexpr int kFrames = 40;
   TrackerConfig config;
   config.delay.estimate = learn;
-  const auto tracker = must_make(config, kWallCamera, swinging(0));
+  const auto tracker = must_make(config, kWallCamera, swinging(0, haste));
   double squares = 0;
   for (int i = 0; i < kFrames; ++i) {
-    RgbdFrame frame = see_wall(swinging(i / 30.0), i);
-    frame.depth = see_wall(swinging(i / 30.0 + delay_s), i).depth;
+    RgbdFrame frame = see_wall(swinging(i / 30.0, haste), i);
+    frame.depth = see_wall(swinging(i / 30.0 + delay_s, haste), i).depth;
     frame.depth_delay_s = known_delay_s;
     const TrackResult result = tracker->track(frame, nullptr);
     EXPECT_NE(result.status, TrackingStatus::kLost) << i;
-    const double error = distance_m(result.T_odom_camera, swinging(i / 30.0));
+    const double error = distance_m(result.T_odom_camera, swinging(i / 30.0, haste));
     squares += error * error / kFrames;
   }
   return std::sqrt(squares);
@@ -80,6 +83,13 @@ TEST(SpectralTracker, DepthThatIsKnownToComeLateIsTakenForWhenItWas) {
   // Learning what its stamps leave open does no harm, and does where they say nothing.
   EXPECT_LT(error_with_depth_later_by(0.008, 0.008, true), 0.5 * late_m);
   EXPECT_LT(error_with_depth_later_by(0.008, 0, true), 0.5 * late_m);
+}
+
+// Of a hand that turns round ten times a second the last frames say nothing.
+TEST(SpectralTracker, LateDepthFollowsAHandThatTurnsRoundQuickly) {
+  constexpr double kHaste = 4;
+  const double late_m = error_with_depth_later_by(0.015, 0, false, kHaste);
+  EXPECT_LT(error_with_depth_later_by(0.015, 0.015, false, kHaste), 0.5 * late_m);
 }
 
 TEST(SpectralTracker, DoesNotDependOnTheWorldOrigin) {
