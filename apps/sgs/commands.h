@@ -36,6 +36,7 @@ void add_convert(CLI::App& app, Action& action);
 void add_send(CLI::App& app, Action& action);
 void add_camera_test(CLI::App& app, Action& action);
 void add_export(CLI::App& app, Action& action);
+void add_merge(CLI::App& app, Action& action);
 void add_info(CLI::App& app, Action& action);
 void add_view(CLI::App& app, Action& action);
 void add_bench(CLI::App& app, Action& action);

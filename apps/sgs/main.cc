@@ -77,6 +77,7 @@ int parse_and_run(int argc, char** argv) {
   add_send(app, action);
   add_camera_test(app, action);
   add_export(app, action);
+  add_merge(app, action);
   add_info(app, action);
   add_view(app, action);
   add_bench(app, action);

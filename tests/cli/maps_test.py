@@ -199,6 +199,55 @@ class Maps(unittest.TestCase):
         self.assertFalse((out / "map.sgsmap").exists())
         self.assertEqual(self.map.read_bytes(), before)
 
+    def test_maps_of_two_runs_are_joined_and_lived_in(self):
+        second, joined = self.folder / "half", self.folder / "joined.sgsmap"
+        self.sgs("run", self.room, "--frames", "40:", "-o", second, *SMALL)
+        before = [(f / "map.sgsmap").read_bytes() for f in (self.first, second)]
+        merge = ("merge", self.first, second, "-o", joined, "--threads")
+        self.assertIn(str(joined), self.sgs(*merge, 1).stdout)
+        self.assertEqual([(f / "map.sgsmap").read_bytes() for f in (self.first, second)], before)
+        told = self.info(joined)
+        self.assertEqual([s["frames"] for s in told["sessions"]], [60, FRAMES - 40])
+        views = [self.info(f / "map.sgsmap")["views"] for f in (self.first, second)]
+        self.assertEqual([s["views"] for s in told["sessions"]], views)
+        # All views lie in the world of the first one.
+        truth = poses(self.room / "groundtruth.txt")
+        origin = truth[min(truth)]
+        for place in told["places"]:
+            at = truth[min(truth, key=lambda t: abs(t - place["time_s"]))]
+            inverse = [-origin[3], -origin[4], -origin[5], origin[6]]
+            expected = turned(inverse, [at[i] - origin[i] for i in range(3)])
+            self.assertLess(math.dist(place["pose"][:3], expected), 0.03, place)
+        again = joined.read_bytes()
+        self.sgs(*merge, 3)
+        self.assertEqual(joined.read_bytes(), again)
+        visit, further = self.folder / "visit-joined", self.folder / "further"
+        self.sgs("run", self.room, "--frames", "60:80", "--localize", joined, "-o", visit, *SMALL)
+        self.assert_in_world_of_first(visit, 15)
+        self.sgs("run", self.room, "--frames", "20:50", "--continue", joined, "-o", further, *SMALL)
+        self.assert_in_world_of_first(further, 25)
+        self.assertEqual(len(self.info(further / "map.sgsmap")["sessions"]), 3)
+
+    def test_what_cannot_be_joined_is_not_written(self):
+        out = self.folder / "not.sgsmap"
+        office = self.folder / "office"
+        self.sgs("run", "synth:office:kinect", "--frames", "0:20", "-o", office, *SMALL)
+        done = self.sgs("merge", self.first, office, "-o", out, code=3)
+        self.assertRegex(done.stderr, r"not joined: .*office in .*: at most \d views agree")
+        copy = self.folder / "copy.sgsmap"
+        shutil.copy(self.map, copy)
+        for maps, output, code, said in (
+            ((self.first, copy), out, 2, "both hold the session"),
+            ((self.first, office), office / "map.sgsmap", 2, "only read"),
+            ((self.first, office), self.folder, 2, "is a folder"),
+            ((self.first, self.room), out, 1, "has no map.sgsmap"),
+            ((self.first, self.room / "groundtruth.txt"), out, 1, "no map"),
+        ):
+            with self.subTest(said):
+                self.assertIn(said, self.sgs("merge", *maps, "-o", output, code=code).stderr)
+        self.sgs("merge", self.first, "-o", out, code=2)
+        self.assertFalse(out.exists())
+
     def test_what_is_no_map_is_refused_before_anything_is_made(self):
         whole = self.map.read_bytes()
         flipped = bytearray(whole)

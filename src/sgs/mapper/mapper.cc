@@ -15,6 +15,7 @@
 #include "sgs/mapper/keyframe.h"
 #include "sgs/mapper/keyframe_culling.h"
 #include "sgs/mapper/keyframe_refinement.h"
+#include "sgs/mapper/known_anchor.h"
 #include "sgs/mapper/map_archive.h"
 #include "sgs/mapper/merge_layers.h"
 #include "sgs/mapper/move_map.h"
@@ -38,22 +39,6 @@ render::LossConfig loss_config(const ObjectiveConfig& objective) {
   loss.color_only_where_depth = objective.color_only_where_depth;
   loss.floater_margin_m = static_cast<float>(objective.floater_margin_m);
   return loss;
-}
-
-/// Where a Gaussian of a finished map was born is not known: it is taken to lie on a surface, as
-/// flat as it is itself, that was seen from `T_world_camera`.
-map::Anchor anchor_of(const map::Gaussian& g, std::int32_t keyframe, const SE3& T_world_camera) {
-  const auto thinnest = std::min_element(g.log_scale, g.log_scale + 3) - g.log_scale;
-  map::Anchor anchor;
-  anchor.point = {g.mean[0], g.mean[1], g.mean[2]};
-  const Eigen::Quaternionf turn(g.rotation[0], g.rotation[1], g.rotation[2], g.rotation[3]);
-  anchor.normal = turn.normalized().toRotationMatrix().col(thinnest);
-  if (anchor.normal.dot(T_world_camera.t.cast<float>() - anchor.point) < 0) {
-    anchor.normal = -anchor.normal;
-  }
-  anchor.sigma_n_m = std::exp(g.log_scale[thinnest]);
-  anchor.keyframe = keyframe;
-  return anchor;
 }
 
 bool has_depth(const RgbdFrame& frame, double max_depth_m) {
@@ -323,7 +308,7 @@ void Mapper::know(const std::vector<map::Gaussian>& gaussians,
   for (std::size_t i = 0; i < gaussians.size(); ++i) {
     const map::Gaussian& g = gaussians[i];
     const KnownKeyframe& view = views.at(static_cast<std::size_t>(view_of[i]));
-    m.store.append(g, anchor_of(g, view_of[i], view.T_world_camera),
+    m.store.append(g, known_anchor(g, view_of[i], view.T_world_camera),
                    *std::max_element(g.log_scale, g.log_scale + 3) + growth);
     m.store.steps.back() = kSteps;
   }

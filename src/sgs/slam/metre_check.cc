@@ -10,7 +10,7 @@
 namespace sgs::slam {
 namespace {
 
-constexpr int kFrames = 30, kStep_px = 16, kEnough = 100;
+constexpr int kStep_px = 16, kEnough = 100;
 constexpr double kNear_m = 0.3, kFar_m = 5;  // beyond, noise is what differs
 constexpr double kSameSurface = 0.15;        // share of the depth, before the frame is fitted
 constexpr double kFits = 0.03;               // and after
@@ -91,7 +91,7 @@ void MetreCheck::know(std::int64_t index, const RgbdFrame& view) {
 }
 
 bool MetreCheck::add(const RgbdFrame& frame, const SE3& T_world_camera, const history::Path& path) {
-  if (views_.empty() || frames_ >= kFrames) return false;
+  if (views_.empty() || frames_ >= needed_) return false;
   std::vector<Row> most;
   for (const View& view : views_) {
     const SE3 T_camera_view = T_world_camera.inverse() * path.at(view.index);
@@ -114,11 +114,11 @@ bool MetreCheck::add(const RgbdFrame& frame, const SE3& T_world_camera, const hi
   H_ += normal.H(0, 0) - coupling.dot(share);
   b_ += normal.b[0] - share.dot(normal.b.tail<6>());
   count_ += static_cast<int>(most.size());
-  return ++frames_ == kFrames;
+  return ++frames_ == needed_;
 }
 
 std::optional<double> MetreCheck::ratio() const {
-  if (frames_ < kFrames || H_ < kLeastLever_m * kLeastLever_m * count_) return std::nullopt;
+  if (frames_ < needed_ || H_ < kLeastLever_m * kLeastLever_m * count_) return std::nullopt;
   return 1 + b_ / H_;
 }
 

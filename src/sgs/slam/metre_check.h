@@ -16,6 +16,9 @@ namespace sgs::slam {
 /// map's views against the planes that the frame sees there.
 class MetreCheck {
  public:
+  /// `frames`: how many have to be compared before anything is said.
+  explicit MetreCheck(int frames = 30) : needed_(frames) {}
+
   /// A view of the map, under its index in the path.
   void know(std::int64_t index, const RgbdFrame& view);
   /// Takes in a tracked frame; `path` has the views. True with the last one that is needed.
@@ -34,7 +37,7 @@ class MetreCheck {
   // points.
   double H_ = 0, b_ = 0;
   int count_ = 0;
-  int frames_ = 0;
+  int frames_ = 0, needed_;
 };
 
 }  // namespace sgs::slam

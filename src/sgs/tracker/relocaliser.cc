@@ -73,17 +73,22 @@ features::OrbConfig Relocaliser::orb() const {
 }
 
 // The newest one, too: a camera that was lost for a moment is mostly still there.
-std::vector<Relocaliser::Keyframe*> Relocaliser::most_alike(const RgbdFrame& frame) {
+std::vector<Relocaliser::Keyframe*> Relocaliser::most_alike(const RgbdFrame& frame,
+                                                            const KnownView* view) {
   std::vector<std::pair<double, Keyframe*>> alike;
-  const auto compare = [&](const features::Ferns& ferns, auto begin, auto end) {
-    if (begin == end) return;
-    const features::FernCode code = ferns.code(frame);
+  const auto compare = [&](const features::FernCode& code, auto begin, auto end) {
     for (auto k = begin; k != end; ++k) {
       alike.emplace_back(-features::Ferns::similarity(k->ferns, code), &*k);
     }
   };
-  for (KnownViews& k : known_) compare(k.ferns, k.keyframes.begin(), k.keyframes.end());
-  if (!keyframes_.empty()) compare(ferns_, keyframes_.begin(), keyframes_.end() - 1);
+  for (KnownViews& k : known_) {
+    const bool same_questions = view != nullptr && view->fern_seed == k.fern_seed;
+    compare(same_questions ? view->ferns : k.ferns.code(frame), k.keyframes.begin(),
+            k.keyframes.end());
+  }
+  if (keyframes_.size() > 1) {
+    compare(ferns_.code(frame), keyframes_.begin(), keyframes_.end() - 1);
+  }
   std::stable_sort(alike.begin(), alike.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Keyframe*> out;
@@ -105,13 +110,14 @@ bool Relocaliser::extract(Keyframe& keyframe, const history::CalibrationPtr& cal
   return true;
 }
 
-std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame, const LocalPast& past) {
+std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame, const LocalPast& past,
+                                           const KnownView* view) {
   last_look_ = {};
   features::OrbExtractor extractor(orb());
   const features::OrbFrame current = extractor.extract(known_.empty() ? reduced(frame) : frame);
   if (static_cast<int>(current.keypoints.size()) < config_.pose.min_matches) return std::nullopt;
   features::VisualMap map(config_.pose);
-  std::vector<Keyframe*> compared = most_alike(frame);
+  std::vector<Keyframe*> compared = most_alike(frame, view);
   std::erase_if(compared, [&](Keyframe* k) { return !extract(*k, past.revision().calibration); });
   for (const Keyframe* k : compared) map.insert(*k->features, past.at(k->frame));
   const features::VisualPose found = map.relocalise(current);

@@ -37,8 +37,9 @@ class Relocaliser {
   /// Remembers a keyframe, its depth corrected by `calibration`; the oldest makes room.
   void add_keyframe(const RgbdFrame& frame, const history::CalibrationPtr& calibration);
   /// Pose of a frame among the remembered keyframes, camera to local; empty when none fits. `past`
-  /// tells where those are.
-  std::optional<SE3> relocalise(const RgbdFrame& frame, const LocalPast& past);
+  /// tells where those are. `view`: of another map whose frame this is; its code in colour counts.
+  std::optional<SE3> relocalise(const RgbdFrame& frame, const LocalPast& past,
+                                const KnownView* view = nullptr);
 
   /// How near the last relocalise() came.
   struct Look {
@@ -63,7 +64,7 @@ class Relocaliser {
   };
   /// For pictures of the frames that come.
   features::OrbConfig orb() const;
-  std::vector<Keyframe*> most_alike(const RgbdFrame& frame);
+  std::vector<Keyframe*> most_alike(const RgbdFrame& frame, const KnownView* view);
   bool extract(Keyframe& keyframe, const history::CalibrationPtr& calibration) const;
 
   RelocaliserConfig config_;
