@@ -262,3 +262,17 @@ class CameraTest(unittest.TestCase):
             except OSError:
                 continue
             self.assertFalse(left, process)
+
+
+class Replugged:
+    """A camera whose cable comes off during a run, for each family (a mixin of CameraTest)."""
+
+    def test_unplugged_and_plugged_in_again(self):
+        self.fake(unplug=6, rate=60)
+        said = self.until_played(self.begin())
+        self.assertIn("the camera was unplugged", said)
+        self.assertIn("a sender is there again", said)
+        self.assertEqual(self.tracked(), FRAMES)
+        times = np.array(rows(self.run_folder / "trajectory.txt"), float)[:, 0]
+        self.assertTrue((np.diff(times) > 0).all())
+        self.assert_no_program_is_left()

@@ -11,12 +11,22 @@ import unittest
 
 import numpy as np
 
-from fake_cameras import FRAMES, NO_SDK, SGS, STEP_S, TRACK, CameraTest, Recorded, rows, write_scene
+from fake_cameras import (
+    FRAMES,
+    NO_SDK,
+    SGS,
+    STEP_S,
+    TRACK,
+    CameraTest,
+    Recorded,
+    Replugged,
+    write_scene,
+)
 
 OPENNI2 = next(iter(glob.glob("/usr/lib/*/libOpenNI2.so.0")), None)
 
 
-class Family:
+class Family(Replugged):
     """What every family does alike."""
 
     name = ""  # as people say it
@@ -147,16 +157,6 @@ class Family:
         self.assertAlmostEqual(values["rate"], 32, delta=0.1)
         if self.imu:
             self.assertAlmostEqual(values["gyroscope"], self.rates[1], delta=20)
-
-    def test_unplugged_and_plugged_in_again(self):
-        self.fake(unplug=6, rate=60)
-        said = self.until_played(self.begin())
-        self.assertIn("the camera was unplugged", said)
-        self.assertIn("a sender is there again", said)
-        self.assertEqual(self.tracked(), FRAMES)
-        times = np.array(rows(self.run_folder / "trajectory.txt"), float)[:, 0]
-        self.assertTrue((np.diff(times) > 0).all())
-        self.assert_no_program_is_left()
 
 
 class WithTwoCameras:

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/calibration.h"
+#include "common/family_driver.h"
 #include "freenect_library.h"
 #include "tick_clock.h"
 
@@ -21,16 +22,9 @@ using capture::CameraImage;
 using capture::CameraMode;
 using capture::CameraSink;
 
-class Kinect final : public capture::CameraDriver {
+class Kinect final : public FamilyDriver {
  public:
   ~Kinect() override { Kinect::stop(); }
-
-  stream::CameraFamily list() override {
-    stream::CameraFamily family;
-    const Status listed = list_into(family);
-    if (!listed) family.problem = listed.error();
-    return family;
-  }
 
   Result<stream::Hello> start(const CameraMode& mode, CameraSink& sink) override {
     sink_ = &sink;
@@ -43,8 +37,6 @@ class Kinect final : public capture::CameraDriver {
     stop();
     return tl::unexpected<Error>(started.error());
   }
-
-  std::vector<std::string> notes() override { return std::exchange(notes_, {}); }
 
   bool present() override { return !lost_ && std::ranges::count(serials(), serial_) > 0; }
 
@@ -101,7 +93,7 @@ class Kinect final : public capture::CameraDriver {
     return found;
   }
 
-  Status list_into(stream::CameraFamily& family) {
+  Status list_into(stream::CameraFamily& family) override {
     SGS_RETURN_IF_ERROR(open());
     family.library = lib_->path;
     for (const std::string& serial : serials()) {
@@ -195,8 +187,6 @@ class Kinect final : public capture::CameraDriver {
   std::string serial_;
   std::thread events_;
   std::atomic<bool> stopped_{false}, lost_{false};
-  std::vector<std::string> notes_;
-  CameraSink* sink_ = nullptr;
 };
 
 thread_local Kinect* Kinect::served = nullptr;

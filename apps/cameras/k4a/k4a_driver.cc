@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/calibration.h"
+#include "common/family_driver.h"
 #include "k4a_library.h"
 
 namespace sgs::cameras {
@@ -112,16 +113,9 @@ class Device {
   k4a_device* device_ = nullptr;
 };
 
-class AzureKinect final : public capture::CameraDriver {
+class AzureKinect final : public FamilyDriver {
  public:
   ~AzureKinect() override { AzureKinect::stop(); }
-
-  stream::CameraFamily list() override {
-    stream::CameraFamily family;
-    const Status listed = list_into(family);
-    if (!listed) family.problem = listed.error();
-    return family;
-  }
 
   Result<stream::Hello> start(const CameraMode& mode, CameraSink& sink) override {
     sink_ = &sink;
@@ -138,8 +132,6 @@ class AzureKinect final : public capture::CameraDriver {
     if (mode.imu) run_imu(calibration, hello);
     return hello;
   }
-
-  std::vector<std::string> notes() override { return std::exchange(notes_, {}); }
 
   bool present() override { return !lost_ && lib_->k4a_device_get_installed_count() > 0; }
 
@@ -192,7 +184,7 @@ class AzureKinect final : public capture::CameraDriver {
     return tl::unexpected<Error>(problem ? *problem : nothing_found(words()));
   }
 
-  Status list_into(stream::CameraFamily& family) {
+  Status list_into(stream::CameraFamily& family) override {
     SGS_ASSIGN_OR_RETURN(lib_, open_library());
     family.library = lib_->path;
     SGS_ASSIGN_OR_RETURN(const auto devices, open_all());
@@ -320,8 +312,6 @@ class AzureKinect final : public capture::CameraDriver {
   std::thread images_, samples_;
   std::atomic<bool> stopped_{false}, lost_{false};
   bool cameras_run_ = false, imu_runs_ = false;
-  std::vector<std::string> notes_;
-  CameraSink* sink_ = nullptr;
 };
 
 }  // namespace

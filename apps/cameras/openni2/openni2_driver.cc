@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "common/calibration.h"
+#include "common/family_driver.h"
 #include "openni2_library.h"
 
 namespace sgs::cameras {
@@ -33,16 +34,9 @@ struct Found {
   OpenDevice device{nullptr, nullptr};
 };
 
-class OpenNi2 final : public capture::CameraDriver {
+class OpenNi2 final : public FamilyDriver {
  public:
   ~OpenNi2() override { OpenNi2::stop(); }
-
-  stream::CameraFamily list() override {
-    stream::CameraFamily family;
-    const Status listed = list_into(family);
-    if (!listed) family.problem = listed.error();
-    return family;
-  }
 
   Result<stream::Hello> start(const CameraMode& mode, CameraSink& sink) override {
     sink_ = &sink;
@@ -52,8 +46,6 @@ class OpenNi2 final : public capture::CameraDriver {
     if (!hello) stop();
     return hello;
   }
-
-  std::vector<std::string> notes() override { return std::exchange(notes_, {}); }
 
   bool present() override {
     return std::ranges::any_of(listed(),
@@ -123,7 +115,7 @@ class OpenNi2 final : public capture::CameraDriver {
     return uri;
   }
 
-  Status list_into(stream::CameraFamily& family) {
+  Status list_into(stream::CameraFamily& family) override {
     SGS_ASSIGN_OR_RETURN(lib_, open_library());
     family.library = fmt::format("{} {}", lib_->path, lib_->version);
     SGS_ASSIGN_OR_RETURN(const auto cameras, open_all());
@@ -291,8 +283,6 @@ class OpenNi2 final : public capture::CameraDriver {
   Found camera_;
   OpenStream color_{nullptr, nullptr}, depth_{nullptr, nullptr};
   VideoMode color_mode_{}, depth_mode_{};
-  std::vector<std::string> notes_;
-  CameraSink* sink_ = nullptr;
 };
 
 }  // namespace

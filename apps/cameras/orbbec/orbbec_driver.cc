@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/calibration.h"
+#include "common/family_driver.h"
 #include "ob_calibration.h"
 #include "ob_library.h"
 
@@ -55,16 +56,9 @@ std::string text_or_nothing(const Result<const char*>& text) {
   return text && *text != nullptr ? *text : "";
 }
 
-class Orbbec final : public capture::CameraDriver {
+class Orbbec final : public FamilyDriver {
  public:
   ~Orbbec() override { Orbbec::stop(); }
-
-  stream::CameraFamily list() override {
-    stream::CameraFamily family;
-    const Status listed = list_into(family);
-    if (!listed) family.problem = listed.error();
-    return family;
-  }
 
   Result<stream::Hello> start(const CameraMode& mode, CameraSink& sink) override {
     sink_ = &sink;
@@ -82,8 +76,6 @@ class Orbbec final : public capture::CameraDriver {
     stop();
     return tl::unexpected<Error>(unit.error());
   }
-
-  std::vector<std::string> notes() override { return std::exchange(notes_, {}); }
 
   bool present() override {
     const auto devices = query();
@@ -157,7 +149,7 @@ class Orbbec final : public capture::CameraDriver {
     return found;
   }
 
-  Status list_into(stream::CameraFamily& family) {
+  Status list_into(stream::CameraFamily& family) override {
     SGS_RETURN_IF_ERROR(open());
     family.library = fmt::format("{} {}", lib_->path, lib_->version_text());
     SGS_ASSIGN_OR_RETURN(const auto devices, query());
@@ -483,8 +475,6 @@ class Orbbec final : public capture::CameraDriver {
   std::mutex mutex_;
   std::condition_variable unit_came_;
   float unit_mm_ = 0;
-  std::vector<std::string> notes_;
-  CameraSink* sink_ = nullptr;
 };
 
 }  // namespace

@@ -12,6 +12,7 @@
 
 #include "common/calibration.h"
 #include "common/camera_words.h"
+#include "common/family_driver.h"
 #include "rs2_calibration.h"
 #include "rs2_library.h"
 
@@ -76,16 +77,9 @@ class SensorOptions {
   std::map<std::string, int> numbers_;
 };
 
-class RealSense final : public capture::CameraDriver {
+class RealSense final : public FamilyDriver {
  public:
   ~RealSense() override { RealSense::stop(); }
-
-  stream::CameraFamily list() override {
-    stream::CameraFamily family;
-    const Status listed = list_into(family);
-    if (!listed) family.problem = listed.error();
-    return family;
-  }
 
   Result<stream::Hello> start(const CameraMode& mode, CameraSink& sink) override {
     sink_ = &sink;
@@ -98,8 +92,6 @@ class RealSense final : public capture::CameraDriver {
     if (!hello) stop();
     return hello;
   }
-
-  std::vector<std::string> notes() override { return std::exchange(notes_, {}); }
 
   bool present() override {
     const auto devices = query();
@@ -164,7 +156,7 @@ class RealSense final : public capture::CameraDriver {
     return devices;
   }
 
-  Status list_into(stream::CameraFamily& family) {
+  Status list_into(stream::CameraFamily& family) override {
     SGS_RETURN_IF_ERROR(open());
     family.library = fmt::format("{} {}", lib_->path, lib_->version_text());
     SGS_ASSIGN_OR_RETURN(const auto devices, query());
@@ -424,8 +416,6 @@ class RealSense final : public capture::CameraDriver {
   double depth_scale_ = 0;
   std::optional<bool> laser_;
   bool has_imu_ = false, imu_runs_ = false, running_ = false;
-  std::vector<std::string> notes_;
-  CameraSink* sink_ = nullptr;
 };
 
 }  // namespace
