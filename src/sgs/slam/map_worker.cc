@@ -3,12 +3,14 @@
 #include "sgs/slam/map_worker.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace sgs::slam {
 namespace {
 
 constexpr int kHelperNice = 19;
+constexpr int kIterationsPerSnapshot = 20;  // where nobody waits for them
 
 }  // namespace
 
@@ -67,6 +69,7 @@ void MapWorker::follow(const history::Revision& revision) {
     moves.push_back(revision.path.at(k.frame_index) * before.path.at(k.frame_index).inverse());
   }
   mapper_.move_keyframes(moves);
+  revised_at_ = mapper_.iterations();
   publish();
 }
 
@@ -82,8 +85,22 @@ const KeyframePose& MapWorker::keyframe_before(const SE3& T_odom_camera) const {
   });
 }
 
+// What a revision has moved, and what it makes of depth, is learnt by as many steps as keyframes
+// have while frames come; one of the last second leaves no time for that.
+void MapWorker::catch_up() {
+  if (revised_at_ < 0) return;
+  const double wanted =
+      config_.mapper.iterations_per_frame * static_cast<double>(keyframes_.size());
+  const std::int64_t made = mapper_.iterations() - revised_at_;
+  for (std::int64_t left = std::llround(wanted) - made; left > 0; left -= kIterationsPerSnapshot) {
+    mapper_.iterate(static_cast<int>(std::min<std::int64_t>(left, kIterationsPerSnapshot)));
+    publish();
+  }
+}
+
 void MapWorker::process(const MapJob& job) {
   follow(job.revision);
+  if (job.catches_up) return catch_up();
   if (job.keyframe) {
     const SE3& T_odom_camera = revision_.path.at(job.keyframe->index);
     KeyframePose keyframe{job.keyframe->index, job.keyframe->timestamp_s, T_odom_camera};
@@ -97,7 +114,7 @@ void MapWorker::process(const MapJob& job) {
       keyframes_.push_back(keyframe);
     }
   }
-  if (mode_ != WorkerMode::kLive || job.is_turn) {
+  if (mode_ != WorkerMode::kLive) {
     budget_ += config_.mapper.iterations_per_frame * job.frames;
     const int count = static_cast<int>(budget_);
     budget_ -= count;
@@ -128,7 +145,6 @@ void MapWorker::process(Order& order) {
 }
 
 void MapWorker::iterate_live() {
-  constexpr int kIterationsPerSnapshot = 20;
   mapper_.iterate(1);
   if (++live_iterations_ % kIterationsPerSnapshot == 0) publish();
 }
@@ -149,7 +165,7 @@ void MapWorker::submit(MapJob job) {
   worker_.rethrow_failure();
   const int number = job.revision.number();
   const bool is_revised = std::exchange(submitted_revision_, number) != number;
-  const bool is_work = job.keyframe || is_revised || job.is_turn;
+  const bool is_work = job.keyframe || is_revised || job.catches_up;
   if (mode_ == WorkerMode::kLive && !is_work) return;
   worker_.submit({.job = std::move(job)});
 }
@@ -175,7 +191,9 @@ Status MapWorker::restore(ArchiveReader& bytes) {
   SGS_CHECK(mode_ != WorkerMode::kLive && submitted_ == 0, "to be called before anything else");
   SGS_RETURN_IF_ERROR(mapper_.restore(bytes));
   archive(bytes);
-  if (bytes.failed() || !(budget_ >= 0 && budget_ < 1)) {
+  const bool makes_sense =
+      budget_ >= 0 && budget_ < 1 && revised_at_ >= -1 && revised_at_ <= mapper_.iterations();
+  if (bytes.failed() || !makes_sense) {
     return fail(ErrorCode::kInvalidFormat, "the state of the mapping makes no sense");
   }
   const auto lock = worker_.lock();

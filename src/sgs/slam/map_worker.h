@@ -23,8 +23,9 @@ namespace sgs::slam {
 struct MapJob {
   std::shared_ptr<const RgbdFrame> keyframe;  ///< null when the frame is no mapping keyframe
   history::Revision revision;                 ///< its path has the frame
-  double frames = 1;     ///< of a video that this one stands for: its steps are so many times more
-  bool is_turn = false;  ///< a keyframe's turn once more, after the last one: steps live, too
+  double frames = 1;  ///< of a video that this one stands for: its steps are so many times more
+  /// After the last frame: the steps that keyframes have not had since the past was revised last.
+  bool catches_up = false;
   Vector6d lag = Vector6d::Zero();  ///< of the keyframe's depth (Mapper::add_keyframe())
 };
 
@@ -99,11 +100,12 @@ class MapWorker {
   /// Everything but the mapper.
   template <class Archive>
   void archive(Archive& a) {
-    a(keyframes_, budget_, jobs_since_snapshot_, sizes_);
+    a(keyframes_, budget_, jobs_since_snapshot_, revised_at_, sizes_);
   }
 
   LaggedWorker<Order>::Tasks tasks();
   void process(const MapJob& job);
+  void catch_up();
   void process(Order& order);
   void iterate_live();
   void show(const Order* order);
@@ -123,6 +125,7 @@ class MapWorker {
   std::size_t known_keyframes_ = 0;  // of them: views of a map that is gone on with
   double budget_ = 0;
   std::int64_t jobs_since_snapshot_ = 0;
+  std::int64_t revised_at_ = -1;  // steps made when the past was revised last; -1: it was not
   MapView newest_;
   map::SnapshotPtr final_snapshot_;
   std::vector<ViewSize> sizes_;  // behind each job

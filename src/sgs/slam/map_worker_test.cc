@@ -33,27 +33,49 @@ TEST(MapWorker, HasNoCoreToLeaveWhenItWorksInline) {
   EXPECT_FALSE(leaves_core(WorkerMode::kInline, cores + 1));
 }
 
-// What a last change of depth has moved is learnt again also where steps are made as time allows:
-// nobody waits for them any more then.
-TEST(MapWorker, AKeyframesTurnAfterTheLastFrameIsTakenLive) {
-  constexpr int kTurns = 3, kSteps = 40;
+constexpr int kStepsPerFrame = 40;
+
+struct LastJobs {
+  bool is_revised = false;  // after the only keyframe
+  int frames_after = 0;
+  bool catches_up = true;
+};
+
+std::int64_t steps_with(WorkerMode mode, const LastJobs& jobs) {
   auto config = make_session_config("default");
-  ASSERT_TRUE(config);
-  config->mapper.iterations_per_frame = kSteps;
+  EXPECT_TRUE(config);
+  config->mapper.iterations_per_frame = kStepsPerFrame;
   const auto frame = mapper::wall_frame(mapper::small_camera(), SE3{});
   history::Revision revision;
   revision.path.append({frame->index, frame->timestamp_s, SE3{}});
-  for (const bool is_turn : {false, true}) {
-    MapWorker worker(*config, frame->camera, false, WorkerMode::kLive, 1);
-    worker.submit({frame, revision});
-    for (int k = 0; k < kTurns; ++k) worker.submit({nullptr, revision, 1, is_turn});
-    worker.finish();
-    if (is_turn) {
-      EXPECT_GE(worker.iterations(), kTurns * kSteps);
-    } else {
-      EXPECT_LT(worker.iterations(), kTurns * kSteps) << "frames without a keyframe are no work";
-    }
-  }
+  MapWorker worker(*config, frame->camera, false, mode, 1);
+  worker.submit({frame, revision});
+  if (jobs.is_revised) ++revision.loops;
+  for (int k = 0; k < jobs.frames_after; ++k) worker.submit({nullptr, revision});
+  MapJob last;
+  last.revision = revision;
+  last.catches_up = true;
+  if (jobs.catches_up) worker.submit(std::move(last));
+  worker.finish();
+  return worker.iterations();
+}
+
+// What a revision has moved is learnt again, though no frame comes any more.
+TEST(MapWorker, CatchesUpAfterTheLastFrameWithWhatARevisionHasMoved) {
+  const auto steps = [](LastJobs jobs) {
+    const auto all = steps_with(WorkerMode::kInline, jobs);
+    jobs.catches_up = false;
+    return all - steps_with(WorkerMode::kInline, jobs);
+  };
+  EXPECT_EQ(steps({.is_revised = false}), 0);
+  EXPECT_EQ(steps({.is_revised = true}), kStepsPerFrame);
+  EXPECT_EQ(steps({.is_revised = true, .frames_after = 1}), 0) << "a frame's steps came after";
+}
+
+// Live steps are made as time allows; nobody waits for them any more then.
+TEST(MapWorker, CatchesUpLive) {
+  EXPECT_LT(steps_with(WorkerMode::kLive, {.is_revised = false}), kStepsPerFrame);
+  EXPECT_GE(steps_with(WorkerMode::kLive, {.is_revised = true}), kStepsPerFrame);
 }
 
 }  // namespace

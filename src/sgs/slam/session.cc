@@ -360,7 +360,6 @@ void Session::hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame,
   if (wants_mapping_keyframe(record)) {
     record.mapping_keyframe = true;
     last_mapping_keyframe_ = video_time_;
-    ++mapping_keyframes_;
     keyframe_pending_ = false;
     job.lag = result.motion.lag();
     job.keyframe = without_movers(
@@ -427,24 +426,19 @@ void Session::finish() {
   // What fails here must not cost the map.
   std::exception_ptr failure;
   try {
-    if (loops_) revise_last(loops_->finish(revision_));
-    if (calibrator_) revise_last(calibrator_->finish(revision_));
+    for (BackEndWorker* back_end : {loops_.get(), calibrator_.get()}) {
+      if (back_end == nullptr) continue;
+      if (const auto update = back_end->finish(revision_)) revise(*update);
+    }
+    MapJob last;
+    last.revision = revision_;
+    last.catches_up = true;
+    worker_->submit(std::move(last));
   } catch (...) {
     failure = std::current_exception();
   }
   worker_->finish();
   if (failure) std::rethrow_exception(failure);
-}
-
-void Session::revise_last(const std::optional<history::Update>& update) {
-  if (!update) return;
-  revise(*update);
-  worker_->submit({nullptr, revision_});
-  if (!update->calibration) return;
-  // Each keyframe's turn once more, with its new depth.
-  for (std::size_t k = 0; k < mapping_keyframes_; ++k) {
-    worker_->submit({nullptr, revision_, 1, true});
-  }
 }
 
 std::optional<loops::LoopCounts> Session::loop_counts() const {

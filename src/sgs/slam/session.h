@@ -177,7 +177,6 @@ class Session {
   // The steps of a frame.
   double revise_past();
   void revise(const history::Update& update);
-  void revise_last(const std::optional<history::Update>& update);
   std::shared_ptr<const RgbdFrame> calibrated(const std::shared_ptr<const RgbdFrame>& raw) const;
   Vector6d last_velocity() const;
   void ask_back_ends(const std::shared_ptr<const RgbdFrame>& raw,
@@ -216,7 +215,6 @@ class Session {
   std::optional<std::int64_t> found_at_;  // index of the first frame that was found there
   RecordLog records_;
   std::int64_t frames_fed_ = 0;
-  std::size_t mapping_keyframes_ = 0;
   double video_time_ = 0;              // frames fed, gaps of single views filled up
   double last_mapping_keyframe_ = -1;  // as video_time_
   bool keyframe_pending_ = true;       // a tracking keyframe waits for a frame the mapper may use
