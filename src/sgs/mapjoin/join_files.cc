@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sgs/mapjoin/join.h"
+#include "sgs/mapjoin/learn_together.h"
 
 namespace sgs::mapjoin {
 namespace {
@@ -137,6 +138,7 @@ Result<JoinedFiles> join_files(const std::vector<fs::path>& inputs, const fs::pa
     }
   }
   if (!waiting.empty()) return out;
+  learn_together(base, pool);
   SGS_RETURN_IF_ERROR(save(output, base));
   return out;
 }

@@ -9,29 +9,15 @@
 #include "sgs/mapper/known_anchor.h"
 #include "sgs/mapper/merge_layers.h"
 #include "sgs/mapper/move_map.h"
-#include "sgs/slam/known_map.h"
 
 namespace sgs::mapjoin {
-namespace {
-
-std::vector<std::int32_t> views_of(const Part& part) {
-  slam::KnownMap map;
-  map.sessions = static_cast<std::uint16_t>(part.sessions.size());
-  map.session_of = part.graph.session;
-  for (std::size_t i = 0; i < part.gaussians.born_s.size(); ++i) {
-    map.births.push_back({part.gaussians.born_in[i], part.gaussians.born_s[i]});
-  }
-  return slam::views_of_gaussians(map, part.times_s);
-}
-
-}  // namespace
 
 std::size_t move_part(Part& part, std::vector<SE3> T_world_camera) {
   std::vector<SE3> moves;
   for (std::size_t i = 0; i < part.views(); ++i) {
     moves.push_back((T_world_camera[i] * part.T_world_camera[i].inverse()).normalized());
   }
-  const std::vector<std::int32_t> view_of = views_of(part);
+  const std::vector<std::int32_t> view_of = views_of_gaussians(part);
   map::GaussianStore store;
   const auto& gaussians = part.gaussians.splats.gaussians;
   for (std::size_t i = 0; i < gaussians.size(); ++i) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sgs/core/log.h"
+#include "sgs/slam/known_map.h"
 
 namespace sgs::mapjoin {
 
@@ -76,6 +77,16 @@ Part side_by_side(const Part& base, const Part& other) {
     return number < first ? a(number) : b(number - first);
   };
   return out;
+}
+
+std::vector<std::int32_t> views_of_gaussians(const Part& part) {
+  slam::KnownMap map;
+  map.sessions = static_cast<std::uint16_t>(part.sessions.size());
+  map.session_of = part.graph.session;
+  for (std::size_t i = 0; i < part.gaussians.born_s.size(); ++i) {
+    map.births.push_back({part.gaussians.born_in[i], part.gaussians.born_s[i]});
+  }
+  return slam::views_of_gaussians(map, part.times_s);
 }
 
 }  // namespace sgs::mapjoin

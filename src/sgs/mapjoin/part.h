@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <vector>
@@ -30,6 +31,9 @@ Result<Part> load_part(const std::filesystem::path& path);
 
 /// `part` with its views elsewhere: the pictures stay where they are.
 void place_views(Part& part, std::vector<SE3> T_world_camera);
+
+/// The view that each Gaussian is moved with (slam::views_of_gaussians()).
+std::vector<std::int32_t> views_of_gaussians(const Part& part);
 
 /// Both, `other` after `base`: sessions, views and edges of `other` are numbered on. Nothing moves,
 /// and the worlds have nothing to do with each other yet.

@@ -86,11 +86,17 @@ const KeyframePose& MapWorker::keyframe_before(const SE3& T_odom_camera) const {
 }
 
 // What a revision has moved, and what it makes of depth, is learnt by as many steps as keyframes
-// have while frames come; one of the last second leaves no time for that.
+// have while frames come; one of the last second leaves no time for that. Views of a map that is
+// gone on with have had their steps in its old place, and new keyframes came before them: they get
+// more, in all no more than the session has made.
 void MapWorker::catch_up() {
+  constexpr double kTurnsOfKnown = 8;
   if (revised_at_ < 0) return;
+  const double a_turn = config_.mapper.iterations_per_frame;
+  const auto known = static_cast<double>(known_keyframes_);
   const double wanted =
-      config_.mapper.iterations_per_frame * static_cast<double>(keyframes_.size());
+      a_turn * (static_cast<double>(keyframes_.size()) - known) +
+      std::min(a_turn * kTurnsOfKnown * known, static_cast<double>(mapper_.iterations()));
   const std::int64_t made = mapper_.iterations() - revised_at_;
   for (std::int64_t left = std::llround(wanted) - made; left > 0; left -= kIterationsPerSnapshot) {
     mapper_.iterate(static_cast<int>(std::min<std::int64_t>(left, kIterationsPerSnapshot)));
