@@ -71,6 +71,13 @@ class Case(unittest.TestCase):
         self.assertEqual(done.returncode, code, f"{arguments}\n{done.stdout}\n{done.stderr}")
         return done
 
+    def long_sequence(self):
+        """90 noisy frames, rendered once for all tests that need so many; not to be changed."""
+        folder = self.shared_folder / "long"
+        if not folder.exists():
+            self.sgs("synth", "room_desk:hard", folder, "--jpeg", "--frames", "90", "--quiet")
+        return folder
+
     def sequence(self, name="sequence"):
         copy = self.folder / name
         shutil.copytree(self.master, copy)
@@ -411,7 +418,7 @@ class Contract(Case):
 
     def test_a_scoring_that_is_stopped_is_no_score(self):
         out = self.folder / "out"
-        self.sgs("run", "synth:room_desk", "--frames", "0:90", "--no-eval", "--quiet", "-o", out)
+        self.sgs("run", self.long_sequence(), "--no-eval", "--quiet", "-o", out)
         run = subprocess.Popen([SGS, "eval", out], stderr=subprocess.PIPE, text=True)
         for line in run.stderr:  # it has begun
             if "scor" in line or "eval" in line or "frame" in line:
@@ -613,10 +620,10 @@ class Contract(Case):
 
     def test_calibrated_depth_is_used_and_kept(self):
         file = self.folder / "depth.toml"
-        calibrated = self.sgs("calibrate", "synth:room_desk:hard", "--frames", "0:90", "-o", file)
+        calibrated = self.sgs("calibrate", self.long_sequence(), "-o", file)
         self.assertIn("mean offset", calibrated.stdout)
         self.assertIn("offset_per_m", file.read_text())
-        run = ["run", "synth:room_desk:hard", "--frames", "0:6", "--quiet"]
+        run = ["run", self.long_sequence(), "--frames", "0:6", "--quiet"]
         self.sgs(*run, "--calibration", file, "-o", self.folder / "with")
         self.sgs(*run, "-o", self.folder / "without")
         depth_l1 = [
@@ -635,7 +642,7 @@ class Contract(Case):
         self.assertEqual(again, depth_l1[0])
 
     def test_a_run_calibrates_itself_when_asked_to(self):
-        run = ["run", "synth:room_desk:hard", "--frames", "0:90", "--quiet", "--no-eval"]
+        run = ["run", self.long_sequence(), "--quiet", "--no-eval"]
         self.sgs(*run, "--calibration", "auto", "-o", self.folder / "out")
         self.assertIn("offset_per_m", (self.folder / "out" / "calibration.toml").read_text())
         self.assertIn("out/calibration.toml", (self.folder / "out" / "config.toml").read_text())
@@ -665,7 +672,8 @@ class Contract(Case):
         self.assertFalse((self.folder / "again" / "map.ply").exists())
 
     def test_the_preset_quality_refines_and_is_for_recordings(self):
-        out, _ = self.run_folder(self.master, "--preset", "quality", "--frames", "0:6")
+        few = ("--frames", "0:6", "--set", "refine.least_steps=40")
+        out, _ = self.run_folder(self.master, "--preset", "quality", *few)
         config = (out / "config.toml").read_text()
         self.assertIn("quality", config)
         self.assertIn("steps_per_frame = 15", config)
