@@ -127,7 +127,7 @@ TEST_F(SceneWatchTest, WhatLastsBecomesUsual) {
   look(120, 2);
   look(30, 5, 0.95);
   EXPECT_EQ(on_, Warnings{SceneWarning::kNothingSeen});
-  look(30000, 5, 0.95);
+  look(9000, 5, 0.95);
   EXPECT_EQ(on_, Warnings{});
 }
 

@@ -22,11 +22,12 @@ struct RunInfo {
   std::string version, input, tracker, preset;
   bool live = true;      ///< a run in progress; false: the replay of a finished one
   bool refines = false;  ///< the page offers to refine the map
-  bool session = false;  ///< the page offers to finish and to save
-  bool records = false, starts_again = false;  ///< and these
   PinholeCamera camera;
   std::optional<std::int64_t> frames_total;
   std::optional<Eigen::Vector3d> up = {};  ///< unit, in the world of the map, where it is known
+  bool session = false;       ///< the page offers to finish and to save
+  bool records = false;       ///< and to record
+  bool starts_again = false;  ///< and to start again
 };
 
 /// Everything there is to show about one tracked frame. Immutable once posted.
