@@ -87,8 +87,8 @@ bool can_start_again(const RunCommand& command) {
 }
 
 /// Everything between an open input and the exit code.
-Result<Ending> run_input(const RunCommand& command, const run::RunConfig& config,
-                          run::Input& input, run::RunFolder& folder) {
+Result<Ending> run_input(const RunCommand& command, const run::RunConfig& config, run::Input& input,
+                         run::RunFolder& folder) {
   SGS_ASSIGN_OR_RETURN(const auto viewer,
                        ViewerLink::open(command.viewer, input, command.input, config.session,
                                         can_start_again(command)));
@@ -110,7 +110,7 @@ Result<Ending> run_input(const RunCommand& command, const run::RunConfig& config
 }
 
 Ending run_and_report(const RunCommand& command, const run::RunConfig& config, run::Input& input,
-                       run::RunFolder& folder) {
+                      run::RunFolder& folder) {
   auto ending = run_input(command, config, input, folder);
   log().flush();
   return ending ? std::move(*ending) : Ending{report(ending.error()), {}};
@@ -181,8 +181,8 @@ RunCommand next_command(const RunCommand& first, int count, ViewerRequest viewer
     if (path->empty()) continue;
     const std::filesystem::path given(*path);
     const auto folder = given.has_filename() ? given : given.parent_path();
-    const auto name = fmt::format("{}-{}{}", folder.stem().string(), count + 1,
-                                  folder.extension().string());
+    const auto name =
+        fmt::format("{}-{}{}", folder.stem().string(), count + 1, folder.extension().string());
     *path = (folder.parent_path() / name).string();
   }
   next.viewer = std::move(viewer);

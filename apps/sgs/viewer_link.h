@@ -42,8 +42,8 @@ class ViewerLink {
  public:
   virtual ~ViewerLink() = default;
   /// Starts the server and prints its address to stderr. `starts_again`: the same input can be run
-  /// once more. Null when no viewer is wanted; fails when it cannot listen or when this build has no
-  /// viewer.
+  /// once more. Null when no viewer is wanted; fails when it cannot listen or when this build has
+  /// no viewer.
   static Result<std::unique_ptr<ViewerLink>> open(const ViewerRequest& request,
                                                   const run::Input& input,
                                                   const run::InputSpec& spec,
@@ -68,9 +68,9 @@ class ViewerLink {
   /// The run is over: shows the final map.
   virtual void finish(slam::Session& session) = 0;
   /// The scores are there; the clients get what they lack (two seconds at most). With
-  /// --viewer-stay serves until Ctrl-C; a run that a client has ended, as long as there are clients,
-  /// and refines its map where they wish. `recording` was made on the way, or is empty. Returns
-  /// whether the run is to start again.
+  /// --viewer-stay serves until Ctrl-C; a run that a client has ended, as long as there are
+  /// clients, and refines its map where they wish. `recording` was made on the way, or is empty.
+  /// Returns whether the run is to start again.
   virtual bool close(const eval::Metrics& metrics, const std::filesystem::path& folder,
                      const std::filesystem::path& recording) = 0;
 };

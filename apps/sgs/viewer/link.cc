@@ -142,7 +142,8 @@ class Link : public ViewerLink {
     const bool stays = stay_ || enough().stop_requested();
     if (stay_ && !interrupted()) say("viewer stays until Ctrl-C\n");
     if (stays) serve_end(folder, recording);
-    const bool again = !interrupted() && server_->control().after() == viewer::AfterRun::kStartAgain;
+    const bool again =
+        !interrupted() && server_->control().after() == viewer::AfterRun::kStartAgain;
     port_ = server_->port();
     token_ = server_->token();
     server_.reset();
@@ -167,6 +168,7 @@ class Link : public ViewerLink {
     const std::scoped_lock lock(mutex_);
     note_.warnings.clear();
     note_.trouble.clear();
+    note_.camera_fps = viewer::FrameUpdate::kNone;
     note_.recording = false;
     note_.ended = true;
     note_.refinable = refinable();
@@ -192,6 +194,9 @@ class Link : public ViewerLink {
   }
 
   void refine(const std::filesystem::path& folder, const std::filesystem::path& recording) {
+    if (!refinable()) {
+      return server_->set_refinement({false, 0, "its frames were not kept, or its map is given"});
+    }
     auto run = run::load_run(folder, run::kAllParts);
     if (run && streamed_) run = run::run_of_recording(std::move(*run), recording);
     if (!run) return server_->set_refinement({false, 0, run.error().text()});

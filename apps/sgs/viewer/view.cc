@@ -106,8 +106,7 @@ Status view(const ViewCommand& command) {
     if (interrupted()) break;
     if (server->control().take_refinement()) {
       SGS_ASSIGN_OR_RETURN(const auto run, run::load_run(folder, run::kAllParts));
-      const auto refined =
-          refine_shown(run, folder, replay.updates.back(), map_version, *server);
+      const auto refined = refine_shown(run, folder, replay.updates.back(), map_version, *server);
       if (refined) {
         folder = *refined;
         SGS_ASSIGN_OR_RETURN(auto better, load_replay(folder, ++map_version));

@@ -275,8 +275,8 @@ Result<RunResult> run_in(Input& input, const InputSpec& spec, const RunConfig& a
   std::optional<Keeper> keeper(std::in_place, folder, opening, *session, options.checkpoint_s,
                                live);
   KeepingObserver keeping(&*keeper, &*desk, folder, observer, stop);
-  auto clock = play(*input.source, *session,
-                    {options.realtime, &desk->recorder(), options.enough}, keeping, stop);
+  auto clock = play(*input.source, *session, {options.realtime, &desk->recorder(), options.enough},
+                    keeping, stop);
   keeper.reset();
   for (const Error& failure : desk->close()) folder.note_failure(failure);
   if (clock) {
@@ -303,8 +303,8 @@ Result<RunResult> run_in(Input& input, const InputSpec& spec, const RunConfig& a
     result.not_found = not_found_sentence(*search, spec.map);
   }
   // At the sensor's rate frames are dropped for want of time, and given poses choose theirs.
-  const bool chosen = options.realtime || result.stopped || options.enough.stop_requested() ||
-                      !spec.poses.empty();
+  const bool chosen =
+      options.realtime || result.stopped || options.enough.stop_requested() || !spec.poses.empty();
   if (!chosen) result.too_few = too_few_frames(run.frames, spec, input.info).value_or("");
   run.state = state_of(result);
   run.metrics.state = run.state.word();

@@ -29,10 +29,10 @@ struct RunOptions {
 /// What came of a run that could start.
 struct RunResult {
   Run run;
-  Status input;          ///< why it ended early, other than by request
-  bool stopped = false;  ///< by request, before its proper end
+  Status input;                          ///< why it ended early, other than by request
+  bool stopped = false;                  ///< by request, before its proper end
   std::filesystem::path recording = {};  ///< newest folder that the input was kept in; or empty
-  bool lost = false;     ///< at the end, or for more than half of the frames
+  bool lost = false;                     ///< at the end, or for more than half of the frames
   std::string not_found =
       {};                    ///< how near it came to a place in its map, where it never was; or ""
   std::string too_few = {};  ///< why hardly any frame could be used; else empty

@@ -32,9 +32,9 @@ struct RecordingStatus {
   bool operator==(const RecordingStatus&) const = default;
 };
 
-/// Keeps frames in a folder (TUM layout, exact times, lossless), on a thread of its own. A disk that
-/// fills is told of in time; before it is full the recording ends, and what there is is whole. All
-/// functions are thread-safe.
+/// Keeps frames in a folder (TUM layout, exact times, lossless), on a thread of its own. A disk
+/// that fills is told of in time; before it is full the recording ends, and what there is is whole.
+/// All functions are thread-safe.
 class FrameRecorder {
  public:
   struct Options {
@@ -45,8 +45,7 @@ class FrameRecorder {
     bool wait = true;
     /// Bytes that this user can still write beside a folder; empty: as the system says.
     std::function<std::uintmax_t(const std::filesystem::path&)> free_bytes = {};
-    // limit: left free by a recording
-    std::uintmax_t reserve_bytes = std::uintmax_t{512} << 20;
+    std::uintmax_t reserve_bytes = std::uintmax_t{512} << 20;  ///< of the disk stay free
   };
   explicit FrameRecorder(Options options);
   /// Writes what waits.
@@ -79,7 +78,7 @@ class FrameRecorder {
   RecordingStatus status_;
   Status failure_;
   bool writing_ = false, quit_ = false;
-  DiskWatch disk_;          // of the thread
+  DiskWatch disk_;           // of the thread
   double looked_at_s_ = -1;  // likewise
   std::thread thread_;
 };

@@ -17,23 +17,23 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-constexpr PinholeCamera kCamera{16, 12, 14, 14, 7.5, 5.5};
+constexpr PinholeCamera kTinyCamera{16, 12, 14, 14, 7.5, 5.5};
 constexpr std::uintmax_t kGiB = std::uintmax_t{1} << 30;
 
 std::shared_ptr<const RgbdFrame> frame(int index) {
   auto out = std::make_shared<RgbdFrame>();
   out->index = index;
   out->timestamp_s = 10.0 + index / 30.0;
-  out->camera = kCamera;
+  out->camera = kTinyCamera;
   out->color = ColorImage(16, 12, {static_cast<std::uint8_t>(index), 7, 9});
-  out->depth = DepthImage(16, 12, 0.001F * static_cast<float>(1000 + index));
+  out->depth = DepthImage(16, 12, static_cast<float>(1024 + index) / 1024);
   return out;
 }
 
 FrameRecorder::Options options() {
   FrameRecorder::Options options;
-  options.camera = kCamera;
-  options.writer.depth_scale = 1000;
+  options.camera = kTinyCamera;
+  options.writer.depth_scale = 1024;  // exact in floats
   options.free_bytes = [](const fs::path&) { return 100 * kGiB; };
   return options;
 }

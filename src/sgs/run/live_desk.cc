@@ -92,12 +92,12 @@ void LiveDesk::save() {
   auto map = session_.snapshot();
   if (!map) return observer_.on_saved({false, {}, "not saved: there is no map yet"});
   const fs::path folder = folder_.path() / files::kSaved;
-  saving_ = std::async(std::launch::async, [this, folder, map = std::move(map),
-                                            path = session_.trajectory_so_far()] {
-    constexpr int kNice = 5;
-    lower_thread_priority(kNice);
-    observer_.on_saved(save_to(folder, *map, path));
-  });
+  saving_ = std::async(std::launch::async,
+                       [this, folder, map = std::move(map), path = session_.trajectory_so_far()] {
+                         constexpr int kNice = 5;
+                         lower_thread_priority(kNice);
+                         observer_.on_saved(save_to(folder, *map, path));
+                       });
 }
 
 std::vector<Error> LiveDesk::close() {

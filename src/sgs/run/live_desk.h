@@ -14,7 +14,8 @@
 namespace sgs::run {
 
 /// Serves the wishes of whoever watches a run while it goes on (RunObserver::take_save(),
-/// take_recording()). Belongs to the thread of the session; what takes time has a thread of its own.
+/// take_recording()). Belongs to the thread of the session; what takes time has a thread of its
+/// own.
 class LiveDesk {
  public:
   /// `drops`: frames that the disk cannot take are left out of a recording; else the run waits. All

@@ -144,12 +144,13 @@ TEST_F(LiveSessionTest, FinishingIsAProperEnd) {
 TEST_F(LiveSessionTest, WhatThereIsCanBeSavedOnTheWay) {
   Wishes observer;
   observer.before = [&](int frames, const auto& held) {
-    if (frames == 0 || frames == 4) observer.save = true;
+    if (frames == 4) observer.save = true;
     // Also while it is held.
     if (frames == 5) {
       observer.hold_until(held, [&] { return observer.saved.size() == 2; });
     }
   };
+  observer.save = true;
   run("saved", observer);
   ASSERT_EQ(observer.saved.size(), 2u);
   EXPECT_FALSE(observer.saved[0].done) << "there was no map yet";
@@ -161,6 +162,21 @@ TEST_F(LiveSessionTest, WhatThereIsCanBeSavedOnTheWay) {
   const auto path = io::load_trajectory(scratch / "saved/saved/trajectory.txt");
   ASSERT_TRUE(path);
   EXPECT_GE(path->trajectory.size(), 4u);
+}
+
+TEST_F(LiveSessionTest, WhatCannotBeSavedIsTold) {
+  Wishes observer;
+  observer.before = [&](int frames, const auto& held) {
+    if (frames != 3) return;
+    ASSERT_TRUE(io::write_file(scratch / "blocked/saved", "in the way"));
+    observer.save = true;
+    observer.hold_until(held, [&] { return !observer.saved.empty(); });
+  };
+  const RunResult result = run("blocked", observer);
+  ASSERT_EQ(observer.saved.size(), 1u);
+  EXPECT_FALSE(observer.saved[0].done);
+  EXPECT_THAT(observer.saved[0].text, HasSubstr("not saved"));
+  EXPECT_EQ(result.run.frames.size(), 8u) << "the run goes on";
 }
 
 TEST_F(LiveSessionTest, ARecordingBeginsAndEndsOnTheWay) {

@@ -19,14 +19,14 @@ struct LiveStatus {
     std::string text;
     bool operator==(const Warning&) const = default;
   };
-  bool at_camera_rate = false;   ///< frames that come too fast are dropped
-  std::int64_t dropped = 0;      ///< of those
-  std::int64_t left_out = 0;     ///< came while the run was held
-  double camera_fps = kNone;     ///< frames per second that come
-  double track_ms = kNone;       ///< what a frame takes of late
-  std::vector<Warning> warnings; ///< in force
+  bool at_camera_rate = false;    ///< frames that come too fast are dropped
+  std::int64_t dropped = 0;       ///< of those
+  std::int64_t left_out = 0;      ///< came while the run was held
+  double camera_fps = kNone;      ///< frames per second that come
+  double track_ms = kNone;        ///< what a frame takes of late
+  std::vector<Warning> warnings;  ///< in force
   RecordingStatus recording;
-  std::string trouble;           ///< what the input suffers from; empty: nothing
+  std::string trouble;  ///< what the input suffers from; empty: nothing
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 };
 

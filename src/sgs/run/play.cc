@@ -89,9 +89,10 @@ class EventLog {
   /// Somebody wanted it so.
   void note_pause(double held_s, std::size_t left_out) {
     const std::string what =
-        left_out > 0 ? fmt::format("paused for {:.1f} s; {} frames that came meanwhile are left out",
-                                   held_s, left_out)
-                     : fmt::format("paused for {:.1f} s", held_s);
+        left_out > 0
+            ? fmt::format("paused for {:.1f} s; {} frames that came meanwhile are left out", held_s,
+                          left_out)
+            : fmt::format("paused for {:.1f} s", held_s);
     log().info("input: {}", what);
     clock_.events.push_back({wall_time_s(), what});
   }

@@ -16,9 +16,9 @@ namespace sgs::run {
 
 /// Frames and seconds of a run.
 struct RunClock {
-  std::int64_t frames_in = 0;       ///< frames the source gave, bad ones included
-  std::size_t frames_replayed = 0;  ///< of these before the run went on; in none of the times
-  std::int64_t frames_dropped = 0;  ///< live only
+  std::int64_t frames_in = 0;        ///< frames the source gave, bad ones included
+  std::size_t frames_replayed = 0;   ///< of these before the run went on; in none of the times
+  std::int64_t frames_dropped = 0;   ///< live only
   std::int64_t frames_left_out = 0;  ///< live only: came while the run was held; in no other number
   double wall_s = 0;     ///< from the first frame to the finished map, pauses not counted
   double starved_s = 0;  ///< of it, waiting for a decoded frame while tracker and mapper were idle

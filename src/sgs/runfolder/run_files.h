@@ -41,8 +41,8 @@ inline constexpr std::array<const char*, 4> kOfCheckpoint = {kMap, kKeyframes, k
 
 /// What a run makes, checkpoints apart: a new run into the same folder begins by removing these.
 inline constexpr std::array<const char*, 19> kResults = {
-    kConfig,  kCamera,   kCalibration, kTrajectory, kOnline,     kKeyframes, kTruth,
-    kFrames,  kMap,      kTimings,     kMetrics,    kReport,     kLog,       kPictures,
-    kRefine,  kUpright,  kLastingMap,  kSavedMap,   kSavedTrajectory};
+    kConfig, kCamera,  kCalibration, kTrajectory, kOnline,         kKeyframes, kTruth,
+    kFrames, kMap,     kTimings,     kMetrics,    kReport,         kLog,       kPictures,
+    kRefine, kUpright, kLastingMap,  kSavedMap,   kSavedTrajectory};
 
 }  // namespace sgs::run::files

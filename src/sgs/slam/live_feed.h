@@ -20,8 +20,8 @@ namespace sgs::slam {
 /// not waited for. A source that is live sets the pace itself.
 class LiveFeed {
  public:
-  /// Sees every item as the camera delivers it, also those that are dropped later; on the feed's own
-  /// thread.
+  /// Sees every item as the camera delivers it, also those that are dropped later; on the feed's
+  /// own thread.
   using Delivered = std::function<void(const dataset::FeedItem&)>;
 
   /// `source` must outlive the feed; `capacity` >= 1 frames may wait.

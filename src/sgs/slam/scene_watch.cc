@@ -118,9 +118,8 @@ std::string SceneWatch::text(SceneWarning warning, const Look& look, double moti
           "the camera moves too fast: by {} % of the image from frame to frame. Move more slowly",
           percent(motion));
     case SceneWarning::kTooNear:
-      return fmt::format(
-          "the camera is too near: depth is missing in {} % of the image. Step back",
-          percent(1 - look.measured));
+      return fmt::format("the camera is too near: depth is missing in {} % of the image. Step back",
+                         percent(1 - look.measured));
     case SceneWarning::kNothingSeen:
       return fmt::format(
           "the camera sees no surface: {} % of the image have depth. Turn back to where it saw one",
@@ -160,8 +159,8 @@ std::vector<SceneWatch::Change> SceneWatch::add(const RgbdFrame& frame,
   // What is a trouble is not what is usual, unless it lasts.
   constexpr double kTrouble = 0.3;
   constexpr std::int64_t kSlower = 10;
-  const bool well = std::none_of(measures.begin() + 1, measures.end(),
-                                 [](double m) { return m >= kTrouble; });
+  const bool well =
+      std::none_of(measures.begin() + 1, measures.end(), [](double m) { return m >= kTrouble; });
   if (well || seen_++ % kSlower == 0) learn(look);
   if (look.measured > kSomeDepth) last_middle_m_ = look.middle_m;
   return changes;

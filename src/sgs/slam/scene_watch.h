@@ -94,14 +94,13 @@ class SceneWatch {
   std::optional<Tracked> last_;
   std::optional<double> usual_measured_, usual_middle_m_, usual_brightness_;
   double last_motion_ = std::numeric_limits<double>::quiet_NaN();
-  double last_middle_m_ = 0;  // of the last frame that had depth to speak of
+  double last_middle_m_ = 0;           // of the last frame that had depth to speak of
   std::int64_t looks_ = 0, seen_ = 0;  // learned from; of those in trouble
   // In the order of the warnings. Motion: share of the image's width per frame. Near and nothing:
   // share of the usual depth that is missing. Dark: share of the usual brightness that is missing.
-  std::array<Hysteresis, kSceneWarnings> switches_ = {Hysteresis({0.07, 0.045, 3, 0.5}),
-                                                      Hysteresis({0.5, 0.3, 5, 0.5}),
-                                                      Hysteresis({0.85, 0.7, 5, 0.5}),
-                                                      Hysteresis({0.85, 0.7, 5, 0.5})};
+  std::array<Hysteresis, kSceneWarnings> switches_ = {
+      Hysteresis({0.07, 0.045, 3, 0.5}), Hysteresis({0.5, 0.3, 5, 0.5}),
+      Hysteresis({0.85, 0.7, 5, 0.5}), Hysteresis({0.85, 0.7, 5, 0.5})};
 };
 
 }  // namespace sgs::slam

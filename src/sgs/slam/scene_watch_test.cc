@@ -17,8 +17,8 @@ constexpr double kPeriod_s = 1.0 / 30;
 class SceneWatchTest : public ::testing::Test {
  protected:
   /// `frames` more at `depth_m`, of which `missing` of the rows have no depth, `turn` rad apart.
-  void look(int frames, float depth_m, double missing = 0, double turn = 0,
-            std::uint8_t grey = 120, TrackingStatus status = TrackingStatus::kOk) {
+  void look(int frames, float depth_m, double missing = 0, double turn = 0, std::uint8_t grey = 120,
+            TrackingStatus status = TrackingStatus::kOk) {
     for (int i = 0; i < frames; ++i) {
       RgbdFrame frame;
       frame.index = count_;

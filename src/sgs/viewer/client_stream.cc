@@ -155,7 +155,8 @@ bool ClientStream::up_to_date() const {
                            (!map_ || map_->version != state.update->map->version ||
                             (state.update->finished && !map_exact_));
   return hello_.empty() && !step_ && !map_missing && state.sequence == state_sequence_ &&
-         encoder_.board().session_number() == session_sent_ && (metrics_sent_ || !encoder_.board().final_word());
+         encoder_.board().session_number() == session_sent_ &&
+         (metrics_sent_ || !encoder_.board().final_word());
 }
 
 }  // namespace sgs::viewer

@@ -98,13 +98,20 @@ std::string hello_message(const RunInfo& info) {
   constexpr int kProtocol = 2;
   constexpr int kPictureAbove = 150000;  // what phones and software WebGL draw is far less
   const PinholeCamera& c = info.camera;
-  Json json = {
-      {"type", "hello"},         {"protocol", kProtocol},         {"version", info.version},
-      {"input", info.input},     {"tracker", info.tracker},       {"preset", info.preset},
-      {"live", info.live},       {"refines", info.refines},       {"session", info.session},
-      {"records", info.records}, {"starts_again", info.starts_again},
-      {"up", direction(info.up)},
-      {"frames_total", nullptr}, {"picture_above", kPictureAbove}};
+  Json json = {{"type", "hello"},
+               {"protocol", kProtocol},
+               {"version", info.version},
+               {"input", info.input},
+               {"tracker", info.tracker},
+               {"preset", info.preset},
+               {"live", info.live},
+               {"refines", info.refines},
+               {"session", info.session},
+               {"records", info.records},
+               {"starts_again", info.starts_again},
+               {"up", direction(info.up)},
+               {"frames_total", nullptr},
+               {"picture_above", kPictureAbove}};
   json["columns"] = columns_json();
   if (info.frames_total) json["frames_total"] = *info.frames_total;
   json["camera"] = {{"fx", number(c.fx)}, {"fy", number(c.fy)}, {"cx", number(c.cx)},

@@ -47,7 +47,8 @@ class RunControl {
   std::optional<bool> take_recording();
 
   /// Called by the loop before each frame: waits while paused until a step or resume() lets it go
-  /// on, finish() ends the frames, or `stop` (asked every 50 ms) says that the program is to end. Returns the seconds waited.
+  /// on, finish() ends the frames, or `stop` (asked every 50 ms) says that the program is to end.
+  /// Returns the seconds waited.
   double wait_turn(const std::function<bool()>& stop);
 
  private:

@@ -45,8 +45,8 @@ struct ServerOptions {
 };
 
 /// Shows a run to browsers: HTTP for the page, a WebSocket for what happens (docs/viewer.md); what
-/// clients wish of a run is in control(). One thread serves, another one renders pictures; both have
-/// low priority. The thread that posts never waits for either. All functions are thread-safe.
+/// clients wish of a run is in control(). One thread serves, another one renders pictures; both
+/// have low priority. The thread that posts never waits for either. All functions are thread-safe.
 class Server {
  public:
   /// Listens; fails when the address is not ours or the port is taken.

@@ -152,15 +152,7 @@ export interface Problem {
 
 export type TextMessage = Hello | PathChunk | State | Metrics | Refinement | Session | Problem;
 
-const kTextTypes = new Set([
-  "hello",
-  "path",
-  "state",
-  "metrics",
-  "refinement",
-  "session",
-  "error",
-]);
+const kTextTypes = new Set(["hello", "path", "state", "metrics", "refinement", "session", "error"]);
 
 /// A state as it is sent: the page's own fields are filled from `values`.
 type SentState = Pick<

@@ -33,7 +33,11 @@ function download(page, name) {
 test("a whole session: start, record, warn, pause, go on, save, finish, refine, download", async (t) => {
   const folder = temporaryFolder();
   const run = await startLiveRun(t, FakeCamera, { folder });
-  const { page, state, whenever, complaints } = await openPage(t, browser, `${run.url}?mode=points`);
+  const { page, state, whenever, complaints } = await openPage(
+    t,
+    browser,
+    `${run.url}?mode=points`,
+  );
   await whenever("frames are tracked", (s) => s.frame > 5 && s.gaussians > 0);
   const session = (what, condition) => whenever(what, (s) => s.session && condition(s.session, s));
   await session("the camera's rate is told", (n) => n.camera_fps > 0);
