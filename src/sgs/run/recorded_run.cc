@@ -14,7 +14,6 @@ Result<Run> run_of_recording(Run run, const std::filesystem::path& recording) {
   InputSpec spec;
   spec.input = recording.string();
   spec.max_width = 0;  // as it was recorded
-  spec.calibration = run.input.calibration;
   SGS_ASSIGN_OR_RETURN(const auto input, open_input(spec, 1));
   std::vector<slam::FrameRecord> found;
   auto record = run.frames.begin();
@@ -36,6 +35,8 @@ Result<Run> run_of_recording(Run run, const std::filesystem::path& recording) {
   }
   run.frames = std::move(found);
   run.frames_total = frames;
+  // A calibration that was given is in what was recorded; what was learned on the way is not.
+  if (!run.input.calibration.empty()) run.calibration.reset();
   run.input = std::move(spec);
   return run;
 }
