@@ -278,7 +278,7 @@ Result<RunResult> run_in(Input& input, const InputSpec& spec, const RunConfig& a
   auto clock = play(*input.source, *session, {options.realtime, &desk->recorder(), options.enough},
                     keeping, stop);
   keeper.reset();
-  for (const Error& failure : desk->close()) folder.note_failure(failure);
+  const std::vector<Error> not_recorded = desk->close();
   if (clock) {
     clock->frames_replayed = replayed;
     clock->frames_in += static_cast<std::int64_t>(replayed);
@@ -309,6 +309,8 @@ Result<RunResult> run_in(Input& input, const InputSpec& spec, const RunConfig& a
   run.state = state_of(result);
   run.metrics.state = run.state.word();
   write_end(*session, run, earlier, folder, options.threads);
+  // Only now: the run itself is whole.
+  for (const Error& failure : not_recorded) folder.note_failure(failure);
   if (!options.trace.empty()) {
     if (const auto traced = io::write_file(
             options.trace, chrome_trace(times, clock ? clock->events : std::vector<InputEvent>{}));
