@@ -73,26 +73,47 @@ int exit_code_of(const run::WholeRun& whole, const run::RunFolder& folder) {
   return kExitDone;
 }
 
+/// What came of a run, and what is to follow it.
+struct Ending {
+  int exit_code = 0;
+  std::optional<ViewerRequest> again;  ///< start again, for these clients
+};
+
+/// Whether a run can be followed by another one of the same input.
+bool can_start_again(const RunCommand& command) {
+  const auto address = stream::parse_address(command.input.input);
+  const bool used_up = address && address->path == "-";
+  return !used_up && command.resume.empty();
+}
+
 /// Everything between an open input and the exit code.
-Result<int> run_input(const RunCommand& command, const run::RunConfig& config, run::Input& input,
-                      run::RunFolder& folder) {
-  SGS_ASSIGN_OR_RETURN(const auto viewer, ViewerLink::open(command.viewer, input, config.session));
+Result<Ending> run_input(const RunCommand& command, const run::RunConfig& config, run::Input& input,
+                         run::RunFolder& folder) {
+  SGS_ASSIGN_OR_RETURN(const auto viewer,
+                       ViewerLink::open(command.viewer, input, command.input, config.session,
+                                        can_start_again(command)));
   TerminalObserver observer(input.source->size(), command.quiet, viewer.get());
-  const run::WholeRunOptions options{command.options, command.score, !command.no_eval};
+  run::WholeRunOptions options{command.options, command.score, !command.no_eval};
+  if (viewer) options.run.enough = viewer->enough();
   SGS_ASSIGN_OR_RETURN(const auto whole, run::run_whole(input, command.input, config, options,
                                                         folder, observer, stop_token()));
   observer.finish();
   report::save_scores(whole.result.run, whole.scores, folder);
   print_result(command, whole.scores.metrics, folder.path());
-  if (viewer) viewer->close(whole.scores.metrics, folder.path());
-  return exit_code_of(whole, folder);
+  Ending ending;
+  const auto& recording = whole.result.recording;
+  if (viewer && viewer->close(whole.scores.metrics, folder.path(), recording)) {
+    ending.again = viewer->same_address(command.viewer);
+  }
+  ending.exit_code = exit_code_of(whole, folder);
+  return ending;
 }
 
-int run_and_report(const RunCommand& command, const run::RunConfig& config, run::Input& input,
-                   run::RunFolder& folder) {
-  const auto code = run_input(command, config, input, folder);
+Ending run_and_report(const RunCommand& command, const run::RunConfig& config, run::Input& input,
+                      run::RunFolder& folder) {
+  auto ending = run_input(command, config, input, folder);
   log().flush();
-  return code ? *code : report(code.error());
+  return ending ? std::move(*ending) : Ending{report(ending.error()), {}};
 }
 
 /// Options that decide what a run computes, and where: not to be given again with --resume.
@@ -119,7 +140,7 @@ int resume_command(RunCommand command) {
     log().warn("{} has no checkpoint that it could go on from: it begins again",
                folder->path().string());
   }
-  return run_and_report(command, config, *input, *folder);
+  return run_and_report(command, config, *input, *folder).exit_code;
 }
 
 /// Whether a run into `output` would take away the map that it begins with.
@@ -136,6 +157,36 @@ bool replaces_map(const std::string& map, const std::filesystem::path& output) {
 bool at_the_cameras_rate(const std::string& input) {
   const auto address = stream::parse_address(input);
   return address && address->camera && !address->camera->every_frame;
+}
+
+/// One run of the input from its beginning.
+Ending run_once(const RunCommand& command, const run::RunConfig& config) {
+  const auto failed = [](const Error& error) { return Ending{report(error), {}}; };
+  // There is no folder yet, and somebody has to say what is waited for.
+  if (stream::is_stream(command.input.input)) setup_logging({}, command.quiet);
+  auto input = run::open_run_input(command.input, command.options.threads, stop_token());
+  if (!input) return failed(input.error());
+  auto folder = command.output.empty() ? run::RunFolder::create_below("runs", input->info.name)
+                                       : run::RunFolder::create(command.output);
+  if (!folder) return failed(folder.error());
+  run::point_latest_to("runs", folder->path());
+  setup_logging(folder->path() / run::files::kLog, command.quiet);
+  return run_and_report(command, config, *input, *folder);
+}
+
+/// The command for the run after the first `count` ones: what they wrote stays.
+RunCommand next_command(const RunCommand& first, int count, ViewerRequest viewer) {
+  RunCommand next = first;
+  for (std::string* path : {&next.output, &next.options.record, &next.options.trace}) {
+    if (path->empty()) continue;
+    const std::filesystem::path given(*path);
+    const auto folder = given.has_filename() ? given : given.parent_path();
+    const auto name =
+        fmt::format("{}-{}{}", folder.stem().string(), count + 1, folder.extension().string());
+    *path = (folder.parent_path() / name).string();
+  }
+  next.viewer = std::move(viewer);
+  return next;
 }
 
 int run_command(RunCommand command) {
@@ -161,16 +212,12 @@ int run_command(RunCommand command) {
                                command.output),
                    "give another folder: -o FOLDER"});
   }
-  // There is no folder yet, and somebody has to say what is waited for.
-  if (stream::is_stream(command.input.input)) setup_logging({}, command.quiet);
-  auto input = run::open_run_input(command.input, command.options.threads, stop_token());
-  if (!input) return report(input.error());
-  auto folder = command.output.empty() ? run::RunFolder::create_below("runs", input->info.name)
-                                       : run::RunFolder::create(command.output);
-  if (!folder) return report(folder.error());
-  run::point_latest_to("runs", folder->path());
-  setup_logging(folder->path() / run::files::kLog, command.quiet);
-  return run_and_report(command, *config, *input, *folder);
+  Ending ending = run_once(command, *config);
+  for (int count = 1; ending.again && !interrupted(); ++count) {
+    say("sgs: starts again\n");
+    ending = run_once(next_command(command, count, std::move(*ending.again)), *config);
+  }
+  return ending.exit_code;
 }
 
 }  // namespace

@@ -21,7 +21,9 @@ void TerminalObserver::finish() {
   stage_.clear();
 }
 
-double TerminalObserver::before_frame() { return viewer_ != nullptr ? viewer_->before_frame() : 0; }
+double TerminalObserver::before_frame(const std::function<void()>& held) {
+  return viewer_ != nullptr ? viewer_->before_frame(held) : 0;
+}
 
 void TerminalObserver::on_frame(slam::Session& session, const dataset::FeedItem& item,
                                 const slam::FrameRecord& record) {

@@ -20,7 +20,17 @@ class TerminalObserver : public run::RunObserver {
       : frames_(frames), quiet_(quiet), viewer_(viewer) {}
 
   void on_calibration_frame() override;
-  double before_frame() override;
+  double before_frame(const std::function<void()>& held) override;
+  bool take_save() override { return viewer_ != nullptr && viewer_->take_save(); }
+  std::optional<bool> take_recording() override {
+    return viewer_ != nullptr ? viewer_->take_recording() : std::nullopt;
+  }
+  void on_saved(const run::SaveNote& note) override {
+    if (viewer_ != nullptr) viewer_->on_saved(note);
+  }
+  void on_status(const run::LiveStatus& now) override {
+    if (viewer_ != nullptr) viewer_->on_status(now);
+  }
   void on_frame(slam::Session& session, const dataset::FeedItem& item,
                 const slam::FrameRecord& record) override;
   void on_map(slam::Session& session) override;

@@ -9,8 +9,8 @@
 namespace sgs::app {
 
 Result<std::unique_ptr<ViewerLink>> ViewerLink::open(const ViewerRequest& request,
-                                                     const run::Input&,
-                                                     const slam::SessionConfig&) {
+                                                     const run::Input&, const run::InputSpec&,
+                                                     const slam::SessionConfig&, bool) {
   if (!request.wanted) return nullptr;
   return fail(ErrorCode::kUnsupported, "this build has no viewer",
               "build it with -DSGS_BUILD_VIEWER=ON");

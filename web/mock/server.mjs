@@ -44,6 +44,7 @@ function pathChunk(frames) {
 class Run {
   frame = 0;
   paused = false;
+  recording = false;
   clients = new Set();
 
   constructor() {
@@ -68,6 +69,9 @@ class Run {
         preset: "default",
         live: true,
         refines: false,
+        session: true,
+        records: true,
+        starts_again: false,
         camera: { fx: 525, fy: 525, cx: 319.5, cy: 239.5, width: 640, height: 480 },
         up: [0, -1, 0],
         frames_total: kFrames,
@@ -75,7 +79,29 @@ class Run {
       }),
     );
     client.send(JSON.stringify(pathChunk(this.frame)));
+    client.send(JSON.stringify(this.session()));
     this.update(client);
+  }
+
+  session() {
+    const recorded = this.recording ? `${this.frame} frames in recording` : "";
+    return {
+      type: "session",
+      at_camera_rate: true,
+      dropped: 3,
+      left_out: 0,
+      camera_fps: 30,
+      why_dropped: "tracking takes 41 ms, a frame comes every 33",
+      warnings: this.paused ? [] : [{ key: "too_fast", text: "the camera moves too fast" }],
+      trouble: "",
+      recording: this.recording,
+      recorded,
+      recording_trouble: "",
+      saved: "",
+      refinable: this.recording,
+      ended: false,
+      downloads: [],
+    };
   }
 
   update(client) {
@@ -110,8 +136,12 @@ class Run {
     if (message.type === "subscribe") {
       Object.assign(client, { map: message.map, held: 0 });
     } else if (message.type === "control") {
-      this.paused = message.action !== "resume";
+      if (["pause", "step"].includes(message.action)) this.paused = true;
+      if (message.action === "resume") this.paused = false;
       if (message.action === "step") this.advance();
+      if (message.action === "record") this.recording = true;
+      if (message.action === "stop_recording") this.recording = false;
+      client.send(JSON.stringify(this.session()));
     }
     this.update(client);
   }

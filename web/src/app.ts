@@ -21,6 +21,7 @@ import { Notice } from "./notice";
 import { Panel } from "./panel/panel";
 import { Panes } from "./panes";
 import { preference, remember } from "./preferences";
+import { SessionPanel } from "./session";
 import { kCameraModes, type CameraMode } from "./stage/camera_rig";
 import { kDisplayModes, Stage, type DisplayMode } from "./stage/stage";
 import { onThemeChange } from "./theme";
@@ -34,6 +35,7 @@ export class App {
   private readonly header = new Header();
   private readonly panel = new Panel();
   private readonly notice = new Notice();
+  private readonly session: SessionPanel;
   private readonly connection: Connection;
   private readonly stage: Stage;
   private readonly panes = new Panes(() => this.subscribe());
@@ -56,6 +58,10 @@ export class App {
     this.cameras = new Choice("camera-modes", (mode) => this.chooseCamera(mode));
     this.displays.setAvailable(this.stage.available);
     this.chooseCamera(preference("camera", kCameraModes) ?? "follow", false);
+    this.session = new SessionPanel(
+      (action) => this.connection.send({ type: "control", action }),
+      new URL(url).search,
+    );
     this.bindButtons();
     this.bindShortcuts();
     publish(() => this.describe());
@@ -100,6 +106,9 @@ export class App {
       case "refinement":
         this.showRefinement(message);
         break;
+      case "session":
+        this.session.set(message);
+        break;
       case "error":
         this.notice.show(message.message);
         break;
@@ -126,6 +135,7 @@ export class App {
     this.path.clear();
     this.store.clear();
     this.header.start(hello);
+    this.session.start(hello);
     this.panel.start(hello.columns);
     if (same_run) {
       this.panel.setMetrics(null);
@@ -151,6 +161,7 @@ export class App {
     this.header.setState(state);
     this.panel.setState(state);
     this.stage.setState(state);
+    this.session.setFinished(state.finished);
     this.showTransport(state);
     if (this.wanted_mode === null && this.automaticMode() !== this.stage.mode)
       void this.applyMode();
@@ -215,6 +226,7 @@ export class App {
   }
 
   private showRefinement(note: Refinement | null): void {
+    this.session.setRefining(note?.running === true);
     const button = need<HTMLButtonElement>("refine");
     button.setAttribute("aria-pressed", String(note?.running === true));
     setText(need("refine-label"), note?.running ? "Enough" : "Refine");
@@ -234,6 +246,7 @@ export class App {
     bindKeys([
       { key: " ", shown: "Space", what: "pause or resume", run: () => this.togglePause() },
       { key: ".", what: "one frame", run: () => this.step() },
+      { key: "r", what: "begin or end a recording", run: () => this.session.toggleRecording() },
       { key: "s", what: "save a screenshot", run: () => this.screenshot() },
       { key: "1", what: "splats drawn by the browser", run: () => this.chooseMode("splats") },
       { key: "2", what: "pictures drawn by the viewer", run: () => this.chooseMode("picture") },
@@ -263,6 +276,7 @@ export class App {
       mask: this.state?.mask ?? 0,
       paused: this.state?.paused ?? false,
       finished: this.state?.finished ?? false,
+      session: this.session.last,
     };
   }
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { CameraMode } from "./stage/camera_rig";
 import type { DisplayMode } from "./stage/stage";
+import type { Session } from "./data/protocol";
 import type { WebGlKind } from "./stage/webgl";
 
 /// What tests (and the curious, in the browser's console) may look at.
@@ -24,6 +25,7 @@ export interface PageState {
   mask: number;
   paused: boolean;
   finished: boolean;
+  session: Session | null;
 }
 
 declare global {

@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <functional>
 #include <memory>
-#include <stop_token>
 #include <thread>
 
 #include "commands.h"
@@ -15,11 +13,8 @@
 #include "log_setup.h"
 #include "sgs/core/print.h"
 #include "sgs/core/stopwatch.h"
-#include "sgs/report/save_scores.h"
-#include "sgs/run/refine.h"
-#include "sgs/run/score.h"
-#include "sgs/runfolder/run_files.h"
 #include "viewer/replay.h"
+#include "viewer/shown_refinement.h"
 #include "viewer/start.h"
 
 namespace sgs::app {
@@ -86,75 +81,6 @@ void play_once(const Replay& replay, ReplayImages& images, viewer::Server& serve
   }
 }
 
-/// Shows refinement on the page; asked for once more there, it ends.
-class ShownRefinement : public run::RunObserver {
- public:
-  ShownRefinement(const run::Run& run, const Replay& replay, std::uint64_t& map_version,
-                  viewer::Server& server)
-      : run_(run), replay_(replay), map_version_(map_version), server_(server) {}
-
-  void on_frames_read(std::int64_t frames) override {
-    constexpr std::int64_t kTold = 25;
-    end_if_asked();
-    if (frames % kTold == 1) {
-      server_.set_refinement(
-          {true, 0, fmt::format("reading, {} of {} frames", frames, run_.frames_total)});
-    }
-  }
-  void on_evaluation(const refine::Evaluation& now) override {
-    end_if_asked();
-    server_.set_refinement({true, now.share,
-                            fmt::format("{:.2f} dB {}, {} Gaussians", now.psnr_db,
-                                        now.heldout ? "held out" : "in training", now.gaussians)});
-  }
-  void on_better_map(const map::SplatMap& map) override {
-    viewer::FrameUpdate update = replay_.updates.back();
-    update.map = run::as_snapshot(map, ++map_version_);
-    update.finished = true;
-    server_.post(std::move(update));
-  }
-  std::stop_token stop() const { return enough_.get_token(); }
-
- private:
-  void end_if_asked() {
-    if (server_.control().take_refinement()) enough_.request_stop();
-  }
-
-  const run::Run& run_;
-  const Replay& replay_;
-  std::uint64_t& map_version_;
-  viewer::Server& server_;
-  std::stop_source enough_;
-  std::stop_callback<std::function<void()>> interrupt_{stop_token(),
-                                                       [this] { enough_.request_stop(); }};
-};
-
-/// Refines the run in `folder` as `sgs refine` does, while the page shows the map as it gets
-/// better. Gives the folder of the result. Asked for once more, it ends with the best so far.
-Result<std::filesystem::path> refine_shown(const std::filesystem::path& folder,
-                                           const Replay& replay, std::uint64_t& map_version,
-                                           viewer::Server& server) {
-  constexpr double kSeconds = 180;
-  SGS_ASSIGN_OR_RETURN(const auto run, run::load_run(folder, run::kAllParts));
-  SGS_ASSIGN_OR_RETURN(auto out, run::RunFolder::create(run::refined_folder_of(folder)));
-  run::RefineOptions options;
-  options.budget.seconds = kSeconds;
-  ShownRefinement observer(run, replay, map_version, server);
-  auto refined = run::refine_run(run, options, out, observer, observer.stop());
-  if (!refined) {
-    out.end(run::Stage::kInterrupted, 0, refined.error().message);
-    return tl::unexpected(refined.error());
-  }
-  run::save_refine_parameters(folder.string(), options, out);
-  report::save_scores(refined->run, run::score_trajectory(refined->run, {}), out);
-  const refine::Refined& r = refined->refined;
-  server.set_refinement({false, 1,
-                         fmt::format("{:.2f} dB, before {:.2f}: {}", r.best.psnr_db,
-                                     r.start.psnr_db, out.path().filename().string())});
-  say("refined: {}\n", out.path().string());
-  return out.path();
-}
-
 Status view(const ViewCommand& command) {
   note_state(command.folder);
   SGS_ASSIGN_OR_RETURN(auto replay, load_replay(command.folder));
@@ -179,14 +105,13 @@ Status view(const ViewCommand& command) {
         [&] { return interrupted() || server->control().refinement_asked(); });
     if (interrupted()) break;
     if (server->control().take_refinement()) {
-      const auto refined = refine_shown(folder, replay, map_version, *server);
+      SGS_ASSIGN_OR_RETURN(const auto run, run::load_run(folder, run::kAllParts));
+      const auto refined = refine_shown(run, folder, replay.updates.back(), map_version, *server);
       if (refined) {
         folder = *refined;
         SGS_ASSIGN_OR_RETURN(auto better, load_replay(folder, ++map_version));
         replay = std::move(better);
         server->set_final_word({replay.metrics, replay.info.up});
-      } else {
-        server->set_refinement({false, 0, refined.error().text()});
       }
       server->control().resume();
     }

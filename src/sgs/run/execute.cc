@@ -9,13 +9,13 @@
 #include "sgs/core/log.h"
 #include "sgs/core/memory_reserve.h"
 #include "sgs/core/stopwatch.h"
-#include "sgs/export/convert.h"
 #include "sgs/input/inertial.h"
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/ply.h"
 #include "sgs/io/trajectory_io.h"
 #include "sgs/run/input_doubts.h"
 #include "sgs/run/lasting_map.h"
+#include "sgs/run/live_desk.h"
 #include "sgs/run/machine.h"
 #include "sgs/run/process_memory.h"
 #include "sgs/runfolder/journal.h"
@@ -113,11 +113,22 @@ class Keeper {
 /// Keeps what happens, then tells whoever watches.
 class KeepingObserver : public RunObserver {
  public:
-  /// `keeper` is null while nothing new happens.
-  KeepingObserver(Keeper* keeper, const RunFolder& folder, RunObserver& next, std::stop_token stop)
-      : keeper_(keeper), folder_(folder), next_(next), stop_(std::move(stop)) {}
+  /// `keeper` and `desk` are null while nothing new happens.
+  KeepingObserver(Keeper* keeper, LiveDesk* desk, const RunFolder& folder, RunObserver& next,
+                  std::stop_token stop)
+      : keeper_(keeper), desk_(desk), folder_(folder), next_(next), stop_(std::move(stop)) {}
 
-  double before_frame() override { return next_.before_frame(); }
+  double before_frame(const std::function<void()>& held) override {
+    const auto serve = [this] {
+      if (desk_ != nullptr) desk_->serve();
+    };
+    serve();
+    return next_.before_frame([&] {
+      held();
+      serve();
+    });
+  }
+  void on_status(const LiveStatus& now) override { next_.on_status(now); }
   void on_frame(slam::Session& session, const dataset::FeedItem& item,
                 const slam::FrameRecord& record) override {
     if (keeper_ != nullptr) keeper_->add(record);
@@ -134,6 +145,7 @@ class KeepingObserver : public RunObserver {
 
  private:
   Keeper* keeper_;
+  LiveDesk* desk_;
   const RunFolder& folder_;
   RunObserver& next_;
   std::stop_token stop_;
@@ -159,7 +171,7 @@ Status resume_session(const ResumePoint& point, Input& input, slam::Session& ses
       SGS_ASSIGN_OR_RETURN(const auto state, load_resume_file(point.checkpoint));
       SGS_RETURN_IF_ERROR(session.restore(state));
     }
-    KeepingObserver keeping(nullptr, folder, observer, stop);
+    KeepingObserver keeping(nullptr, nullptr, folder, observer, stop);
     SGS_RETURN_IF_ERROR(replay(*input.source, session, keeping, stop));
   }
   log().info("the run goes on at frame {}", session.records().size());
@@ -258,26 +270,22 @@ Result<RunResult> run_in(Input& input, const InputSpec& spec, const RunConfig& a
     SGS_RETURN_IF_ERROR(resume_session(*options.resume, input, *session, folder, observer, stop));
   }
   const std::size_t replayed = session->records().size();
-  std::optional<dataset::TumSequenceWriter> recorder;
-  if (!options.record.empty()) {
-    SGS_ASSIGN_OR_RETURN(recorder, dataset::TumSequenceWriter::create(options.record, camera,
-                                                                      recording_options(input)));
-  }
+  std::optional<LiveDesk> desk(std::in_place, input, options.realtime, folder, *session, observer);
+  if (!options.record.empty()) SGS_RETURN_IF_ERROR(desk->record(options.record));
   std::optional<Keeper> keeper(std::in_place, folder, opening, *session, options.checkpoint_s,
                                live);
-  KeepingObserver keeping(&*keeper, folder, observer, stop);
-  auto clock = play(*input.source, *session, {options.realtime, recorder ? &*recorder : nullptr},
+  KeepingObserver keeping(&*keeper, &*desk, folder, observer, stop);
+  auto clock = play(*input.source, *session, {options.realtime, &desk->recorder(), options.enough},
                     keeping, stop);
   keeper.reset();
-  if (recorder) {
-    if (const Status kept = keep_imu(input, options.record); !kept)
-      log().warn("{}", kept.error().text());
-  }
+  const std::vector<Error> not_recorded = desk->close();
   if (clock) {
     clock->frames_replayed = replayed;
     clock->frames_in += static_cast<std::int64_t>(replayed);
   }
   RunResult result;
+  result.recording = desk->recording();
+  desk.reset();
   if (!clock) result.input = tl::unexpected(clock.error());
   result.stopped = stop.stop_requested();
   observer.on_map(*session);
@@ -295,11 +303,14 @@ Result<RunResult> run_in(Input& input, const InputSpec& spec, const RunConfig& a
     result.not_found = not_found_sentence(*search, spec.map);
   }
   // At the sensor's rate frames are dropped for want of time, and given poses choose theirs.
-  const bool chosen = options.realtime || result.stopped || !spec.poses.empty();
+  const bool chosen =
+      options.realtime || result.stopped || options.enough.stop_requested() || !spec.poses.empty();
   if (!chosen) result.too_few = too_few_frames(run.frames, spec, input.info).value_or("");
   run.state = state_of(result);
   run.metrics.state = run.state.word();
   write_end(*session, run, earlier, folder, options.threads);
+  // Only now: the run itself is whole.
+  for (const Error& failure : not_recorded) folder.note_failure(failure);
   if (!options.trace.empty()) {
     if (const auto traced = io::write_file(
             options.trace, chrome_trace(times, clock ? clock->events : std::vector<InputEvent>{}));

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -22,14 +23,16 @@ struct RunOptions {
   std::string trace;         ///< file for a time line of all threads; empty = none
   double checkpoint_s = 10;  ///< the map is kept at least this often while it grows; 0 = never
   std::optional<ResumePoint> resume;  ///< in a folder of RunFolder::resume(); empty = a new run
+  std::stop_token enough = {};  ///< the frames end here, as if there were no more: a proper end
 };
 
 /// What came of a run that could start.
 struct RunResult {
   Run run;
-  Status input;          ///< why it ended early, other than by request
-  bool stopped = false;  ///< by request
-  bool lost = false;     ///< at the end, or for more than half of the frames
+  Status input;                          ///< why it ended early, other than by request
+  bool stopped = false;                  ///< by request, before its proper end
+  std::filesystem::path recording = {};  ///< newest folder that the input was kept in; or empty
+  bool lost = false;                     ///< at the end, or for more than half of the frames
   std::string not_found =
       {};                    ///< how near it came to a place in its map, where it never was; or ""
   std::string too_few = {};  ///< why hardly any frame could be used; else empty

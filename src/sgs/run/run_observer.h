@@ -3,10 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 
 #include "sgs/dataset/feed_item.h"
 #include "sgs/refine/refiner.h"
+#include "sgs/run/live_status.h"
 #include "sgs/slam/session.h"
 
 namespace sgs::run {
@@ -21,14 +24,23 @@ class RunObserver {
   virtual void on_calibration_frame() {}
 
   // Tracking and mapping.
-  /// Before a frame is read; may hold the run (pause). Returns the seconds it was held.
-  virtual double before_frame() { return 0; }
+  /// Before a frame is read; may hold the run (pause), and calls `held` at once and then many times
+  /// a second while it does. Returns the seconds it was held.
+  virtual double before_frame(const std::function<void()>& /*held*/) { return 0; }
   /// An item was fed; `record` is what came of it, also where the frame was bad. A run that is
   /// resumed feeds again what it had been fed before.
   virtual void on_frame(slam::Session& /*session*/, const dataset::FeedItem& /*item*/,
                         const slam::FrameRecord& /*record*/) {}
   /// Something happened to the input, beside frames; an empty text: all is well again.
   virtual void on_input_event(const std::string& /*what*/) {}
+  /// How the run fares otherwise; a few times a second at most.
+  virtual void on_status(const LiveStatus& /*now*/) {}
+  /// Asked before each frame and while the run is held: whether what there is of map and trajectory
+  /// is to be saved, and whether a recording is to begin (true) or to end.
+  virtual bool take_save() { return false; }
+  virtual std::optional<bool> take_recording() { return {}; }
+  /// What came of take_save(); from a thread of its own.
+  virtual void on_saved(const SaveNote& /*note*/) {}
   /// After the last frame, while the session can still be saved; not where something failed.
   virtual void on_last_frame() {}
   /// The session is finished: its map is final.

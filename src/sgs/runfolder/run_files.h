@@ -30,15 +30,19 @@ inline constexpr const char* kResume = "resume.sgs";  ///< in there: what --resu
 inline constexpr const char* kLog = "log.txt";
 inline constexpr const char* kRenders = "renders";  ///< folder
 inline constexpr const char* kPictures = "renders/pictures.csv";
+inline constexpr const char* kSaved = "saved";  ///< folder: map and trajectory while it went on
+inline constexpr const char* kSavedMap = "saved/map.ply";
+inline constexpr const char* kSavedTrajectory = "saved/trajectory.txt";
+inline constexpr const char* kRecording = "recording";  ///< folder: what was recorded on the way
 
 /// What a checkpoint may hold.
 inline constexpr std::array<const char*, 4> kOfCheckpoint = {kMap, kKeyframes, kCalibration,
                                                              kResume};
 
 /// What a run makes, checkpoints apart: a new run into the same folder begins by removing these.
-inline constexpr std::array<const char*, 17> kResults = {
-    kConfig, kCamera,   kCalibration, kTrajectory, kOnline,    kKeyframes,
-    kTruth,  kFrames,   kMap,         kTimings,    kMetrics,   kReport,
-    kLog,    kPictures, kRefine,      kUpright,    kLastingMap};
+inline constexpr std::array<const char*, 19> kResults = {
+    kConfig, kCamera,  kCalibration, kTrajectory, kOnline,         kKeyframes, kTruth,
+    kFrames, kMap,     kTimings,     kMetrics,    kReport,         kLog,       kPictures,
+    kRefine, kUpright, kLastingMap,  kSavedMap,   kSavedTrajectory};
 
 }  // namespace sgs::run::files

@@ -9,8 +9,11 @@
 
 namespace sgs::slam {
 
-LiveFeed::LiveFeed(dataset::FrameSource& source, std::size_t capacity)
-    : queue_(capacity, FullPolicy::kDropOldest), thread_([this, &source] { play(source); }) {}
+LiveFeed::LiveFeed(dataset::FrameSource& source, std::size_t capacity, Delivered delivered)
+    : queue_(capacity, FullPolicy::kDropOldest),
+      on_delivered_(std::move(delivered)),
+      capacity_(capacity),
+      thread_([this, &source] { play(source); }) {}
 
 LiveFeed::~LiveFeed() {
   stop();
@@ -20,6 +23,32 @@ LiveFeed::~LiveFeed() {
 void LiveFeed::stop() {
   stop_ = true;
   queue_.close();
+}
+
+void LiveFeed::hold() {
+  if (held_.exchange(true)) return;
+  while (auto item = queue_.try_pop()) left_out_ += item->event ? 0 : 1;
+}
+
+std::size_t LiveFeed::release() {
+  held_ = false;
+  return left_out_.exchange(0);
+}
+
+// Returns false when nobody takes anything any more.
+bool LiveFeed::hand_on(dataset::FeedItem item) {
+  if (stop_) return false;
+  if (item.event) {
+    // What happens to the camera is worth knowing, but displaces no frame.
+    return held_ && queue_.size() >= capacity_ ? true : queue_.push(std::move(item));
+  }
+  if (held_) {
+    ++left_out_;
+    return true;
+  }
+  ++delivered_;
+  if (on_delivered_) on_delivered_(item);
+  return queue_.push(std::move(item));
 }
 
 void LiveFeed::play(dataset::FrameSource& source) {
@@ -38,7 +67,7 @@ void LiveFeed::play(dataset::FrameSource& source) {
     }
     if (!item) break;
     if (source.live() || item->event) {
-      if (stop_ || !queue_.push(std::move(*item))) break;
+      if (!hand_on(std::move(*item))) break;
       continue;
     }
     if (!first_time_s) {
@@ -61,7 +90,7 @@ void LiveFeed::play(dataset::FrameSource& source) {
     while (!stop_ && Clock::now() < due) {
       std::this_thread::sleep_until(std::min(due, Clock::now() + std::chrono::milliseconds(50)));
     }
-    if (stop_ || !queue_.push(std::move(*item))) break;
+    if (!hand_on(std::move(*item))) break;
   }
   queue_.close();
 }

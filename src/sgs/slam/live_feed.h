@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <exception>
+#include <functional>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -19,8 +20,12 @@ namespace sgs::slam {
 /// not waited for. A source that is live sets the pace itself.
 class LiveFeed {
  public:
+  /// Sees every item as the camera delivers it, also those that are dropped later; on the feed's
+  /// own thread.
+  using Delivered = std::function<void(const dataset::FeedItem&)>;
+
   /// `source` must outlive the feed; `capacity` >= 1 frames may wait.
-  LiveFeed(dataset::FrameSource& source, std::size_t capacity);
+  LiveFeed(dataset::FrameSource& source, std::size_t capacity, Delivered delivered = {});
   ~LiveFeed();
   LiveFeed(const LiveFeed&) = delete;
   LiveFeed& operator=(const LiveFeed&) = delete;
@@ -36,12 +41,27 @@ class LiveFeed {
   void stop();
   /// Frames dropped so far.
   std::size_t dropped() const { return queue_.dropped(); }
+  /// Frames that the camera has given so far, dropped ones included.
+  std::size_t delivered() const { return delivered_; }
+
+  /// Left out since hold(), so far.
+  std::size_t left_out() const { return left_out_; }
+
+  /// From now on frames are left out, those that wait included: nobody wants them. They count as
+  /// neither delivered nor dropped. Once more changes nothing.
+  void hold();
+  /// Frames are wanted again. Returns how many were left out since hold().
+  std::size_t release();
 
  private:
   void play(dataset::FrameSource& source);
+  bool hand_on(dataset::FeedItem item);
 
   BoundedQueue<dataset::FeedItem> queue_;
-  std::atomic<bool> stop_{false};
+  Delivered on_delivered_;
+  std::size_t capacity_;
+  std::atomic<bool> stop_{false}, held_{false};
+  std::atomic<std::size_t> delivered_{0}, left_out_{0};
   // Written before the thread closes the queue, read after it did; stop() closes it, too, and then
   // nobody looks.
   std::exception_ptr failure_;

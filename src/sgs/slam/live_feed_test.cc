@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <new>
 
@@ -82,6 +83,28 @@ TEST(LiveFeed, DropsTheOldestAndCountsThem) {
   EXPECT_EQ(feed.next()->index, 18);
   EXPECT_EQ(feed.next()->index, 19);
   EXPECT_FALSE(feed.next());
+}
+
+TEST(LiveFeed, WhileItIsHeldFramesAreLeftOutAndNotCountedAsDropped) {
+  constexpr int kFrames = 4000;
+  FakeSource source(kFrames, 0.001);
+  std::atomic<std::size_t> seen{0};
+  LiveFeed feed(source, 2, [&](const dataset::FeedItem&) { ++seen; });
+  ASSERT_TRUE(feed.next());
+  feed.hold();
+  feed.hold();  // once more changes nothing
+  const std::size_t delivered = feed.delivered();
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_LE(feed.delivered(), delivered + 1) << "but for one that was under way";
+  const std::size_t dropped = feed.dropped();
+  const std::size_t left_out = feed.release();
+  EXPECT_GT(left_out, 0u);
+  const auto item = feed.next();
+  ASSERT_TRUE(item);
+  EXPECT_LE(feed.dropped(), dropped + feed.delivered() - delivered);
+  EXPECT_EQ(feed.release(), 0u);
+  feed.stop();
+  EXPECT_LE(feed.delivered(), seen + 1);
 }
 
 TEST(LiveFeed, StopsInTheMiddleOfALongGap) {

@@ -476,6 +476,15 @@ Trajectory Session::trajectory() const {
   return Trajectory(std::move(poses));
 }
 
+Trajectory Session::trajectory_so_far() const {
+  std::vector<StampedPose> poses;
+  for (std::size_t k = 0; k < revision_.path.size(); ++k) {
+    const history::Path::Entry& f = revision_.path[k];
+    if (has_place(f.frame)) poses.push_back({f.timestamp_s, f.T_odom_camera});
+  }
+  return Trajectory(std::move(poses));
+}
+
 Trajectory Session::online_trajectory() const {
   std::vector<StampedPose> poses;
   for (const FrameRecord& r : records_.all()) {

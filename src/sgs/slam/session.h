@@ -144,6 +144,9 @@ class Session {
   /// were lost carry the tracker's guess at their pose. Those of a tracker that follows the map,
   /// and given poses that are to be refined, are carried into the refined map.
   Trajectory trajectory() const;
+  /// Poses of the frames so far as they are known now, on the thread of feed(); a path that follows
+  /// the refined map is carried there by finish() only.
+  Trajectory trajectory_so_far() const;
   /// Poses of all tracked frames as they were said when the frames came.
   Trajectory online_trajectory() const;
   /// Poses of the mapping keyframes as refined (after finish()): from there the map looks like

@@ -75,6 +75,22 @@ std::pair<std::uint64_t, RefinementNote> Board::refinement() const {
   return refinement_;
 }
 
+void Board::set_session(SessionNote note) {
+  const std::scoped_lock lock(mutex_);
+  ++session_.first;
+  session_.second = std::move(note);
+}
+
+std::pair<std::uint64_t, SessionNote> Board::session() const {
+  const std::scoped_lock lock(mutex_);
+  return session_;
+}
+
+std::uint64_t Board::session_number() const {
+  const std::scoped_lock lock(mutex_);
+  return session_.first;
+}
+
 void Board::set_final_word(FinalWord word) {
   const std::scoped_lock lock(mutex_);
   final_word_ = std::move(word);

@@ -44,6 +44,8 @@ class Board {
   void touch();
   /// How the refinement fares.
   void set_refinement(RefinementNote note);
+  /// How the session fares.
+  void set_session(SessionNote note);
   /// Scores of the finished run, and how it stands.
   void set_final_word(FinalWord word);
 
@@ -57,6 +59,9 @@ class Board {
   std::vector<PathPoint> path(std::size_t first, std::size_t limit) const;
   /// The newest note; its number counts them, 0 = none yet.
   std::pair<std::uint64_t, RefinementNote> refinement() const;
+  std::pair<std::uint64_t, SessionNote> session() const;
+  /// The number alone of the newest note of the session.
+  std::uint64_t session_number() const;
   /// Empty while the run is not finished.
   std::optional<FinalWord> final_word() const;
 
@@ -66,6 +71,7 @@ class Board {
   std::deque<PathPoint> path_;
   std::optional<FinalWord> final_word_;
   std::pair<std::uint64_t, RefinementNote> refinement_;
+  std::pair<std::uint64_t, SessionNote> session_;
 };
 
 }  // namespace sgs::viewer

@@ -61,6 +61,12 @@ std::optional<Outgoing> ClientStream::next(double now_s, bool paused) {
   if (!hello_.empty()) {
     return Outgoing{true, std::make_shared<const std::string>(std::exchange(hello_, {}))};
   }
+  // Rare and short: before what a busy run has without end.
+  if (encoder_.board().session_number() != session_sent_) {
+    const auto [number, note] = encoder_.board().session();
+    session_sent_ = number;
+    return Outgoing{true, std::make_shared<const std::string>(session_message(note))};
+  }
   for (int i = 0; i < 3; ++i) {
     std::optional<Outgoing> out;
     switch (turn_++ % 3) {
@@ -149,6 +155,7 @@ bool ClientStream::up_to_date() const {
                            (!map_ || map_->version != state.update->map->version ||
                             (state.update->finished && !map_exact_));
   return hello_.empty() && !step_ && !map_missing && state.sequence == state_sequence_ &&
+         encoder_.board().session_number() == session_sent_ &&
          (metrics_sent_ || !encoder_.board().final_word());
 }
 

@@ -67,7 +67,7 @@ class ClientStream {
   SharedEncoder& encoder_;
   std::string hello_;
   bool metrics_sent_ = false;
-  std::uint64_t refinement_sent_ = 0;
+  std::uint64_t refinement_sent_ = 0, session_sent_ = 0;
   bool wants_map_ = false;
   PaneSet panes_ = 0;
   unsigned turn_ = 0;  // state, pictures and map take turns, so that none starves

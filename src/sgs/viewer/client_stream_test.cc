@@ -189,6 +189,49 @@ TEST_F(StreamTest, ManyClientsShareTheBytes) {
   EXPECT_EQ(next()->bytes, other.next(0, false)->bytes);
 }
 
+TEST_F(StreamTest, TheSessionIsToldAlsoBeforeTheFirstFrameAndOnlyItsNewestNote) {
+  all();
+  SessionNote note;
+  board.set_session(note);
+  note.dropped = 7;
+  board.set_session(note);
+  EXPECT_FALSE(stream.up_to_date());
+  const json told = next_json();
+  EXPECT_EQ(told["type"], "session");
+  EXPECT_EQ(told["dropped"], 7);
+  EXPECT_THAT(all(), ElementsAre());
+  EXPECT_TRUE(stream.up_to_date());
+}
+
+TEST(RunControl, FinishingEndsAPauseAndTheLastWishCounts) {
+  RunControl control;
+  control.pause();
+  control.pause();
+  control.finish(AfterRun::kStartAgain);
+  int asked = 0;
+  control.wait_turn([&] { return ++asked > 1000; });
+  EXPECT_LT(asked, 3);
+  EXPECT_TRUE(control.finished().stop_requested());
+  control.finish(AfterRun::kRefine);
+  control.resume();
+  EXPECT_EQ(control.after(), AfterRun::kRefine);
+  EXPECT_EQ(control.take_after(), AfterRun::kRefine);
+  EXPECT_EQ(control.take_after(), AfterRun::kNothing);
+}
+
+TEST(RunControl, WishesAreHeardOnce) {
+  RunControl control;
+  EXPECT_FALSE(control.take_save());
+  control.ask_save();
+  control.ask_save();
+  EXPECT_TRUE(control.take_save());
+  EXPECT_FALSE(control.take_save());
+  control.set_recording(true);
+  control.set_recording(false);
+  EXPECT_EQ(control.take_recording(), false);
+  EXPECT_FALSE(control.take_recording());
+}
+
 TEST(RunControl, HoldsStepsAndResumes) {
   RunControl control;
   int asked = 0;

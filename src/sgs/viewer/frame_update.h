@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/eval/metrics.h"
@@ -24,6 +25,9 @@ struct RunInfo {
   PinholeCamera camera;
   std::optional<std::int64_t> frames_total;
   std::optional<Eigen::Vector3d> up = {};  ///< unit, in the world of the map, where it is known
+  bool session = false;                    ///< the page offers to finish and to save
+  bool records = false;                    ///< and to record
+  bool starts_again = false;               ///< and to start again
 };
 
 /// Everything there is to show about one tracked frame. Immutable once posted.
@@ -44,6 +48,27 @@ struct FrameUpdate {
 struct FinalWord {
   eval::Metrics metrics;
   std::optional<Eigen::Vector3d> up = {};  ///< unit, in the world of the map, where it is known
+};
+
+/// How a run that goes on fares beside its frames, and what became of what clients wished.
+struct SessionNote {
+  struct Warning {
+    std::string key, text;
+  };
+  bool at_camera_rate = false;             ///< frames that come too fast are dropped
+  std::int64_t dropped = 0;                ///< of those
+  std::int64_t left_out = 0;               ///< came while the run was held
+  double camera_fps = FrameUpdate::kNone;  ///< frames that come per second
+  std::string why_dropped;                 ///< in a sentence; empty where nothing is dropped
+  std::vector<Warning> warnings;           ///< to whoever holds the camera
+  std::string trouble;                     ///< what the input suffers from; empty: nothing
+  bool recording = false;
+  std::string recorded;                ///< what has been recorded, in words; empty: nothing
+  std::string recording_trouble;       ///< in a sentence; empty: nothing
+  std::string saved;                   ///< what the last save came to; empty: there was none
+  bool refinable = false;              ///< its frames are kept: the map can be refined at the end
+  bool ended = false;                  ///< the run and its results are complete
+  std::vector<std::string> downloads;  ///< names below /download/
 };
 
 /// How the refinement that the page asked for fares.

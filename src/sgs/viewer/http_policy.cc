@@ -47,6 +47,16 @@ const EmbeddedFile* find_file(std::span<const EmbeddedFile> files, std::string_v
   return find_embedded(files, target);
 }
 
+Verdict refused(int status, std::string_view reason) {
+  Verdict verdict;
+  verdict.status = status;
+  verdict.reason = reason;
+  return verdict;
+}
+
+constexpr std::string_view kTokenNeeded =
+    "The address on the terminal ends in a token: it is needed.";
+
 }  // namespace
 
 bool HostPolicy::host_allowed(std::string_view host, std::string_view local_address) const {
@@ -61,10 +71,11 @@ bool HostPolicy::host_allowed(std::string_view host, std::string_view local_addr
 }
 
 bool HostPolicy::token_allowed(std::string_view target) const {
-  constexpr std::string_view kQuery = "/ws?token=";
+  constexpr std::string_view kQuery = "?token=";
   if (token.empty()) return true;
-  if (!target.starts_with(kQuery)) return false;
-  const std::string_view given = target.substr(kQuery.size());
+  const auto query = target.find('?');
+  if (query == std::string_view::npos || !target.substr(query).starts_with(kQuery)) return false;
+  const std::string_view given = target.substr(query + kQuery.size());
   unsigned different = given.size() == token.size() ? 0 : 1;
   for (std::size_t i = 0; i < token.size(); ++i) {
     different |= static_cast<unsigned char>(token[i]) ^
@@ -95,27 +106,32 @@ bool origin_allowed(std::optional<std::string_view> origin, std::string_view hos
 Verdict judge(const RequestFacts& request, const HostPolicy& policy, std::string_view local_address,
               std::span<const EmbeddedFile> files) {
   if (!policy.host_allowed(request.host, local_address)) {
-    return {403, false, nullptr, "This server does not answer to that Host (see --viewer-host)."};
+    return refused(403, "This server does not answer to that Host (see --viewer-host).");
   }
+  const std::string_view path = request.target.substr(0, request.target.find('?'));
+  Verdict verdict;
   if (request.upgrade) {
-    if (request.target.substr(0, request.target.find('?')) != "/ws") {
-      return {404, false, nullptr, "The WebSocket is at /ws."};
-    }
-    if (!policy.token_allowed(request.target)) {
-      return {403, false, nullptr, "The address on the terminal ends in a token: it is needed."};
-    }
+    if (path != "/ws") return refused(404, "The WebSocket is at /ws.");
+    if (!policy.token_allowed(request.target)) return refused(403, kTokenNeeded);
     if (!origin_allowed(request.origin, request.host)) {
-      return {403, false, nullptr, "Pages of other sites may not connect."};
+      return refused(403, "Pages of other sites may not connect.");
     }
-    return {101, true, nullptr, {}};
+    verdict.status = 101;
+    verdict.websocket = true;
+    return verdict;
   }
   if (request.method != "GET" && request.method != "HEAD") {
-    return {405, false, nullptr, "Only GET and HEAD."};
+    return refused(405, "Only GET and HEAD.");
   }
-  if (request.target == "/healthz") return {200, false, nullptr, {}};
-  if (request.target == "/ws") return {426, false, nullptr, "This is a WebSocket."};
-  if (const EmbeddedFile* file = find_file(files, request.target)) return {200, false, file, {}};
-  return {404, false, nullptr, "There is nothing here."};
+  if (request.target == "/healthz") return verdict;
+  if (request.target == "/ws") return refused(426, "This is a WebSocket.");
+  if (path.starts_with(kDownloads) && path.size() > kDownloads.size()) {
+    if (!policy.token_allowed(request.target)) return refused(403, kTokenNeeded);
+    verdict.download = path.substr(kDownloads.size());
+    return verdict;
+  }
+  verdict.file = find_file(files, request.target);
+  return verdict.file != nullptr ? verdict : refused(404, "There is nothing here.");
 }
 
 std::span<const std::pair<std::string_view, std::string_view>> security_headers() {

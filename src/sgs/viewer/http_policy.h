@@ -20,10 +20,14 @@ struct RequestFacts {
   bool upgrade = false;                    ///< asks for a WebSocket
 };
 
+/// Where files of the run are, by their names.
+inline constexpr std::string_view kDownloads = "/download/";
+
 /// What to do with a request.
 struct Verdict {
   int status = 200;                    ///< HTTP status
   bool websocket = false;              ///< accept the upgrade
+  std::string_view download = {};      ///< name of a file of the run that is asked for
   const EmbeddedFile* file = nullptr;  ///< to be sent; null with status 200: the health answer
   std::string_view reason;             ///< one sentence for a refused client
 };
@@ -38,7 +42,7 @@ struct HostPolicy {
   /// `host` as in the header (name or address, optional port); `local_address` is the numeric
   /// address that the connection arrived at. Any port is fine: tunnels change it.
   bool host_allowed(std::string_view host, std::string_view local_address) const;
-  /// Whether `target` is "/ws", or "/ws?token=" and the token. Takes as long for any wrong token.
+  /// Whether the query of `target` is "token=" and the token. Takes as long for any wrong token.
   bool token_allowed(std::string_view target) const;
 };
 

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "sgs/viewer/downloads.h"
+
 namespace sgs::viewer {
 namespace {
 
@@ -92,6 +94,36 @@ TEST(HttpPolicy, AWebSocketNeedsTheTokenWhereThereIsOne) {
         "/ws?Token=" + policy.token, "/ws?token=" + policy.token + "&x=1"}) {
     EXPECT_EQ(status(wrong), 403) << wrong;
   }
+}
+
+TEST(HttpPolicy, FilesOfTheRunHaveNamesAndNeedTheTokenWhereThereIsOne) {
+  HostPolicy policy;
+  const auto ask = [&](std::string_view target) {
+    return judge({"GET", target, "localhost", std::nullopt, false}, policy, "127.0.0.1", kFiles);
+  };
+  EXPECT_EQ(ask("/download/map.ply").download, "map.ply");
+  EXPECT_EQ(ask("/download/map.ply?mode=points").download, "map.ply");
+  // Whatever it says is looked up as it stands.
+  EXPECT_EQ(ask("/download/../x").download, "../x");
+  EXPECT_EQ(ask("/download/").status, 404);
+  EXPECT_EQ(ask("/download").status, 404);
+  policy.token = make_token();
+  EXPECT_EQ(ask("/download/map.ply").status, 403);
+  EXPECT_EQ(ask("/download/map.ply?token=" + std::string(32, '0')).status, 403);
+  EXPECT_EQ(ask("/download/map.ply?token=" + policy.token).download, "map.ply");
+}
+
+TEST(Downloads, AreFoundByTheirExactNamesOnly) {
+  Downloads downloads;
+  downloads.offer("map.ply", "/runs/1/map.ply");
+  EXPECT_EQ(downloads.find("map.ply"), "/runs/1/map.ply");
+  for (const std::string_view name : {"", ".", "..", "map", "../map.ply", "map.ply/", "MAP.PLY"}) {
+    EXPECT_EQ(downloads.find(name), "") << name;
+  }
+  downloads.offer("map.ply", "/runs/1-refined/map.ply");
+  EXPECT_EQ(downloads.find("map.ply"), "/runs/1-refined/map.ply");
+  downloads.offer("map.ply", "");
+  EXPECT_EQ(downloads.find("map.ply"), "");
 }
 
 TEST(EmbeddedFiles, AlwaysHaveAPage) {

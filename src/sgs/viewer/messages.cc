@@ -98,11 +98,20 @@ std::string hello_message(const RunInfo& info) {
   constexpr int kProtocol = 2;
   constexpr int kPictureAbove = 150000;  // what phones and software WebGL draw is far less
   const PinholeCamera& c = info.camera;
-  Json json = {
-      {"type", "hello"},         {"protocol", kProtocol},         {"version", info.version},
-      {"input", info.input},     {"tracker", info.tracker},       {"preset", info.preset},
-      {"live", info.live},       {"refines", info.refines},       {"up", direction(info.up)},
-      {"frames_total", nullptr}, {"picture_above", kPictureAbove}};
+  Json json = {{"type", "hello"},
+               {"protocol", kProtocol},
+               {"version", info.version},
+               {"input", info.input},
+               {"tracker", info.tracker},
+               {"preset", info.preset},
+               {"live", info.live},
+               {"refines", info.refines},
+               {"session", info.session},
+               {"records", info.records},
+               {"starts_again", info.starts_again},
+               {"up", direction(info.up)},
+               {"frames_total", nullptr},
+               {"picture_above", kPictureAbove}};
   json["columns"] = columns_json();
   if (info.frames_total) json["frames_total"] = *info.frames_total;
   json["camera"] = {{"fx", number(c.fx)}, {"fy", number(c.fy)}, {"cx", number(c.cx)},
@@ -167,6 +176,28 @@ std::string refinement_message(const RefinementNote& note) {
                {"running", note.running},
                {"share", number(note.share)},
                {"text", note.text}});
+}
+
+std::string session_message(const SessionNote& note) {
+  Json warnings = Json::array();
+  for (const SessionNote::Warning& w : note.warnings) {
+    warnings.push_back({{"key", w.key}, {"text", w.text}});
+  }
+  return dump({{"type", "session"},
+               {"at_camera_rate", note.at_camera_rate},
+               {"dropped", note.dropped},
+               {"left_out", note.left_out},
+               {"camera_fps", number(note.camera_fps)},
+               {"why_dropped", note.why_dropped},
+               {"warnings", std::move(warnings)},
+               {"trouble", note.trouble},
+               {"recording", note.recording},
+               {"recorded", note.recorded},
+               {"recording_trouble", note.recording_trouble},
+               {"saved", note.saved},
+               {"refinable", note.refinable},
+               {"ended", note.ended},
+               {"downloads", note.downloads}});
 }
 
 std::string error_message(std::string_view text) {

@@ -23,6 +23,7 @@ std::string state_message(const FrameUpdate& update, bool paused);
 /// The scores of a finished run as lines of text; what was not measured is left out.
 std::string metrics_message(const FinalWord& word);
 std::string refinement_message(const RefinementNote& note);
+std::string session_message(const SessionNote& note);
 std::string error_message(std::string_view text);
 
 /// The pictures a client can see.
@@ -36,7 +37,18 @@ constexpr PaneSet bit(Pane pane) { return 1u << static_cast<unsigned>(pane); }
 std::string picture_message(Pane pane, std::uint32_t sequence, std::string_view jpeg);
 
 struct ControlRequest {
-  enum class Action { kPause, kResume, kStep, kRefine } action;
+  enum class Action {
+    kPause,
+    kResume,
+    kStep,
+    kRefine,
+    kSave,
+    kRecord,
+    kStopRecording,
+    kFinish,
+    kFinishAndRefine,
+    kStartAgain,
+  } action;
 };
 struct SubscribeRequest {
   bool map = false;  ///< splats and points are the same data

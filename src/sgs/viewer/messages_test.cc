@@ -97,6 +97,24 @@ TEST(Messages, ALostFrameSaysWhy) {
   EXPECT_EQ(state["values"]["lost_reason"], "too_few_matches");
 }
 
+TEST(Messages, ASessionTellsHowItFares) {
+  SessionNote note;
+  note.dropped = 3;
+  note.warnings = {{"dark", "it is dark"}};
+  note.recording = true;
+  note.downloads = {"map.ply"};
+  const json session = json::parse(session_message(note));
+  EXPECT_EQ(session["type"], "session");
+  EXPECT_EQ(session["dropped"], 3);
+  EXPECT_TRUE(session["camera_fps"].is_null());
+  EXPECT_EQ(session["warnings"], json::parse(R"([{"key":"dark","text":"it is dark"}])"));
+  EXPECT_EQ(session["recording"], true);
+  EXPECT_EQ(session["ended"], false);
+  EXPECT_EQ(session["downloads"], json({"map.ply"}));
+  const json hello = json::parse(hello_message({}));
+  EXPECT_EQ(hello["session"], false) << "a replay has none";
+}
+
 TEST(Messages, ABrokenPoseIsNullAndStillJson) {
   FrameUpdate u = testing::update(1);
   u.T_world_camera.t.x() = NAN;
@@ -146,6 +164,8 @@ T parsed(const std::string& text) {
 TEST(Requests, AreUnderstood) {
   EXPECT_EQ(parsed<ControlRequest>(R"({"type":"control","action":"step"})").action,
             ControlRequest::Action::kStep);
+  EXPECT_EQ(parsed<ControlRequest>(R"({"type":"control","action":"finish_and_refine"})").action,
+            ControlRequest::Action::kFinishAndRefine);
   const auto subscribe =
       parsed<SubscribeRequest>(R"({"type":"subscribe","map":"points","panes":["depth","error"]})");
   EXPECT_TRUE(subscribe.map);

@@ -37,12 +37,22 @@ std::optional<double> number_field(const Json& json, const char* key) {
 
 Result<ClientRequest> parse_control(const Json& json) {
   using Action = ControlRequest::Action;
+  static constexpr std::pair<std::string_view, Action> kActions[] = {
+      {"pause", Action::kPause},
+      {"resume", Action::kResume},
+      {"step", Action::kStep},
+      {"refine", Action::kRefine},
+      {"save", Action::kSave},
+      {"record", Action::kRecord},
+      {"stop_recording", Action::kStopRecording},
+      {"finish", Action::kFinish},
+      {"finish_and_refine", Action::kFinishAndRefine},
+      {"start_again", Action::kStartAgain}};
   const std::string action = text_field(json, "action");
-  if (action == "pause") return ControlRequest{Action::kPause};
-  if (action == "resume") return ControlRequest{Action::kResume};
-  if (action == "step") return ControlRequest{Action::kStep};
-  if (action == "refine") return ControlRequest{Action::kRefine};
-  return bad("control.action is neither pause, resume, step nor refine");
+  for (const auto& [name, value] : kActions) {
+    if (action == name) return ControlRequest{value};
+  }
+  return bad("control.action is none that this server knows");
 }
 
 Result<ClientRequest> parse_subscribe(const Json& json) {

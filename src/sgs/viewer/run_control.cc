@@ -3,6 +3,7 @@
 #include "sgs/viewer/run_control.h"
 
 #include <chrono>
+#include <utility>
 
 #include "sgs/core/stopwatch.h"
 
@@ -43,6 +44,35 @@ bool RunControl::refinement_asked() const { return refinement_; }
 
 bool RunControl::take_refinement() { return refinement_.exchange(false); }
 
+void RunControl::finish(AfterRun after) {
+  {
+    const std::scoped_lock lock(mutex_);
+    after_ = after;
+  }
+  finish_.request_stop();  // without the lock: it calls whoever listens
+  changed_.notify_all();
+}
+
+AfterRun RunControl::take_after() {
+  const std::scoped_lock lock(mutex_);
+  return std::exchange(after_, AfterRun::kNothing);
+}
+
+AfterRun RunControl::after() const {
+  const std::scoped_lock lock(mutex_);
+  return after_;
+}
+
+void RunControl::set_recording(bool on) {
+  const std::scoped_lock lock(mutex_);
+  recording_ = on;
+}
+
+std::optional<bool> RunControl::take_recording() {
+  const std::scoped_lock lock(mutex_);
+  return std::exchange(recording_, std::nullopt);
+}
+
 double RunControl::wait_turn(const std::function<bool()>& stop) {
   std::unique_lock lock(mutex_);
   if (!paused_) return 0;
@@ -51,7 +81,7 @@ double RunControl::wait_turn(const std::function<bool()>& stop) {
     lock.unlock();  // stop() may take its time, and locks
     const bool end = stop();
     lock.lock();
-    if (end) break;
+    if (end || finish_.stop_requested()) break;
     changed_.wait_for(lock, std::chrono::milliseconds(50), [this] { return !paused_ || step_; });
   }
   step_ = false;

@@ -58,11 +58,37 @@ void Core::handle(const ControlRequest& request) {
       control.step();
       break;
     case ControlRequest::Action::kRefine:
-      if (refines) control.ask_refinement();
+      // While it goes on: that it ends.
+      if (refines || board.refinement().second.running) control.ask_refinement();
       break;
+    default:
+      if (is_session) handle_session(request.action);
   }
   board.touch();
   pump();
+}
+
+// A run without a session, and a replay, have nothing to finish.
+void Core::handle_session(ControlRequest::Action action) {
+  using Action = ControlRequest::Action;
+  switch (action) {
+    case Action::kSave:
+      return control.ask_save();
+    case Action::kRecord:
+      if (!records) return;
+      return control.set_recording(true);
+    case Action::kStopRecording:
+      return control.set_recording(false);
+    case Action::kFinish:
+      return control.finish(AfterRun::kNothing);
+    case Action::kFinishAndRefine:
+      return control.finish(AfterRun::kRefine);
+    case Action::kStartAgain:
+      if (!starts_again) return;
+      return control.finish(AfterRun::kStartAgain);
+    default:
+      return;
+  }
 }
 
 }  // namespace net
@@ -123,7 +149,7 @@ Status Server::Impl::listen() {
   url = fmt::format("http://{}:{}/", host, port);
   // Beyond this machine a port is no secret: only who has seen the address may watch and pause.
   if (!address.is_loopback()) {
-    core.policy.token = make_token();
+    core.policy.token = o.token.empty() ? make_token() : o.token;
     url += "?token=" + core.policy.token;
   }
   return {};
@@ -233,6 +259,7 @@ Server::~Server() { impl_->stop(); }
 
 int Server::port() const { return impl_->port; }
 std::string Server::url() const { return impl_->url; }
+std::string Server::token() const { return impl_->core.policy.token; }
 std::size_t Server::clients() const { return impl_->core.client_count; }
 RunControl& Server::control() { return impl_->core.control; }
 
@@ -276,6 +303,15 @@ void Server::touch() {
 void Server::set_refinement(RefinementNote note) {
   impl_->core.board.set_refinement(std::move(note));
   impl_->wake();
+}
+
+void Server::set_session(SessionNote note) {
+  impl_->core.board.set_session(std::move(note));
+  impl_->wake();
+}
+
+void Server::offer_file(const std::string& name, const std::filesystem::path& file) {
+  impl_->core.downloads.offer(name, file);
 }
 
 void Server::set_final_word(FinalWord word) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -38,13 +39,14 @@ struct ServerOptions {
   std::string address = "127.0.0.1";  ///< numeric, or "localhost"
   int port = 8765;                    ///< 0 = any free one
   std::vector<std::string> names;     ///< further values of the Host header that are accepted
+  std::string token = {};             ///< beyond this machine; empty: a new one is made
   bool resume_when_alone = true;      ///< see ServerLimits::resume_after_s
   ServerLimits limits;
 };
 
-/// Shows a run to browsers: HTTP for the page, a WebSocket for what happens (docs/viewer.md).
-/// One thread serves, another one renders pictures; both have low priority. The thread that posts
-/// never waits for either. All functions are thread-safe.
+/// Shows a run to browsers: HTTP for the page, a WebSocket for what happens (docs/viewer.md); what
+/// clients wish of a run is in control(). One thread serves, another one renders pictures; both
+/// have low priority. The thread that posts never waits for either. All functions are thread-safe.
 class Server {
  public:
   /// Listens; fails when the address is not ours or the port is taken.
@@ -55,6 +57,8 @@ class Server {
   int port() const;
   /// What to type into a browser on this machine.
   std::string url() const;
+  /// What pages of beyond this machine need; empty on this machine.
+  std::string token() const;
   /// Connected WebSockets.
   std::size_t clients() const;
 
@@ -72,6 +76,11 @@ class Server {
   void touch();
   /// How the refinement fares that a client asked for (RunInfo::refines, RunControl).
   void set_refinement(RefinementNote note);
+  /// How the session fares.
+  void set_session(SessionNote note);
+  /// From now on GET /download/NAME gives what the file holds when it is asked for; "" takes the
+  /// name back.
+  void offer_file(const std::string& name, const std::filesystem::path& file);
   /// The run is finished.
   void set_final_word(FinalWord word);
   RunControl& control();

@@ -38,6 +38,11 @@ export interface Hello {
   live: boolean;
   /// The map can be refined from here.
   refines: boolean;
+  /// The run can be finished and saved from here, recorded, and started again. Older viewers say
+  /// nothing of it.
+  session?: boolean;
+  records?: boolean;
+  starts_again?: boolean;
   camera: Camera;
   up: [number, number, number] | null;
   frames_total: number | null;
@@ -112,14 +117,42 @@ export interface Refinement {
   text: string;
 }
 
+/// How a run that goes on fares beside its frames.
+export interface Session {
+  type: "session";
+  at_camera_rate: boolean;
+  dropped: number;
+  /// Came while the run was paused.
+  left_out: number;
+  /// Frames that come per second.
+  camera_fps: number | null;
+  why_dropped: string;
+  /// To whoever holds the camera.
+  warnings: { key: string; text: string }[];
+  /// What the input suffers from.
+  trouble: string;
+  recording: boolean;
+  /// What has been recorded, in words.
+  recorded: string;
+  recording_trouble: string;
+  /// What the last save came to.
+  saved: string;
+  /// The map can be refined at the end.
+  refinable: boolean;
+  /// The run's results are complete.
+  ended: boolean;
+  /// Names below download/.
+  downloads: string[];
+}
+
 export interface Problem {
   type: "error";
   message: string;
 }
 
-export type TextMessage = Hello | PathChunk | State | Metrics | Refinement | Problem;
+export type TextMessage = Hello | PathChunk | State | Metrics | Refinement | Session | Problem;
 
-const kTextTypes = new Set(["hello", "path", "state", "metrics", "refinement", "error"]);
+const kTextTypes = new Set(["hello", "path", "state", "metrics", "refinement", "session", "error"]);
 
 /// A state as it is sent: the page's own fields are filled from `values`.
 type SentState = Pick<
@@ -259,7 +292,17 @@ export function decodeBinary(buffer: ArrayBuffer): MapDiff | Picture | null {
   }
 }
 
-export type Control = "pause" | "resume" | "step" | "refine";
+export type Control =
+  | "pause"
+  | "resume"
+  | "step"
+  | "refine"
+  | "save"
+  | "record"
+  | "stop_recording"
+  | "finish"
+  | "finish_and_refine"
+  | "start_again";
 export type MapSubscription = "splats" | "points" | "none";
 
 export type Request =

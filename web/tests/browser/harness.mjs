@@ -73,6 +73,69 @@ export async function startRun(t, args, { port = 0, folder = temporaryFolder() }
   return { url, port: Number(new URL(url).port), stop };
 }
 
+/// `sgs run live:...` at the rate of a `Camera` (fake_camera.mjs) that somebody holds, stopped after the
+/// test. Resolves when the page's address is printed.
+export async function startLiveRun(t, Camera, { folder = temporaryFolder() }) {
+  const output = join(folder, "session");
+  const args = ["run", "live:tcp://127.0.0.1:0", "--realtime", "--viewer", "0", "--no-eval"];
+  const child = spawn(process.env.SGS, [...args, "--output", output], {
+    cwd: folder,
+    stdio: ["ignore", "ignore", "pipe"],
+  });
+  let printed = "";
+  child.stderr.on("data", (data) => (printed += data));
+  const ended = new Promise((resolve) => child.on("exit", resolve));
+  t.after(async () => {
+    child.kill("SIGINT");
+    const timer = setTimeout(() => child.kill("SIGKILL"), 10_000);
+    await ended;
+    clearTimeout(timer);
+  });
+  const ports = () => [...printed.matchAll(/tcp:\/\/127\.0\.0\.1:(\d+)[^\n]*waiting/g)];
+  const alive = () => assert.equal(child.exitCode, null, `sgs ended: ${printed}`);
+  const port = await until("sgs listens", () => alive() ?? ports()[0]?.[1]);
+  const camera = new Camera(t, Number(port));
+  const url = await until(
+    `sgs prints an address (so far: ${printed})`,
+    () => alive() ?? printed.match(/http:\/\/127\.0\.0\.1:\d+\//)?.[0],
+  );
+  const listens = () => {
+    camera.port = Number(ports().at(-1)[1]);
+    return ports().length;
+  };
+  return {
+    url,
+    port: Number(new URL(url).port),
+    camera,
+    folder: output,
+    printed: () => printed,
+    listens,
+  };
+}
+
+/// A viewer without a page: the newest `state` and `session`, and what it asks for.
+export async function watch(t, { port }) {
+  const socket = new WebSocket(`ws://127.0.0.1:${port}/ws`);
+  t.after(() => socket.terminate());
+  const seen = {
+    state: null,
+    session: null,
+    closed: false,
+    ask: (action) => socket.send(JSON.stringify({ type: "control", action })),
+  };
+  socket.on("message", (data, binary) => {
+    const message = binary ? {} : JSON.parse(data);
+    if (message.type === "state") seen.state = message;
+    if (message.type === "session") seen.session = message;
+  });
+  socket.on("close", () => (seen.closed = true));
+  await new Promise((resolve, reject) => {
+    socket.on("open", resolve);
+    socket.on("error", reject);
+  });
+  return seen;
+}
+
 /// A second viewer of the run, without a page, that pauses it at once and until `resume()`: the page
 /// is then there from (nearly) the first frame on, however long the browser takes. `step()` lets one
 /// frame pass.

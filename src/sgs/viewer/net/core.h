@@ -18,6 +18,7 @@
 #include "sgs/core/stopwatch.h"
 #include "sgs/viewer/board.h"
 #include "sgs/viewer/client_stream.h"
+#include "sgs/viewer/downloads.h"
 #include "sgs/viewer/http_policy.h"
 #include "sgs/viewer/picture_service.h"
 #include "sgs/viewer/run_control.h"
@@ -39,13 +40,16 @@ inline std::chrono::milliseconds milliseconds(double seconds) {
   return std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * seconds));
 }
 
-/// What all connections share. But for board, control, pictures and client_count everything here
-/// belongs to the thread that runs `io`.
+/// What all connections share. But for downloads, board, control, pictures and client_count
+/// everything here belongs to the thread that runs `io`.
 struct Core {
   Core(const ServerOptions& o, const RunInfo& i)
       : options(o),
         hello(hello_message(i)),
         refines(i.refines),
+        is_session(i.session),
+        records(i.records),
+        starts_again(i.starts_again),
         policy{o.names, {}},
         pictures(i.camera,
                  [this](Picture p) { asio::post(io, [this, p = std::move(p)] { deliver(p); }); }) {}
@@ -56,12 +60,14 @@ struct Core {
   /// Tells the picture service which panes are wanted now.
   void update_panes();
   void handle(const ControlRequest& request);
+  void handle_session(ControlRequest::Action action);
 
   ServerOptions options;
   std::string hello;
-  bool refines;
+  bool refines, is_session, records, starts_again;
   HostPolicy policy;
   std::span<const EmbeddedFile> files = embedded_files();
+  Downloads downloads;
   Board board;
   RunControl control;
   SharedEncoder encoder{board};

@@ -58,6 +58,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     head_only_ = facts.method == "HEAD";
     if (verdict.websocket) return become_client();
     if (verdict.status != 200) return refuse(verdict.status, verdict.reason);
+    if (!verdict.download.empty()) return send_file(verdict.download);
     if (verdict.file == nullptr) return answer(200, "text/plain; charset=utf-8", "ok\n");
     answer(200, content_type(verdict.file->path), verdict.file->bytes);
   }
@@ -74,16 +75,50 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     answer(status, "text/plain; charset=utf-8", refusal_);
   }
 
-  void answer(int status, std::string_view content_type, std::string_view body) {
-    const auto view = [](std::string_view text) {
-      return beast::string_view(text.data(), text.size());
+  static beast::string_view view(std::string_view text) { return {text.data(), text.size()}; }
+
+  template <class Response>
+  static void head(Response& response, int status, std::string_view type, std::uint64_t bytes) {
+    response.result(static_cast<unsigned>(status));
+    response.version(11);
+    for (const auto& [name, value] : security_headers()) response.set(view(name), view(value));
+    response.set(http::field::content_type, view(type));
+    response.keep_alive(false);
+    response.content_length(bytes);
+  }
+
+  /// A file of the run, in pieces: a client that goes on taking them may take its time.
+  void send_file(std::string_view name) {
+    const std::string file = core_.downloads.find(name).string();
+    error_code error = http::make_error_code(http::error::end_of_stream);
+    if (!file.empty()) file_.body().open(file.c_str(), beast::file_mode::scan, error);
+    if (error) return refuse(404, "There is no such file of the run.");
+    head(file_, 200, content_type(name), file_.body().size());
+    file_.set(http::field::content_disposition,
+              "attachment; filename=\"" + std::string(name) + "\"");
+    file_serializer_.emplace(file_);
+    if (head_only_) file_serializer_->split(true);
+    send_piece();
+  }
+
+  void send_piece() {
+    stream_.expires_after(milliseconds(core_.options.limits.response_timeout_s));
+    const auto sent = [self = shared_from_this()](error_code error, std::size_t) {
+      if (!error && !self->head_only_ && !self->file_serializer_->is_done()) {
+        return self->send_piece();
+      }
+      error_code ignored;
+      self->stream_.socket().shutdown(tcp::socket::shutdown_both, ignored);
     };
-    response_.result(static_cast<unsigned>(status));
-    response_.version(11);
-    for (const auto& [name, value] : security_headers()) response_.set(view(name), view(value));
-    response_.set(http::field::content_type, view(content_type));
-    response_.keep_alive(false);
-    response_.content_length(body.size());
+    if (head_only_) {
+      http::async_write_header(stream_, *file_serializer_, sent);
+    } else {
+      http::async_write_some(stream_, *file_serializer_, sent);
+    }
+  }
+
+  void answer(int status, std::string_view content_type, std::string_view body) {
+    head(response_, status, content_type, body.size());
     if (!head_only_) response_.body() = beast::span<const char>(body.data(), body.size());
     stream_.expires_after(milliseconds(core_.options.limits.response_timeout_s));
     serializer_.emplace(response_);
@@ -108,6 +143,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   http::request_parser<http::empty_body> parser_;
   http::response<Body> response_;
   std::optional<http::response_serializer<Body>> serializer_;
+  http::response<http::file_body> file_;
+  std::optional<http::response_serializer<http::file_body>> file_serializer_;
   bool head_only_ = false;
 };
 
