@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 #include "sgs/degeneracy/planarity.h"
@@ -90,14 +91,55 @@ void JointAligner::look_at(const RgbdFrame& frame, const history::Revision& revi
   }
   const CpuTimer timer(times_.visual);
   vision_.set_frame(frame, past_);
+  parts_.look_at(frame, vision_.pyramid());
 }
 
 LostReason JointAligner::check_frame() const { return check_points(source_points(), config_.loss); }
 
 Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout, bool with_geometry,
                               From from) {
+  static const bool on = std::getenv("MOV") != nullptr;
+  if (!on || from == From::kAfar || !parts_.knows_anything() || !T_start.all_finite()) {
+    return align_without({}, T_start, readout, with_geometry, from);
+  }
+  const double sigma = vision_.sigma(std::min(CoarseView::kLevel, vision_.levels() - 1));
+  const auto judge = [&](const SE3& T) { return parts_.judge(T, past_, sigma); };
+  std::optional<Alignment> plain;
+  if (!parts_.moved()) {
+    plain = align_without({}, T_start, readout, with_geometry, from);
+    plain->moving = judge(plain->T_local_camera);
+    if (!plain->moving.mask.any()) return *plain;
+  }
+  MovingParts::Judgement expected = judge(T_start);
+  Alignment a;
+  for (int i = 0; i < 2; ++i) {
+    if (std::getenv("MOVDBG")) fprintf(stderr, " from share %.3f\n", expected.share);
+    a = align_without(expected.mask, T_start, readout, with_geometry, from);
+    a.moving = judge(a.T_local_camera);
+    if (a.moving.mask.cells() == expected.mask.cells()) break;
+    expected = a.moving;
+  }
+  if (plain && plain->moving.support > a.moving.support) {
+    if (std::getenv("MOVDBG")) fprintf(stderr, " plain wins\n");
+    expected = plain->moving;
+    a = align_without(expected.mask, plain->T_local_camera, readout, with_geometry, from);
+    a.moving = judge(a.T_local_camera);
+  }
+  geometry_.set_moving(a.moving.mask);
+  a.fit.set_moving(a.moving.mask);
+  finish(with_geometry, a);
+  return a;
+}
+
+void JointAligner::remember(const Alignment& a) { parts_.remember(a.moving); }
+
+Alignment JointAligner::align_without(const registration::CellMask& moving, const SE3& T_start,
+                                      const ReadoutModel& readout, bool with_geometry,
+                                      From from) {
   Alignment a = start(T_start, readout, with_geometry);
   if (!T_start.all_finite()) return a;
+  geometry_.set_moving(moving);
+  a.fit.set_moving(moving);
   const int coarsest = a.fit.has_references() ? vision_.levels() - 1 : 0;
   for (int level = coarsest; level >= 0; --level) {
     if (level < coarsest) a.fit.update_belief(readout.belief(a.T_local_camera));
@@ -304,7 +346,7 @@ Diagnostics JointAligner::describe(const Alignment& a) const {
     d.inliers = a.geometry->inliers;
     d.cost = a.geometry->cost;
     d.overlap = a.geometry->overlap;
-    if (config_.geometry.movers.ignore) d.movers = a.geometry->movers;
+    if (config_.geometry.movers.ignore || std::getenv("MOV")) d.movers = a.geometry->movers;
     note_spectrum(a.geometry->spectrum, d);
   }
   if (a.picture) {

@@ -7,6 +7,7 @@
 
 #include "sgs/degeneracy/observability.h"
 #include "sgs/degeneracy/spectrum.h"
+#include "sgs/tracker/movers/moving_parts.h"
 #include "sgs/tracker/step_times.h"
 #include "sgs/tracker/terms/geometric_term.h"
 #include "sgs/tracker/terms/visual_term.h"
@@ -40,6 +41,7 @@ struct Alignment {
   std::optional<Geometry> geometry;  ///< empty: there was nothing to register
   std::optional<Picture> picture;    ///< empty: there was no keyframe to align to
   VisualTerm::Fit fit;
+  MovingParts::Judgement moving;
   registration::FrameMotion points_motion;  ///< that the points are corrected for
   int iterations = 0;                       ///< Gauss-Newton steps over all levels
 
@@ -102,6 +104,8 @@ class JointAligner {
 
   /// Learns how wide residuals of an accepted alignment's picture are.
   void learn_noise(const Alignment& a) { vision_.learn_noise(a.fit); }
+  /// The frame was taken there, as is believed.
+  void remember(const Alignment& a);
 
   bool has_map() const { return geometry_.has_targets() || vision_.keyframes() > 0; }
   /// Whether the frame shows enough depth to be registered: kNone or kTooFewPoints.
@@ -123,6 +127,8 @@ class JointAligner {
 
  private:
   Alignment align(const SE3& T_start, const ReadoutModel& readout, bool with_geometry, From from);
+  Alignment align_without(const registration::CellMask& moving, const SE3& T_start,
+                          const ReadoutModel& readout, bool with_geometry, From from);
   Alignment start(const SE3& T_start, const ReadoutModel& readout, bool with_geometry);
   void finish(bool with_geometry, Alignment& a);
   // While an alignment lasts, geometry_ holds its points and matches; what outlives it is the value
@@ -144,6 +150,7 @@ class JointAligner {
   LocalPast past_;
   GeometricTerm geometry_;
   VisualTerm vision_;
+  MovingParts parts_;
 
   // Of the current frame, before anything is matched:
   degeneracy::HysteresisState hysteresis_;

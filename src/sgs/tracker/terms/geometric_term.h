@@ -32,6 +32,8 @@ class GeometricTerm {
   /// Corrects the frame's points for how the camera moved while they were measured; replaces the
   /// motion given before.
   void set_motion(const registration::FrameMotion& motion);
+  /// Points there do not count, until the next frame or set_moving().
+  void set_moving(const registration::CellMask& moving);
   /// Whether there is anything to register to.
   bool has_targets() const { return !targets_->cloud().points.empty(); }
   /// Prepares the search for a frame expected at `T_local_predicted`; needs targets.
@@ -91,6 +93,7 @@ class GeometricTerm {
   const DepthImage* depth_ = nullptr;        // of the current frame
   std::int64_t frame_ = 0;                   // its index
   double time_s_ = 0;                        // its stamp
+  registration::CellMask moving_;
   Trial trial_;
   std::size_t movers_ = 0;            // points, as counted last
   registration::FrameMotion motion_;  // that its points are corrected for

@@ -29,6 +29,11 @@ class VisualTerm {
   /// when it is next aligned to: a frame that all of them waited for would be late.
   void set_frame(const RgbdFrame& frame, const LocalPast& past);
   int levels() const { return levels_; }
+  const GrayPyramid& pyramid() const { return pyramid_; }
+  /// Noise of a grey value at a level, as far as it is known.
+  double sigma(int level) const {
+    return config_.photometric.sigma_at(level) * noise_[static_cast<std::size_t>(level)];
+  }
 
   class Fit;
   /// The fit of a frame expected at `T_local_predicted`, to the keyframes chosen for that pose.
@@ -98,6 +103,8 @@ class VisualTerm::Fit {
   /// The same once the pose is known better: the estimate stays.
   void update_belief(const ReadoutEstimator::Belief& belief) { belief_ = belief; }
 
+  /// Pixels there do not count from now on.
+  void set_moving(const registration::CellMask& moving) { moving_ = moving; }
   /// Normal equations of all references at a level, gains, offsets and the readout's rotation
   /// eliminated; needs references.
   degeneracy::NormalEquations linearize(int level, const SE3& T_local_camera);
@@ -128,6 +135,7 @@ class VisualTerm::Fit {
   };
 
   const VisualTerm* term_ = nullptr;
+  registration::CellMask moving_;
   std::vector<Reference> references_;
   ReadoutEstimator::Belief belief_;
   Vector6d readout_ = Vector6d::Zero();
