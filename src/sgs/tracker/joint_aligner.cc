@@ -91,7 +91,7 @@ void JointAligner::look_at(const RgbdFrame& frame, const history::Revision& revi
   }
   const CpuTimer timer(times_.visual);
   vision_.set_frame(frame, past_);
-  parts_.look_at(frame, vision_.pyramid());
+  parts_.look_at(frame);
 }
 
 LostReason JointAligner::check_frame() const { return check_points(source_points(), config_.loss); }
@@ -102,8 +102,9 @@ Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout, b
   if (!on || from == From::kAfar || !parts_.knows_anything() || !T_start.all_finite()) {
     return align_without({}, T_start, readout, with_geometry, from);
   }
-  const double sigma = vision_.sigma(std::min(CoarseView::kLevel, vision_.levels() - 1));
-  const auto judge = [&](const SE3& T) { return parts_.judge(T, past_, sigma); };
+  const auto judge = [&](const SE3& T) {
+    return parts_.judge(T, past_, readout.of_frame(Vector6d::Zero(), T));
+  };
   std::optional<Alignment> plain;
   if (!parts_.moved()) {
     plain = align_without({}, T_start, readout, with_geometry, from);
@@ -131,7 +132,7 @@ Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout, b
   return a;
 }
 
-void JointAligner::remember(const Alignment& a) { parts_.remember(a.moving); }
+void JointAligner::remember(const Alignment& a) { parts_.remember(a.moving, a.points_motion); }
 
 Alignment JointAligner::align_without(const registration::CellMask& moving, const SE3& T_start,
                                       const ReadoutModel& readout, bool with_geometry,

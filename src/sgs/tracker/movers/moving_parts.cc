@@ -21,20 +21,21 @@ double env(const char* name, double value) {
 
 }  // namespace
 
-void MovingParts::look_at(const RgbdFrame& frame, const GrayPyramid& pyramid) {
-  view_ = CoarseView::of(frame, pyramid);
+void MovingParts::look_at(const RgbdFrame& frame) {
+  view_ = CoarseDepth(frame);
 }
 
 MovingParts::Judgement MovingParts::judge(const SE3& T_local_camera, const LocalPast& past,
-                                          double sigma) const {
+                                          const registration::FrameMotion& motion) {
+  view_.motion = motion;
   static const double kAges[] = {env("A1", 0.1), env("A2", 0.3), env("A3", 0.6)};
-  static const double kHalf = env("HALF", 0.4), kSteep = env("STEEP", 12), kLambda = env("LAM", 1),
-                      kMu = env("MU", 8), kLeast = env("LEAST", 0.02), kFew = env("FEW", 0.06);
+  static const double kHalf = env("HALF", 0.3), kSteep = env("STEEP", 12), kLambda = env("LAM", 1),
+                      kMu = env("MU", 8), kLeast = env("LEAST", 0.02), kFew = env("FEW", 0.06), kTwo = env("TWO", 1);
   Judgement out;
-  std::vector<const CoarseView*> against;
+  std::vector<const CoarseDepth*> against;
   for (const double age : kAges) {
-    const CoarseView* best = nullptr;
-    for (const CoarseView& v : views_) {
+    const CoarseDepth* best = nullptr;
+    for (const CoarseDepth& v : views_) {
       if (!best || std::abs(view_.timestamp_s - v.timestamp_s - age) <
                        std::abs(view_.timestamp_s - best->timestamp_s - age)) {
         best = &v;
@@ -48,9 +49,9 @@ MovingParts::Judgement MovingParts::judge(const SE3& T_local_camera, const Local
   std::vector<float> off;
   std::size_t raw = 0, known = 0;
   int columns = 0;
-  for (const CoarseView* v : against) {
+  for (const CoarseDepth* v : against) {
     const SurfaceCheck check =
-        check_surface(view_, *v, past.at(v->frame).inverse() * T_local_camera, sigma);
+        check_surface(view_, *v, past.at(v->frame).inverse() * T_local_camera);
     columns = check.columns;
     if (off.empty()) off.assign(check.off.size(), SurfaceCheck::kUnknown);
     for (std::size_t i = 0; i < off.size(); ++i) off[i] = std::max(off[i], check.off[i]);
@@ -63,7 +64,7 @@ MovingParts::Judgement MovingParts::judge(const SE3& T_local_camera, const Local
   static const bool debug = std::getenv("MOVDBG") != nullptr;
   const bool quiet = static_cast<double>(raw) < kFew * static_cast<double>(known) && !moved_;
   if (debug) {
-    std::fprintf(stderr, "judge %ld raw %.3f support %.0f", long(view_.frame),
+    std::fprintf(stderr, "sigma 0 judge %ld raw %.3f support %.0f", long(view_.frame),
                  double(raw) / double(std::max<std::size_t>(1, known)), out.support);
   }
   if (quiet) {
@@ -117,26 +118,64 @@ MovingParts::Judgement MovingParts::judge(const SE3& T_local_camera, const Local
   }
   out.still.assign(off.size(), 1.0f);
   std::vector<std::uint8_t> moves(off.size(), 0);
-  std::size_t moving = 0, measured = 0;
+  std::size_t measured = 0;
   for (std::size_t i = 0; i < off.size(); ++i) {
     if (segments.of[i] < 0) continue;
     ++measured;
     out.still[i] = static_cast<float>(still[static_cast<std::size_t>(segments.of[i])]);
     moves[i] = out.still[i] < 0.5f ? 1 : 0;
-    moving += moves[i];
+  }
+  out.suspected = moves;
+  // Parts that are too small, or that nobody suspected a frame ago, are let go.
+  std::vector<std::uint8_t> todo = moves;
+  std::size_t moving = 0;
+  double largest = 0;
+  for (std::size_t first = 0; first < todo.size(); ++first) {
+    if (!todo[first]) continue;
+    std::vector<std::size_t> part{first};
+    todo[first] = 0;
+    bool again = false;
+    for (std::size_t k = 0; k < part.size(); ++k) {
+      const int x = static_cast<int>(part[k]) % columns, y = static_cast<int>(part[k]) / columns;
+      again = again || suspected_.empty() || suspected_[part[k]];
+      const auto visit = [&](int u, int v) {
+        if (u < 0 || v < 0 || u >= columns || v >= rows) return;
+        const auto cell = static_cast<std::size_t>(v * columns + u);
+        if (!todo[cell]) return;
+        todo[cell] = 0;
+        part.push_back(cell);
+      };
+      visit(x - 1, y);
+      visit(x + 1, y);
+      visit(x, y - 1);
+      visit(x, y + 1);
+    }
+    const double share = double(part.size()) / double(measured);
+    largest = std::max(largest, share);
+    if (share >= kLeast && (again || kTwo == 0)) {
+      moving += part.size();
+      continue;
+    }
+    for (const std::size_t cell : part) {
+      moves[cell] = 0;
+      out.still[cell] = 1;
+    }
   }
   out.share = static_cast<double>(moving) / static_cast<double>(std::max<std::size_t>(1, measured));
-  if (debug) std::fprintf(stderr, " share %.3f\n", out.share);
-  if (out.share < kLeast) {
+  if (debug) std::fprintf(stderr, " share %.3f largest %.3f\n", out.share, largest);
+  if (moving == 0) {
     out.share = 0;
     out.still.clear();
     return out;
   }
-  out.mask = registration::CellMask(view_.step_px * SurfaceCheck::kCell, columns, std::move(moves));
+  out.mask = registration::CellMask(CoarseDepth::kStep_px * SurfaceCheck::kCell, columns, std::move(moves));
   return out;
 }
 
-void MovingParts::remember(const Judgement& judgement) {
+void MovingParts::remember(const Judgement& judgement, const registration::FrameMotion& motion) {
+  view_.motion = motion;
+  suspected_ = views_.size() < 2 ? std::vector<std::uint8_t>() : judgement.suspected;
+  if (suspected_.empty() && views_.size() >= 2) suspected_.assign(static_cast<std::size_t>((view_.depth.width() / SurfaceCheck::kCell) * (view_.depth.height() / SurfaceCheck::kCell)), 0);
   constexpr double kLongest_s = 0.7;
   if (const char* folder = std::getenv("MOVDUMP")) {
     const auto name = std::string(folder) + "/" + std::to_string(view_.frame) + ".pgm";

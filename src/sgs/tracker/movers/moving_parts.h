@@ -8,7 +8,7 @@
 
 #include "sgs/registration/cell_mask.h"
 #include "sgs/tracker/local_past.h"
-#include "sgs/tracker/movers/coarse_view.h"
+#include "sgs/tracker/movers/coarse_depth.h"
 
 namespace sgs::tracker {
 
@@ -18,26 +18,28 @@ class MovingParts {
   /// What a pose says of the frame.
   struct Judgement {
     registration::CellMask mask;
+    std::vector<std::uint8_t> suspected;
     std::vector<float> still;  ///< of each cell: 1 stands still .. 0 moves
     double support = 0;        ///< how much of the older frames the pose explains
     double share = 0;          ///< of the measured cells that move
   };
 
   /// Looks at a frame.
-  void look_at(const RgbdFrame& frame, const GrayPyramid& pyramid);
-  /// `sigma`: noise of grey values at CoarseView::kLevel.
-  Judgement judge(const SE3& T_local_camera, const LocalPast& past, double sigma) const;
+  void look_at(const RgbdFrame& frame);
+  Judgement judge(const SE3& T_local_camera, const LocalPast& past,
+                  const registration::FrameMotion& motion);
   /// The frame was taken at a pose that is believed, and moves so.
-  void remember(const Judgement& judgement);
+  void remember(const Judgement& judgement, const registration::FrameMotion& motion);
   /// Whether something moved in the last frame that was remembered.
   bool moved() const { return moved_; }
   bool knows_anything() const { return !views_.empty(); }
 
  private:
-  std::deque<CoarseView> views_;
+  std::deque<CoarseDepth> views_;
   std::vector<float> still_;  // of the last frame
+  std::vector<std::uint8_t> suspected_;
   bool moved_ = false;
-  CoarseView view_;
+  CoarseDepth view_;
 };
 
 }  // namespace sgs::tracker

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 #include "sgs/camera/depth_noise.h"
@@ -11,117 +12,83 @@
 namespace sgs::tracker {
 namespace {
 
-constexpr float kWidths = 3;       // beyond which nothing is noise
-constexpr float kSlack_px = 0.5f;  // coarse pixels that a pose may be off by
+double env2(const char* name, double value) {
+  const char* text = std::getenv(name);
+  return text ? std::atof(text) : value;
+}
 
-struct Seen {
-  std::size_t cell;
-  float depth_off;  // in widths
-  float now, then, slope;
+constexpr float kWidths = 3;  // of the noise, beyond which nothing is noise
+constexpr float kNearest_m = 0.05f;
+
+// By how much a point moves against the camera, metres per second.
+Eigen::Vector3f speed_of(const Eigen::Vector3f& point, const Vector6d& velocity) {
+  return velocity.head<3>().cast<float>().cross(point) + velocity.tail<3>().cast<float>();
+}
+
+struct Range {
+  float nearest = std::numeric_limits<float>::infinity(), farthest = 0;
 };
 
-// Gain and offset between two views: of all that is where it was, robustly.
-struct Brightness {
-  float gain = 1, offset = 0;
-};
-
-Brightness fit_brightness(const std::vector<Seen>& seen, float sigma) {
-  constexpr int kFits = 4;
-  constexpr double kGainSigma = 0.1;
-  Brightness b;
-  for (int round = 0; round < kFits; ++round) {
-    double w = 0, x = 0, y = 0, xx = 0, xy = 0;
-    for (const Seen& s : seen) {
-      const float r = s.now - b.gain * s.then - b.offset;
-      const float e2 = r * r / (sigma * sigma + kSlack_px * kSlack_px * s.slope * s.slope);
-      const double weight = 1 / (1 + double{e2});
-      w += weight;
-      x += weight * s.then;
-      y += weight * s.now;
-      xx += weight * s.then * s.then;
-      xy += weight * s.then * s.now;
+// Of what is measured around a place, `reach` pixels beyond the four that surround it.
+Range range_around(const DepthImage& depth, int u, int v, int reach) {
+  Range out;
+  for (int y = v - reach; y <= v + 1 + reach; ++y) {
+    const float* row = depth.row(y);
+    for (int x = u - reach; x <= u + 1 + reach; ++x) {
+      if (!(row[x] > 0)) continue;
+      out.nearest = std::min(out.nearest, row[x]);
+      out.farthest = std::max(out.farthest, row[x]);
     }
-    if (!(w > 0)) return b;
-    const double prior = double{sigma} * sigma / (kGainSigma * kGainSigma);
-    const double spread = xx - x * x / w + prior;
-    const double gain = (xy - x * y / w + prior) / spread;
-    b.gain = static_cast<float>(gain);
-    b.offset = static_cast<float>((y - gain * x) / w);
   }
-  return b;
+  return out;
 }
 
 }  // namespace
 
-SurfaceCheck check_surface(const CoarseView& view, const CoarseView& past, const SE3& T_past_view,
-                           double sigma) {
+SurfaceCheck check_surface(const CoarseDepth& now, const CoarseDepth& then,
+                           const SE3& T_then_now) {
+  static const float kClock_s = float(env2("CLOCK", 0.01));
+  static const int kMostReach = int(env2("REACH", 2));
   SurfaceCheck out;
-  out.columns = view.depth.width() / SurfaceCheck::kCell;
-  out.rows = view.depth.height() / SurfaceCheck::kCell;
-  out.off.assign(static_cast<std::size_t>(out.columns * out.rows), SurfaceCheck::kUnknown);
-  const Eigen::Matrix3f R = T_past_view.R.cast<float>();
-  const Eigen::Vector3f t = T_past_view.t.cast<float>();
+  out.columns = now.depth.width() / SurfaceCheck::kCell;
+  const int rows = now.depth.height() / SurfaceCheck::kCell;
+  out.off.assign(static_cast<std::size_t>(out.columns * rows), SurfaceCheck::kUnknown);
+  // Depth is measured somewhat later than colour, whose pose is known.
+  const SE3 T = SE3::exp(Vector6d(-then.motion.lag())) * T_then_now * SE3::exp(now.motion.lag());
+  const Eigen::Matrix3f R = T.R.cast<float>();
+  const Eigen::Vector3f t = T.t.cast<float>();
   const auto f = [](double x) { return static_cast<float>(x); };
-  const float fx = f(view.camera.fx), fy = f(view.camera.fy), cx = f(view.camera.cx),
-              cy = f(view.camera.cy);
-  const float right = f(past.depth.width() - 2), bottom = f(past.depth.height() - 2);
-  const float noise = f(sigma) * std::sqrt(2.0f);
-  std::vector<Seen> seen;
-  seen.reserve(out.off.size());
-  for (int row = 0; row < out.rows; ++row) {
+  const float fx = f(now.camera.fx), fy = f(now.camera.fy), cx = f(now.camera.cx),
+              cy = f(now.camera.cy);
+  for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < out.columns; ++column) {
       const int x = column * SurfaceCheck::kCell + 1, y = row * SurfaceCheck::kCell + 1;
-      const float z = view.depth(x, y);
+      const float z = now.depth(x, y);
       if (!(z > 0)) continue;
       const Eigen::Vector3f p((f(x) - cx) / fx * z, (f(y) - cy) / fy * z, z);
       const Eigen::Vector3f q = R * p + t;
-      if (!(q.z() > 0)) continue;
+      if (!(q.z() > kNearest_m)) continue;
+      const Eigen::Vector3f drift = kClock_s * (speed_of(p, now.motion.velocity).cwiseAbs() +
+                                                speed_of(q, then.motion.velocity).cwiseAbs());
+      const float across_px = std::max(drift.x() * fx, drift.y() * fy) / q.z();
+      const int reach = std::min(kMostReach, static_cast<int>(std::lround(across_px)));
       const float u = q.x() / q.z() * fx + cx, v = q.y() / q.z() * fy + cy;
-      if (!(u >= 1 && v >= 1 && u < right && v < bottom)) continue;
-      const int iu = static_cast<int>(u), iv = static_cast<int>(v);
-      float nearest = std::numeric_limits<float>::infinity(), farthest = 0;
-      for (int k = 0; k < 4; ++k) {
-        const float d = past.depth(iu + (k & 1), iv + (k >> 1));
-        if (!(d > 0)) continue;
-        nearest = std::min(nearest, d);
-        farthest = std::max(farthest, d);
-      }
-      if (!(farthest > 0)) continue;
-      const auto cell = static_cast<std::size_t>(row * out.columns + column);
-      const float width = std::sqrt(2.0f) * depth_sigma_m(q.z());
-      const float before = (nearest - q.z()) / width;   // > 0: where nothing stood
-      const float behind = (q.z() - farthest) / width;  // > 0: it was hidden, or has receded
-      if (behind > kWidths) continue;
-      if (before > kWidths) {
-        out.off[cell] = 1;
+      const float rim = f(reach);
+      if (!(u >= rim && v >= rim && u < f(then.depth.width() - 1) - rim &&
+            v < f(then.depth.height() - 1) - rim)) {
         continue;
       }
-      const float du = u - f(iu), dv = v - f(iv);
-      const auto g = [&](int a, int b) { return past.gray(iu + a, iv + b); };
-      const float then = (1 - dv) * ((1 - du) * g(0, 0) + du * g(1, 0)) +
-                         dv * ((1 - du) * g(0, 1) + du * g(1, 1));
-      const float gx = 0.5f * (g(1, 0) + g(1, 1) - g(0, 0) - g(0, 1));
-      const float gy = 0.5f * (g(0, 1) + g(1, 1) - g(0, 0) - g(1, 0));
-      const float now = view.gray(x, y);
-      if (std::isnan(now + then)) continue;
-      const float nx = 0.5f * (view.gray(x + 1, y) - view.gray(x - 1, y));
-      const float ny = y + 1 < view.gray.height()
-                           ? 0.5f * (view.gray(x, y + 1) - view.gray(x, y - 1))
-                           : 0;
-      const float slope = std::sqrt(std::max(gx * gx + gy * gy, nx * nx + ny * ny));
-      seen.push_back({cell, std::max({before, behind, 0.0f}), now, then,
-                      std::isnan(slope) ? 0 : slope});
+      const Range seen =
+          range_around(then.depth, static_cast<int>(u), static_cast<int>(v), reach);
+      if (!(seen.farthest > 0)) continue;
+      const float width = std::sqrt(2.0f) * depth_sigma_m(q.z()) + drift.z() / kWidths;
+      const float before = (seen.nearest - q.z()) / width, behind = (q.z() - seen.farthest) / width;
+      if (behind > kWidths) continue;
+      const float e = std::max({before, behind, 0.0f}) / kWidths;
+      const float off = std::min(1.0f, e * e);
+      out.off[static_cast<std::size_t>(row * out.columns + column)] = off;
+      out.support += 1 - double{off};
     }
-  }
-  const Brightness b = fit_brightness(seen, noise);
-  for (const Seen& s : seen) {
-    const float r = s.now - b.gain * s.then - b.offset;
-    const float e2 = r * r / (noise * noise + kSlack_px * kSlack_px * s.slope * s.slope);
-    const float worst = std::max(e2, s.depth_off * s.depth_off);
-    out.off[s.cell] = std::min(1.0f, worst / (kWidths * kWidths));
-  }
-  for (const float off : out.off) {
-    if (off != SurfaceCheck::kUnknown) out.support += 1 - double{off};
   }
   return out;
 }

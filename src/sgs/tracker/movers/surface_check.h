@@ -5,26 +5,27 @@
 #include <vector>
 
 #include "sgs/geometry/se3.h"
-#include "sgs/tracker/movers/coarse_view.h"
+#include "sgs/tracker/movers/coarse_depth.h"
 
 namespace sgs::tracker {
 
-/// How far surface of a view is from where an older view saw it, cell by cell.
+/// Whether surface of a frame is where an older one saw it, cell by cell.
 struct SurfaceCheck {
-  static constexpr int kCell = 2;  ///< pixels of the coarse view to a cell's side
+  static constexpr int kCell = 2;  ///< pixels of the coarse depth to a cell's side
   static constexpr float kUnknown = -1;
 
-  int columns = 0, rows = 0;
-  /// 0 (as the noise has it) .. 1 (many widths off, or where nothing stood), or kUnknown: not
-  /// measured, out of sight, or hidden then.
+  int columns = 0;
+  /// 0 (as noise has it) .. 1 (three widths off or more: where nothing stood), or kUnknown: not
+  /// measured, out of sight, or behind what was seen there, and so perhaps hidden by it.
   std::vector<float> off;
-  /// Sum of 1 - off over what is known: how much of the picture the pose explains.
+  /// Sum of 1 - off over what is known: how much of the older frame the pose explains.
   double support = 0;
 };
 
-/// Checks `view` against `past`, which saw from `T_past_view` (view's camera to past's). `sigma`:
-/// noise of a grey value of the views.
-SurfaceCheck check_surface(const CoarseView& view, const CoarseView& past, const SE3& T_past_view,
-                           double sigma);
+/// Checks `now` against `then`, for a camera that moved so between them (now's camera to then's).
+/// Both are taken as their motions say; where the camera moves, clocks of depth and colour that
+/// differ by some milliseconds more are no difference.
+SurfaceCheck check_surface(const CoarseDepth& now, const CoarseDepth& then,
+                           const SE3& T_then_now);
 
 }  // namespace sgs::tracker

@@ -29,11 +29,6 @@ class VisualTerm {
   /// when it is next aligned to: a frame that all of them waited for would be late.
   void set_frame(const RgbdFrame& frame, const LocalPast& past);
   int levels() const { return levels_; }
-  const GrayPyramid& pyramid() const { return pyramid_; }
-  /// Noise of a grey value at a level, as far as it is known.
-  double sigma(int level) const {
-    return config_.photometric.sigma_at(level) * noise_[static_cast<std::size_t>(level)];
-  }
 
   class Fit;
   /// The fit of a frame expected at `T_local_predicted`, to the keyframes chosen for that pose.
