@@ -137,8 +137,8 @@ void visit_columns(Record& r, Visitor&& visit) {
         d.depth_delay_s);
   visit(
       C{"movers", "",
-        "Share of the sampled points that stand in space that was seen to be free: somebody walks "
-        "there. They do not count in overlap."},
+        "Share of the sampled points that move by themselves, or stand in space that was seen to "
+        "be free. They do not count in overlap."},
       d.movers);
 }
 

@@ -4,7 +4,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <cstdlib>
 #include <utility>
 
 #include "sgs/degeneracy/planarity.h"
@@ -91,40 +90,39 @@ void JointAligner::look_at(const RgbdFrame& frame, const history::Revision& revi
   }
   const CpuTimer timer(times_.visual);
   vision_.set_frame(frame, past_);
-  parts_.look_at(frame);
+  if (config_.geometry.movers.clusters) parts_.look_at(frame);
 }
 
 LostReason JointAligner::check_frame() const { return check_points(source_points(), config_.loss); }
 
+// What moves is left out, and what moves is told by where the camera is: both in turn. Where nothing
+// moved lately, all of the frame is aligned first; and that pose stays if it explains more of the
+// last half second than one without what seems to move.
 Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout, bool with_geometry,
                               From from) {
-  static const bool on = std::getenv("MOV") != nullptr;
-  if (!on || from == From::kAfar || !parts_.knows_anything() || !T_start.all_finite()) {
-    return align_without({}, T_start, readout, with_geometry, from);
+  const bool looks = config_.geometry.movers.clusters && from == From::kNear &&
+                     parts_.has_past() && T_start.all_finite();
+  std::optional<Alignment> whole;
+  if (!looks || !parts_.moved()) {
+    whole = align_without({}, T_start, readout, with_geometry, from);
+    if (looks) whole->moving = judge_parts(whole->T_local_camera, readout);
+    if (!whole->moving.mask.any()) {
+      finish(with_geometry, *whole);
+      return std::move(*whole);
+    }
   }
-  const auto judge = [&](const SE3& T) {
-    return parts_.judge(T, past_, readout.of_frame(Vector6d::Zero(), T));
-  };
-  std::optional<Alignment> plain;
-  if (!parts_.moved()) {
-    plain = align_without({}, T_start, readout, with_geometry, from);
-    plain->moving = judge(plain->T_local_camera);
-    if (!plain->moving.mask.any()) return *plain;
-  }
-  MovingParts::Judgement expected = judge(T_start);
+  MovingParts::Judgement expected = judge_parts(T_start, readout);
   Alignment a;
-  for (int i = 0; i < 2; ++i) {
-    if (std::getenv("MOVDBG")) fprintf(stderr, " from share %.3f\n", expected.share);
+  constexpr int kTurns = 2;
+  for (int i = 0; i < kTurns; ++i) {
     a = align_without(expected.mask, T_start, readout, with_geometry, from);
-    a.moving = judge(a.T_local_camera);
+    a.moving = judge_parts(a.T_local_camera, readout);
     if (a.moving.mask.cells() == expected.mask.cells()) break;
     expected = a.moving;
   }
-  if (plain && plain->moving.support > a.moving.support) {
-    if (std::getenv("MOVDBG")) fprintf(stderr, " plain wins\n");
-    expected = plain->moving;
-    a = align_without(expected.mask, plain->T_local_camera, readout, with_geometry, from);
-    a.moving = judge(a.T_local_camera);
+  if (whole && whole->moving.support > a.moving.support) {
+    a = align_without(whole->moving.mask, whole->T_local_camera, readout, with_geometry, from);
+    a.moving = judge_parts(a.T_local_camera, readout);
   }
   geometry_.set_moving(a.moving.mask);
   a.fit.set_moving(a.moving.mask);
@@ -132,11 +130,18 @@ Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout, b
   return a;
 }
 
-void JointAligner::remember(const Alignment& a) { parts_.remember(a.moving, a.points_motion); }
+MovingParts::Judgement JointAligner::judge_parts(const SE3& T, const ReadoutModel& readout) {
+  const CpuTimer timer(times_.points);
+  return parts_.judge(T, readout.of_frame(Vector6d::Zero(), T), past_);
+}
 
+void JointAligner::remember(const Alignment& a) {
+  if (config_.geometry.movers.clusters) parts_.remember(a.moving, a.points_motion);
+}
+
+// All but finish().
 Alignment JointAligner::align_without(const registration::CellMask& moving, const SE3& T_start,
-                                      const ReadoutModel& readout, bool with_geometry,
-                                      From from) {
+                                      const ReadoutModel& readout, bool with_geometry, From from) {
   Alignment a = start(T_start, readout, with_geometry);
   if (!T_start.all_finite()) return a;
   geometry_.set_moving(moving);
@@ -148,7 +153,6 @@ Alignment JointAligner::align_without(const registration::CellMask& moving, cons
     geometry_.set_motion(a.points_motion);
     align_level(level, with_geometry, from, a);
   }
-  finish(with_geometry, a);
   return a;
 }
 
@@ -347,7 +351,7 @@ Diagnostics JointAligner::describe(const Alignment& a) const {
     d.inliers = a.geometry->inliers;
     d.cost = a.geometry->cost;
     d.overlap = a.geometry->overlap;
-    if (config_.geometry.movers.ignore || std::getenv("MOV")) d.movers = a.geometry->movers;
+    if (config_.geometry.movers.any()) d.movers = a.geometry->movers;
     note_spectrum(a.geometry->spectrum, d);
   }
   if (a.picture) {

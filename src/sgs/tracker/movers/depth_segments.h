@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -11,8 +12,8 @@ namespace sgs::tracker {
 struct DepthSegments {
   static constexpr std::int16_t kNone = -1;
   struct Border {
-    int a, b;      ///< segments, a < b
-    float length;  ///< pairs of cells across it that lie on one surface
+    std::size_t a, b;  ///< segments, a < b
+    float length;      ///< pairs of cells across it that lie on one surface
   };
   int count = 0;
   std::vector<std::int16_t> of;  ///< of each cell; kNone where nothing is measured
@@ -20,8 +21,8 @@ struct DepthSegments {
 };
 
 /// Divides a picture of `columns` cells a row, given the depth of each (metres, 0 = not measured).
-/// (Simple linear iterative clustering: Achanta et al., SLIC Superpixels, TPAMI 2012, with depth in
-/// place of colour.) Deterministic.
+/// (Local k-means: Achanta et al., SLIC Superpixels, TPAMI 2012, with depth in place of colour.)
+/// Deterministic.
 DepthSegments segment_depth(const std::vector<float>& depth, int columns);
 
 }  // namespace sgs::tracker

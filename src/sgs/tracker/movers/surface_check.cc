@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 
 #include "sgs/camera/depth_noise.h"
@@ -12,13 +11,11 @@
 namespace sgs::tracker {
 namespace {
 
-double env2(const char* name, double value) {
-  const char* text = std::getenv(name);
-  return text ? std::atof(text) : value;
-}
-
 constexpr float kWidths = 3;  // of the noise, beyond which nothing is noise
 constexpr float kNearest_m = 0.05f;
+// By how much clocks of depth and colour may differ, and pixels beside a place that are looked at.
+constexpr float kClock_s = 0.01f;
+constexpr int kMostReach = 2;
 
 // By how much a point moves against the camera, metres per second.
 Eigen::Vector3f speed_of(const Eigen::Vector3f& point, const Vector6d& velocity) {
@@ -47,8 +44,6 @@ Range range_around(const DepthImage& depth, int u, int v, int reach) {
 
 SurfaceCheck check_surface(const CoarseDepth& now, const CoarseDepth& then,
                            const SE3& T_then_now) {
-  static const float kClock_s = float(env2("CLOCK", 0.01));
-  static const int kMostReach = int(env2("REACH", 2));
   SurfaceCheck out;
   out.columns = now.depth.width() / SurfaceCheck::kCell;
   const int rows = now.depth.height() / SurfaceCheck::kCell;

@@ -99,8 +99,9 @@ void GeometricTerm::set_motion(const FrameMotion& motion) {
 }
 
 void GeometricTerm::set_moving(const registration::CellMask& moving) {
+  if (!moving.any() && !moving_.any()) return;
   moving_ = moving;
-  T_searched_.reset();
+  T_searched_.reset();  // the matches are others
 }
 
 void GeometricTerm::prepare(const SE3& T_local_predicted) {

@@ -118,7 +118,7 @@ class VisualTerm::Fit {
   /// Of the last linearize(): pixels used, and mean cost per pixel.
   int used() const { return sum_.used; }
   double mean_cost() const { return sum_.used > 0 ? sum_.cost / sum_.used : 0.0; }
-  /// Share of the newest keyframe's pixels that were used.
+  /// Share of the newest keyframe's pixels that were used, without those lost to what moves.
   double newest_share() const { return newest_share_; }
 
  private:
@@ -130,7 +130,7 @@ class VisualTerm::Fit {
   };
 
   const VisualTerm* term_ = nullptr;
-  registration::CellMask moving_;
+  registration::CellMask moving_;  // of the frame
   std::vector<Reference> references_;
   ReadoutEstimator::Belief belief_;
   Vector6d readout_ = Vector6d::Zero();
