@@ -93,7 +93,7 @@ struct KeyframeConfig {
 
 /// What moves by itself: somebody who walks through, or what was put there.
 struct MoversConfig {
-  bool clusters = true;
+  bool clusters = false;
   bool ignore = false;
   double margin_m = 0.1;
   double margin_ratio = 0.03;

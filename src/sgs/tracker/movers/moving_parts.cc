@@ -15,7 +15,9 @@ namespace {
 
 // How old frames are that a frame is compared with: what moves slowly shows against older ones.
 constexpr double kAges_s[] = {0.1, 0.3, 0.6};
-constexpr double kLongest_s = 0.7;
+constexpr double kKept_s = 0.7;
+// By how much depth and colour may differ in time as long as nothing moves.
+constexpr double kClock_s = 0.01;
 // Shares of the measured cells: the least part that moves by itself; what has to move at least
 // where nothing did, also cell by cell before anything is divided into parts.
 constexpr double kLeastPart = 0.02, kOnset = 0.25, kLeastOff = 0.1;
@@ -84,7 +86,8 @@ MovingParts::Judgement MovingParts::judge(const SE3& T_local_camera,
   int columns = 0;
   for (const CoarseDepth* then : compared_with()) {
     const SurfaceCheck check =
-        check_surface(depth_, *then, past.at(then->frame).inverse() * T_local_camera);
+        check_surface(depth_, *then, past.at(then->frame).inverse() * T_local_camera,
+                      moved() ? 0 : kClock_s);
     out.support += check.support;
     columns = check.columns;
     off.resize(check.off.size(), SurfaceCheck::kUnknown);
@@ -123,7 +126,7 @@ void MovingParts::remember(const Judgement& judgement, const registration::Frame
   depth_.motion = motion;
   still_ = judgement.still;
   past_depths_.push_back(depth_);
-  while (depth_.timestamp_s - past_depths_.front().timestamp_s > kLongest_s) {
+  while (depth_.timestamp_s - past_depths_.front().timestamp_s > kKept_s) {
     past_depths_.pop_front();
   }
 }

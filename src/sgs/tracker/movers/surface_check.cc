@@ -13,9 +13,7 @@ namespace {
 
 constexpr float kWidths = 3;  // of the noise, beyond which nothing is noise
 constexpr float kNearest_m = 0.05f;
-// By how much clocks of depth and colour may differ, and pixels beside a place that are looked at.
-constexpr float kClock_s = 0.01f;
-constexpr int kMostReach = 2;
+constexpr int kMostReach = 2;  // pixels beside a place that are looked at
 
 // By how much a point moves against the camera, metres per second.
 Eigen::Vector3f speed_of(const Eigen::Vector3f& point, const Vector6d& velocity) {
@@ -42,8 +40,8 @@ Range range_around(const DepthImage& depth, int u, int v, int reach) {
 
 }  // namespace
 
-SurfaceCheck check_surface(const CoarseDepth& now, const CoarseDepth& then,
-                           const SE3& T_then_now) {
+SurfaceCheck check_surface(const CoarseDepth& now, const CoarseDepth& then, const SE3& T_then_now,
+                           double clock_s) {
   SurfaceCheck out;
   out.columns = now.depth.width() / SurfaceCheck::kCell;
   const int rows = now.depth.height() / SurfaceCheck::kCell;
@@ -63,7 +61,7 @@ SurfaceCheck check_surface(const CoarseDepth& now, const CoarseDepth& then,
       const Eigen::Vector3f p((f(x) - cx) / fx * z, (f(y) - cy) / fy * z, z);
       const Eigen::Vector3f q = R * p + t;
       if (!(q.z() > kNearest_m)) continue;
-      const Eigen::Vector3f drift = kClock_s * (speed_of(p, now.motion.velocity).cwiseAbs() +
+      const Eigen::Vector3f drift = f(clock_s) * (speed_of(p, now.motion.velocity).cwiseAbs() +
                                                 speed_of(q, then.motion.velocity).cwiseAbs());
       const float across_px = std::max(drift.x() * fx, drift.y() * fy) / q.z();
       const int reach = std::min(kMostReach, static_cast<int>(std::lround(across_px)));

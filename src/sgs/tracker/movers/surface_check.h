@@ -23,9 +23,9 @@ struct SurfaceCheck {
 };
 
 /// Checks `now` against `then`, for a camera that moved so between them (now's camera to then's).
-/// Both are taken as their motions say; where the camera moves, clocks of depth and colour that
-/// differ by some milliseconds more are no difference.
-SurfaceCheck check_surface(const CoarseDepth& now, const CoarseDepth& then,
-                           const SE3& T_then_now);
+/// Both are measured while the camera moves as their motions say, give or take `clock_s`: by so
+/// much their clocks of depth and colour may differ, besides the delay that is known.
+SurfaceCheck check_surface(const CoarseDepth& now, const CoarseDepth& then, const SE3& T_then_now,
+                           double clock_s = 0);
 
 }  // namespace sgs::tracker
