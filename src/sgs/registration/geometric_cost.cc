@@ -23,8 +23,7 @@ GeometricCost::GeometricCost(const FactorConfig& config)
 
 Linearization GeometricCost::linearize(const SourceCloud& source,
                                        const CorrespondenceSearch& search,
-                                       const SE3& T_reference_camera,
-                                       const CellMask& moving) {
+                                       const SE3& T_reference_camera, const CellMask& moving) {
   search.match(source, T_reference_camera, matches_);
   for (std::size_t i = 0; moving.any() && i < matches_.size(); ++i) {
     const SourcePoint& p = source.points[i];

@@ -110,8 +110,7 @@ PhotometricLinearization linearize(const PhotometricReference& reference, int le
                                    const GrayPyramid& current, const DepthImage& current_depth,
                                    const SE3& T_world_camera, const AffineBrightness& brightness,
                                    const PhotometricConfig& config, const ReadoutMotion& readout,
-                                   bool readout_is_free, double noise,
-                                   const CellMask* moving) {
+                                   bool readout_is_free, double noise, const CellMask* moving) {
   SGS_CHECK(level >= 0 && level < reference.levels() && level < current.levels(),
             "no such pyramid level");
   const SE3 T = T_world_camera.inverse() * reference.T_world_keyframe();

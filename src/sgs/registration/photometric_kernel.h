@@ -25,7 +25,7 @@ struct PhotometricView {
   float depth_gate_m = 0, depth_gate_ratio = 0;
   float t_dof = 1, inverse_variance = 1;
   const CellMask* moving = nullptr;  ///< pixels there do not count; null: none
-  bool with_readout = true;  ///< off: the rows and columns of the readout stay zero
+  bool with_readout = true;          ///< off: the rows and columns of the readout stay zero
 };
 
 /// Normal equations before anything is eliminated.

@@ -95,13 +95,13 @@ void JointAligner::look_at(const RgbdFrame& frame, const history::Revision& revi
 
 LostReason JointAligner::check_frame() const { return check_points(source_points(), config_.loss); }
 
-// What moves is left out, and what moves is told by where the camera is: both in turn. Where nothing
-// moved lately, all of the frame is aligned first; and that pose stays if it explains more of the
-// last half second than one without what seems to move.
+// What moves is left out, and what moves is told by where the camera is: both in turn. Where
+// nothing moved lately, all of the frame is aligned first; and that pose stays if it explains more
+// of the last half second than one without what seems to move.
 Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout, bool with_geometry,
                               From from) {
-  const bool looks = config_.geometry.movers.clusters && from == From::kNear &&
-                     parts_.has_past() && T_start.all_finite();
+  const bool looks = config_.geometry.movers.clusters && from == From::kNear && parts_.has_past() &&
+                     T_start.all_finite();
   std::optional<Alignment> whole;
   if (!looks || !parts_.moved()) {
     whole = align_without({}, T_start, readout, with_geometry, from);

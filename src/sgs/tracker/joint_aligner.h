@@ -22,7 +22,7 @@ struct Alignment {
     int inliers = 0;
     double cost = 0;
     double overlap = 0;
-    double movers = 0;  ///< share of the points that move (MoversConfig)
+    double movers = 0;              ///< share of the points that move (MoversConfig)
     degeneracy::Spectrum spectrum;  ///< of the registration alone
     Matrix6d H = Matrix6d::Zero();  ///< as it enters the joint equations
     bool holds = false;             ///< enough points are matched

@@ -88,8 +88,8 @@ class Clusters {
     out.count = across_ * down_;
     out.of = std::move(of_);
     for (const auto& [pair, length] : borders) {
-      out.borders.push_back({static_cast<std::size_t>(pair.first),
-                             static_cast<std::size_t>(pair.second), length});
+      out.borders.push_back(
+          {static_cast<std::size_t>(pair.first), static_cast<std::size_t>(pair.second), length});
     }
     return out;
   }

@@ -40,7 +40,8 @@ bool hardly_any_off(const std::vector<float>& off) {
 }
 
 // The cells that hang together with `first` among those that are `open`, which are closed.
-std::vector<std::size_t> take_part(std::size_t first, int columns, std::vector<std::uint8_t>& open) {
+std::vector<std::size_t> take_part(std::size_t first, int columns,
+                                   std::vector<std::uint8_t>& open) {
   std::vector<std::size_t> part{first};
   open[first] = 0;
   const auto visit = [&](std::size_t cell) {
@@ -85,9 +86,8 @@ MovingParts::Judgement MovingParts::judge(const SE3& T_local_camera,
   std::vector<float> off;
   int columns = 0;
   for (const CoarseDepth* then : compared_with()) {
-    const SurfaceCheck check =
-        check_surface(depth_, *then, past.at(then->frame).inverse() * T_local_camera,
-                      moved() ? 0 : kClock_s);
+    const SurfaceCheck check = check_surface(
+        depth_, *then, past.at(then->frame).inverse() * T_local_camera, moved() ? 0 : kClock_s);
     out.support += check.support;
     columns = check.columns;
     off.resize(check.off.size(), SurfaceCheck::kUnknown);
@@ -103,8 +103,7 @@ MovingParts::Judgement MovingParts::judge(const SE3& T_local_camera,
 
 // Parts that are too small are let go, and all where nothing moved and too little does now.
 registration::CellMask MovingParts::coherent(const std::vector<float>& still,
-                                             const std::vector<float>& depths,
-                                             int columns) const {
+                                             const std::vector<float>& depths, int columns) const {
   const auto measured = static_cast<double>(
       std::count_if(depths.begin(), depths.end(), [](float z) { return z > 0; }));
   std::vector<std::uint8_t> open(still.size()), moves(still.size(), 0);

@@ -12,9 +12,9 @@
 namespace sgs::tracker {
 
 /// Tells which parts of a frame move by themselves: those whose surface stands where the frames of
-/// the last half second saw none. Knows nothing of the map, which may have the movers in it. As long
-/// as nothing moves, much has to move at once before anything is said to: depth that is bent or late
-/// looks like small things that move.
+/// the last half second saw none. Knows nothing of the map, which may have the movers in it. As
+/// long as nothing moves, much has to move at once before anything is said to: depth that is bent
+/// or late looks like small things that move.
 class MovingParts {
  public:
   /// What a pose says of the frame.
@@ -39,12 +39,12 @@ class MovingParts {
 
  private:
   std::vector<const CoarseDepth*> compared_with() const;
-  registration::CellMask coherent(const std::vector<float>& still,
-                                  const std::vector<float>& depths, int columns) const;
+  registration::CellMask coherent(const std::vector<float>& still, const std::vector<float>& depths,
+                                  int columns) const;
 
-  CoarseDepth depth_;                     // of the frame that is looked at
-  std::deque<CoarseDepth> past_depths_;   // oldest first
-  std::vector<float> still_;              // of the last of them; empty: nothing moved
+  CoarseDepth depth_;                    // of the frame that is looked at
+  std::deque<CoarseDepth> past_depths_;  // oldest first
+  std::vector<float> still_;             // of the last of them; empty: nothing moved
 };
 
 }  // namespace sgs::tracker

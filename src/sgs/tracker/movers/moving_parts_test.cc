@@ -104,9 +104,7 @@ TEST(MovingParts, SaysWhatIsCarriedThroughTheView) {
   EXPECT_GT(both, 0.8 * either);
 }
 
-TEST(MovingParts, SaysNothingOfSomethingSmall) {
-  EXPECT_FALSE(judge_last(15, 0.1).mask.any());
-}
+TEST(MovingParts, SaysNothingOfSomethingSmall) { EXPECT_FALSE(judge_last(15, 0.1).mask.any()); }
 
 // Two thirds of the view are a board that is carried along, from the first frame on.
 double error_beside_a_board(bool clusters) {

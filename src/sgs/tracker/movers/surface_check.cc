@@ -62,7 +62,7 @@ SurfaceCheck check_surface(const CoarseDepth& now, const CoarseDepth& then, cons
       const Eigen::Vector3f q = R * p + t;
       if (!(q.z() > kNearest_m)) continue;
       const Eigen::Vector3f drift = f(clock_s) * (speed_of(p, now.motion.velocity).cwiseAbs() +
-                                                speed_of(q, then.motion.velocity).cwiseAbs());
+                                                  speed_of(q, then.motion.velocity).cwiseAbs());
       const float across_px = std::max(drift.x() * fx, drift.y() * fy) / q.z();
       const int reach = std::min(kMostReach, static_cast<int>(std::lround(across_px)));
       const float u = q.x() / q.z() * fx + cx, v = q.y() / q.z() * fy + cy;
@@ -71,8 +71,7 @@ SurfaceCheck check_surface(const CoarseDepth& now, const CoarseDepth& then, cons
             v < f(then.depth.height() - 1) - rim)) {
         continue;
       }
-      const Range seen =
-          range_around(then.depth, static_cast<int>(u), static_cast<int>(v), reach);
+      const Range seen = range_around(then.depth, static_cast<int>(u), static_cast<int>(v), reach);
       if (!(seen.farthest > 0)) continue;
       const float width = std::sqrt(2.0f) * depth_sigma_m(q.z()) + drift.z() / kWidths;
       const float before = (seen.nearest - q.z()) / width, behind = (q.z() - seen.farthest) / width;

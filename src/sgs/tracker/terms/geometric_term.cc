@@ -132,7 +132,8 @@ registration::Linearization GeometricTerm::linearize_coarse(const SE3& T_local_c
       }
     }
   }
-  auto sum = coarse_cost_.linearize(coarse_source_, *search_, in_reference(T_local_camera), moving_);
+  auto sum =
+      coarse_cost_.linearize(coarse_source_, *search_, in_reference(T_local_camera), moving_);
   sum.H *= stride;
   sum.b *= stride;
   sum.error *= stride;
@@ -165,7 +166,8 @@ bool GeometricTerm::moves(const Eigen::Vector3f& point, const SE3& T_local_camer
   if (moving_.any()) {
     const Eigen::Vector2d at = camera_.project(point.cast<double>());
     const int u = static_cast<int>(std::lround(at.x())), v = static_cast<int>(std::lround(at.y()));
-    if (u >= 0 && v >= 0 && u < camera_.width && v < camera_.height && moving_.at(u, v)) return true;
+    if (u >= 0 && v >= 0 && u < camera_.width && v < camera_.height && moving_.at(u, v))
+      return true;
   }
   if (!config_.movers.ignore || !prepared_) return false;
   if (!stands_in_free_space(point, in_reference(T_local_camera))) return false;
@@ -236,9 +238,9 @@ void GeometricTerm::insert_keyframe(const SE3& T_local_camera, const FrameMotion
   target_sampler_->sample(*depth_, keyframe_source_);
   move_points(keyframe_source_, motion.readout, motion.lag(), depth_->height());
   if (config_.keyframe.clear_view && has_targets()) {
-    targets_->remove_in(registration::FreeSpace(keyframe_source_, camera_, config_.target.step_px),
-                        T_local_camera,
-                        config_.movers.ignore || moving_.any() ? static_cast<float>(config_.movers.clear_m) : 0.0f);
+    targets_->remove_in(
+        registration::FreeSpace(keyframe_source_, camera_, config_.target.step_px), T_local_camera,
+        config_.movers.ignore || moving_.any() ? static_cast<float>(config_.movers.clear_m) : 0.0f);
   }
   if (config_.movers.ignore || moving_.any()) {
     keep_where(keyframe_source_,

@@ -93,7 +93,7 @@ class GeometricTerm {
   const DepthImage* depth_ = nullptr;        // of the current frame
   std::int64_t frame_ = 0;                   // its index
   double time_s_ = 0;                        // its stamp
-  registration::CellMask moving_;  // of the current frame
+  registration::CellMask moving_;            // of the current frame
   Trial trial_;
   std::size_t movers_ = 0;            // points, as counted last
   registration::FrameMotion motion_;  // that its points are corrected for

@@ -136,8 +136,8 @@ degeneracy::NormalEquations VisualTerm::Fit::linearize(int level, const SE3& T_l
     sum_.used += r.last.used;
     if (r.keyframe == term_->newest_) {
       const auto points = static_cast<int>(reference.points(level).size());
-      newest_share_ = static_cast<double>(r.last.used) /
-                      static_cast<double>(std::max(1, points - r.last.gone));
+      newest_share_ =
+          static_cast<double>(r.last.used) / static_cast<double>(std::max(1, points - r.last.gone));
     }
   }
   squares_.resize(std::max(squares_.size(), at + 1), 0);
