@@ -16,7 +16,7 @@ namespace {
 // How old frames are that a frame is compared with: what moves slowly shows against older ones.
 constexpr double kAges_s[] = {0.1, 0.3, 0.6};
 constexpr double kKept_s = 0.7;
-// By how much depth and colour may differ in time as long as nothing moves.
+// By how much depth and colour may differ in time.
 constexpr double kClock_s = 0.01;
 // Shares of the measured cells: the least part that moves by itself; what has to move at least
 // where nothing did, also cell by cell before anything is divided into parts.
@@ -86,8 +86,8 @@ MovingParts::Judgement MovingParts::judge(const SE3& T_local_camera,
   std::vector<float> off;
   int columns = 0;
   for (const CoarseDepth* then : compared_with()) {
-    const SurfaceCheck check = check_surface(
-        depth_, *then, past.at(then->frame).inverse() * T_local_camera, moved() ? 0 : kClock_s);
+    const SurfaceCheck check =
+        check_surface(depth_, *then, past.at(then->frame).inverse() * T_local_camera, kClock_s);
     out.support += check.support;
     columns = check.columns;
     off.resize(check.off.size(), SurfaceCheck::kUnknown);
