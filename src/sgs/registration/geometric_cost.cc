@@ -23,8 +23,12 @@ GeometricCost::GeometricCost(const FactorConfig& config)
 
 Linearization GeometricCost::linearize(const SourceCloud& source,
                                        const CorrespondenceSearch& search,
-                                       const SE3& T_reference_camera) {
+                                       const SE3& T_reference_camera, const CellMask& moving) {
   search.match(source, T_reference_camera, matches_);
+  for (std::size_t i = 0; moving.any() && i < matches_.size(); ++i) {
+    const SourcePoint& p = source.points[i];
+    if (moving.at(p.u, p.v)) matches_[i] = CorrespondenceSearch::kNoMatch;
+  }
   return relinearize(source, search, T_reference_camera);
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "sgs/registration/cell_mask.h"
 #include "sgs/registration/correspondence_search.h"
 #include "sgs/registration/linearization.h"
 
@@ -17,9 +18,9 @@ class GeometricCost {
  public:
   explicit GeometricCost(const FactorConfig& config);
 
-  /// Searches anew at `T` and linearises there.
+  /// Searches anew at `T` and linearises there, without the points in `moving`.
   Linearization linearize(const SourceCloud& source, const CorrespondenceSearch& search,
-                          const SE3& T_reference_camera);
+                          const SE3& T_reference_camera, const CellMask& moving = {});
   /// Linearises at `T` with the matches of the last linearize() of the same cloud and search: the
   /// search is the dear part, and near the optimum it finds the same pairs again.
   Linearization relinearize(const SourceCloud& source, const CorrespondenceSearch& search,

@@ -110,7 +110,7 @@ PhotometricLinearization linearize(const PhotometricReference& reference, int le
                                    const GrayPyramid& current, const DepthImage& current_depth,
                                    const SE3& T_world_camera, const AffineBrightness& brightness,
                                    const PhotometricConfig& config, const ReadoutMotion& readout,
-                                   bool readout_is_free, double noise) {
+                                   bool readout_is_free, double noise, const CellMask* moving) {
   SGS_CHECK(level >= 0 && level < reference.levels() && level < current.levels(),
             "no such pyramid level");
   const SE3 T = T_world_camera.inverse() * reference.T_world_keyframe();
@@ -129,12 +129,14 @@ PhotometricLinearization linearize(const PhotometricReference& reference, int le
   view.t_dof = f(config.t_dof);
   const double sigma = noise * config.sigma_at(level);
   view.inverse_variance = f(1 / (sigma * sigma));
+  view.moving = moving;
   view.with_readout = readout_is_free;
   const PhotometricSums sums = sum_photometric(view, reference.points(level));
 
   PhotometricLinearization out;
   out.used = sums.used;
   out.visible = sums.visible;
+  out.gone = sums.gone;
   out.square_sum = sums.square_sum;
   out.cost = 0.5 * (config.t_dof + 1) * sums.log_sum;
   eliminate_brightness(sums, brightness, config, out);

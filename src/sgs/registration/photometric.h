@@ -9,6 +9,7 @@
 #include "sgs/camera/pyramid.h"
 #include "sgs/core/config.h"
 #include "sgs/geometry/se3.h"
+#include "sgs/registration/cell_mask.h"
 #include "sgs/registration/cloud_sampler.h"
 #include "sgs/registration/rolling_shutter.h"
 
@@ -124,6 +125,8 @@ struct PhotometricLinearization {
   double square_sum = 0;
   int used = 0;     ///< pixels in the sums: inside the image and not hidden
   int visible = 0;  ///< pixels inside the image, hidden ones counted
+  /// Pixels inside the image that are lost to what moves: hidden by it, or of it and gone.
+  int gone = 0;
 
   Eigen::Matrix<double, 6, 2> H_pose_brightness = Eigen::Matrix<double, 6, 2>::Zero();
   Eigen::Matrix<double, 3, 2> H_readout_brightness = Eigen::Matrix<double, 3, 2>::Zero();
@@ -150,6 +153,6 @@ PhotometricLinearization linearize(const PhotometricReference& reference, int le
                                    const SE3& T_world_camera, const AffineBrightness& brightness,
                                    const PhotometricConfig& config,
                                    const ReadoutMotion& readout = {}, bool readout_is_free = true,
-                                   double noise = 1);
+                                   double noise = 1, const CellMask* moving = nullptr);
 
 }  // namespace sgs::registration

@@ -113,7 +113,8 @@ HWY_NOINLINE void ProjectPoints(const PhotometricView& view, const PhotometricPo
 }
 
 // Pass 2, point by point: drops what is outside or hidden, closes the gaps and looks the rest up.
-HWY_NOINLINE int LookUp(const PhotometricView& view, std::size_t count, Block& block) {
+HWY_NOINLINE int LookUp(const PhotometricView& view, std::size_t count, Block& block,
+                        PhotometricSums& sums) {
   const DepthImage& depth = *view.depth;
   const float full = static_cast<float>(1 << view.level);
   const int last_u = depth.width() - 1, last_v = depth.height() - 1;
@@ -126,6 +127,12 @@ HWY_NOINLINE int LookUp(const PhotometricView& view, std::size_t count, Block& b
     const int du = std::min(static_cast<int>((u + 0.5f) * full), last_u);
     const int dv = std::min(static_cast<int>((v + 0.5f) * full), last_v);
     const float measured = depth(du, dv);
+    if (view.moving != nullptr) {
+      const float gate = view.depth_gate_m + view.depth_gate_ratio * z;
+      const bool moves = view.moving->at(du, dv);
+      if (moves || measured - z > gate) ++sums.gone;
+      if (moves) continue;
+    }
     if (measured > 0 && std::abs(measured - z) > view.depth_gate_m + view.depth_gate_ratio * z) {
       continue;
     }
@@ -248,7 +255,7 @@ PhotometricSums SumPhotometric(const PhotometricView& view,
   for (std::size_t begin = 0; begin < points.size(); begin += kBlock) {
     const std::size_t count = std::min(kBlock, points.size() - begin);
     ProjectPoints(view, points.data() + begin, count, block);
-    sums.visible += LookUp(view, count, block);
+    sums.visible += LookUp(view, count, block, sums);
     sums.used += static_cast<int>(block.used);
     Differentiate(view, block, sums);
     AddProducts(view, block, sums);

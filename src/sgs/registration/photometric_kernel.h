@@ -5,6 +5,7 @@
 #include <span>
 
 #include "sgs/camera/pyramid.h"
+#include "sgs/registration/cell_mask.h"
 #include "sgs/registration/photometric.h"
 
 namespace sgs::registration {
@@ -23,7 +24,8 @@ struct PhotometricView {
   float gain = 1, offset = 0;
   float depth_gate_m = 0, depth_gate_ratio = 0;
   float t_dof = 1, inverse_variance = 1;
-  bool with_readout = true;  ///< off: the rows and columns of the readout stay zero
+  const CellMask* moving = nullptr;  ///< pixels there do not count; null: none
+  bool with_readout = true;          ///< off: the rows and columns of the readout stay zero
 };
 
 /// Normal equations before anything is eliminated.
@@ -35,6 +37,7 @@ struct PhotometricSums {
   double log_sum = 0;     ///< sum of ln(1 + r^2 / (nu sigma^2))
   double square_sum = 0;  ///< sum of w r^2, w the weights: one a pixel where sigma is right
   int used = 0, visible = 0;
+  int gone = 0;  ///< in the image, but where something moves, or looked through where it did
 };
 
 /// Sums over `points` in float, block by block in double. Same bits for the same instruction set.

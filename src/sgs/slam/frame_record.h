@@ -135,11 +135,10 @@ void visit_columns(Record& r, Visitor&& visit) {
   visit(C{"depth_delay_s", "s",
           "By how much later than its stamp says depth is measured, as learned so far."},
         d.depth_delay_s);
-  visit(
-      C{"movers", "",
-        "Share of the sampled points that stand in space that was seen to be free: somebody walks "
-        "there. They do not count in overlap."},
-      d.movers);
+  visit(C{"movers", "",
+          "Share of the sampled points that move by themselves, or stand in space that was seen to "
+          "be free. They do not count in overlap."},
+        d.movers);
 }
 
 /// The first line of frames.csv, with its line feed.

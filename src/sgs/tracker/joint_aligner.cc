@@ -90,14 +90,62 @@ void JointAligner::look_at(const RgbdFrame& frame, const history::Revision& revi
   }
   const CpuTimer timer(times_.visual);
   vision_.set_frame(frame, past_);
+  if (config_.geometry.movers.clusters) parts_.look_at(frame);
 }
 
 LostReason JointAligner::check_frame() const { return check_points(source_points(), config_.loss); }
 
+// What moves is left out, and what moves is told by where the camera is: both in turn. Where
+// nothing moved lately, all of the frame is aligned first; and that pose stays if it explains more
+// of the last half second than one without what seems to move.
 Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout, bool with_geometry,
                               From from) {
+  const bool looks = config_.geometry.movers.clusters && from == From::kNear && parts_.has_past() &&
+                     T_start.all_finite();
+  std::optional<Alignment> whole;
+  if (!looks || !parts_.moved()) {
+    whole = align_without({}, T_start, readout, with_geometry, from);
+    if (looks) whole->moving = judge_parts(whole->T_local_camera, readout);
+    if (!whole->moving.mask.any()) {
+      finish(with_geometry, *whole);
+      return std::move(*whole);
+    }
+  }
+  MovingParts::Judgement expected = judge_parts(T_start, readout);
+  Alignment a;
+  constexpr int kTurns = 2;
+  for (int i = 0; i < kTurns; ++i) {
+    a = align_without(expected.mask, T_start, readout, with_geometry, from);
+    a.moving = judge_parts(a.T_local_camera, readout);
+    if (a.moving.mask.cells() == expected.mask.cells()) break;
+    expected = a.moving;
+  }
+  if (whole && whole->moving.support > a.moving.support) {
+    a = align_without(whole->moving.mask, whole->T_local_camera, readout, with_geometry, from);
+    a.moving = judge_parts(a.T_local_camera, readout);
+  }
+  geometry_.set_moving(a.moving.mask);
+  a.fit.set_moving(a.moving.mask);
+  finish(with_geometry, a);
+  return a;
+}
+
+MovingParts::Judgement JointAligner::judge_parts(const SE3& T, const ReadoutModel& readout) {
+  const CpuTimer timer(times_.points);
+  return parts_.judge(T, readout.of_frame(Vector6d::Zero(), T), past_);
+}
+
+void JointAligner::remember(const Alignment& a) {
+  if (config_.geometry.movers.clusters) parts_.remember(a.moving, a.points_motion);
+}
+
+// All but finish().
+Alignment JointAligner::align_without(const registration::CellMask& moving, const SE3& T_start,
+                                      const ReadoutModel& readout, bool with_geometry, From from) {
   Alignment a = start(T_start, readout, with_geometry);
   if (!T_start.all_finite()) return a;
+  geometry_.set_moving(moving);
+  a.fit.set_moving(moving);
   const int coarsest = a.fit.has_references() ? vision_.levels() - 1 : 0;
   for (int level = coarsest; level >= 0; --level) {
     if (level < coarsest) a.fit.update_belief(readout.belief(a.T_local_camera));
@@ -105,7 +153,6 @@ Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout, b
     geometry_.set_motion(a.points_motion);
     align_level(level, with_geometry, from, a);
   }
-  finish(with_geometry, a);
   return a;
 }
 
@@ -304,7 +351,7 @@ Diagnostics JointAligner::describe(const Alignment& a) const {
     d.inliers = a.geometry->inliers;
     d.cost = a.geometry->cost;
     d.overlap = a.geometry->overlap;
-    if (config_.geometry.movers.ignore) d.movers = a.geometry->movers;
+    if (config_.geometry.movers.any()) d.movers = a.geometry->movers;
     note_spectrum(a.geometry->spectrum, d);
   }
   if (a.picture) {

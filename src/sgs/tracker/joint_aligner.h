@@ -7,6 +7,7 @@
 
 #include "sgs/degeneracy/observability.h"
 #include "sgs/degeneracy/spectrum.h"
+#include "sgs/tracker/movers/moving_parts.h"
 #include "sgs/tracker/step_times.h"
 #include "sgs/tracker/terms/geometric_term.h"
 #include "sgs/tracker/terms/visual_term.h"
@@ -21,7 +22,7 @@ struct Alignment {
     int inliers = 0;
     double cost = 0;
     double overlap = 0;
-    double movers = 0;  ///< share of the points that stand where nothing stood (MoversConfig)
+    double movers = 0;              ///< share of the points that move (MoversConfig)
     degeneracy::Spectrum spectrum;  ///< of the registration alone
     Matrix6d H = Matrix6d::Zero();  ///< as it enters the joint equations
     bool holds = false;             ///< enough points are matched
@@ -40,6 +41,7 @@ struct Alignment {
   std::optional<Geometry> geometry;  ///< empty: there was nothing to register
   std::optional<Picture> picture;    ///< empty: there was no keyframe to align to
   VisualTerm::Fit fit;
+  MovingParts::Judgement moving;            ///< what was left out
   registration::FrameMotion points_motion;  ///< that the points are corrected for
   int iterations = 0;                       ///< Gauss-Newton steps over all levels
 
@@ -102,6 +104,8 @@ class JointAligner {
 
   /// Learns how wide residuals of an accepted alignment's picture are.
   void learn_noise(const Alignment& a) { vision_.learn_noise(a.fit); }
+  /// The frame was taken there, as is believed: what moves is told from it for a while.
+  void remember(const Alignment& a);
 
   bool has_map() const { return geometry_.has_targets() || vision_.keyframes() > 0; }
   /// Whether the frame shows enough depth to be registered: kNone or kTooFewPoints.
@@ -123,6 +127,9 @@ class JointAligner {
 
  private:
   Alignment align(const SE3& T_start, const ReadoutModel& readout, bool with_geometry, From from);
+  Alignment align_without(const registration::CellMask& moving, const SE3& T_start,
+                          const ReadoutModel& readout, bool with_geometry, From from);
+  MovingParts::Judgement judge_parts(const SE3& T, const ReadoutModel& readout);
   Alignment start(const SE3& T_start, const ReadoutModel& readout, bool with_geometry);
   void finish(bool with_geometry, Alignment& a);
   // While an alignment lasts, geometry_ holds its points and matches; what outlives it is the value
@@ -144,6 +151,7 @@ class JointAligner {
   LocalPast past_;
   GeometricTerm geometry_;
   VisualTerm vision_;
+  MovingParts parts_;
 
   // Of the current frame, before anything is matched:
   degeneracy::HysteresisState hysteresis_;

@@ -57,6 +57,7 @@ TrackResult SpectralTracker::track(const RgbdFrame& frame, const history::Revisi
   const Vector6d rate = motion_.rate_to(alignment.T_local_camera, t);
   if (motion_.frames_held() == 0 && !policy_.in_doubt()) learn_from(alignment, rate);
   motion_.accept(alignment.T_local_camera, t);
+  aligner_.remember(alignment);
   trusted_frame_ = frame.index;
   const Vector6d readout = frame_readout(alignment.fit.readout());
   // What geometry alone says just after the picture stopped fitting is not built upon.

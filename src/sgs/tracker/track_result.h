@@ -67,7 +67,7 @@ struct Diagnostics {
   int inliers = 0;             ///< matched ones at the final pose
   int visual_inliers = 0;      ///< photometric pixels or features used
   double overlap = kNone;      ///< share of source points explained by the map
-  double movers = kNone;       ///< share of source points that stand where nothing stood
+  double movers = kNone;       ///< share of source points that move
   double cost = kNone;         ///< joint cost at the final pose
   double visual_cost = kNone;  ///< mean photometric cost per pixel (1 = as its noise model expects)
   double depth_delay_s = kNone;  ///< of depth after its stamp, as learned so far

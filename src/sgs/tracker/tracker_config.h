@@ -91,9 +91,9 @@ struct KeyframeConfig {
   }
 };
 
-/// What stands in space that was seen to be free: somebody who walks through, or what was put
-/// there.
+/// What moves by itself: somebody who walks through, or what was put there.
 struct MoversConfig {
+  bool clusters = false;
   bool ignore = false;
   double margin_m = 0.1;
   double margin_ratio = 0.03;
@@ -101,6 +101,9 @@ struct MoversConfig {
   double clear_m = 0.2;
 
   void declare(ParameterList& p) {
+    p.add("clusters", clusters,
+          "Leave out what stands where the last half second's frames saw nothing, once that is a "
+          "quarter of what is measured.");
     p.add("ignore", ignore,
           "Leave out what stands before known surface until it has stood there for trial_s.");
     p.add("margin_m", margin_m, "It stands so far before it at least.", "m", {0.01, 10});
@@ -111,8 +114,10 @@ struct MoversConfig {
           "Targets that a tracking keyframe looks through by more are removed, however new; 0: "
           "only those of a long way ago.",
           "m", {0, 10});
-    p.for_users({"ignore"});
+    p.for_users({"clusters", "ignore"});
   }
+  /// Whether anything is left out ever.
+  bool any() const { return clusters || ignore; }
 };
 
 /// When a pose is not to be trusted.

@@ -3,6 +3,7 @@
 #include "sgs/tracker/terms/geometric_term.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "sgs/camera/depth_lag.h"
 
@@ -80,6 +81,7 @@ void GeometricTerm::set_frame(const RgbdFrame& frame, const LocalPast& past,
   frame_ = frame.index;
   time_s_ = frame.timestamp_s;
   movers_ = 0;
+  moving_ = {};
   prepared_ = false;
   T_searched_.reset();
   motion_ = {};
@@ -94,6 +96,12 @@ void GeometricTerm::set_motion(const FrameMotion& motion) {
   move_points(source_, readout, lag, depth_->height());
   coarse_source_.points.clear();
   coarse_source_.covariances.clear();
+}
+
+void GeometricTerm::set_moving(const registration::CellMask& moving) {
+  if (!moving.any() && !moving_.any()) return;
+  moving_ = moving;
+  T_searched_.reset();  // the matches are others
 }
 
 void GeometricTerm::prepare(const SE3& T_local_predicted) {
@@ -111,7 +119,7 @@ registration::Linearization GeometricTerm::linearize(const SE3& T_local_camera) 
     return cost_.relinearize(source_, *search_, T);
   }
   T_searched_ = T;
-  return cost_.linearize(source_, *search_, T);
+  return cost_.linearize(source_, *search_, T, moving_);
 }
 
 registration::Linearization GeometricTerm::linearize_coarse(const SE3& T_local_camera, int stride) {
@@ -124,7 +132,8 @@ registration::Linearization GeometricTerm::linearize_coarse(const SE3& T_local_c
       }
     }
   }
-  auto sum = coarse_cost_.linearize(coarse_source_, *search_, in_reference(T_local_camera));
+  auto sum =
+      coarse_cost_.linearize(coarse_source_, *search_, in_reference(T_local_camera), moving_);
   sum.H *= stride;
   sum.b *= stride;
   sum.error *= stride;
@@ -154,6 +163,12 @@ bool GeometricTerm::stands_in_free_space(const Eigen::Vector3f& point,
 }
 
 bool GeometricTerm::moves(const Eigen::Vector3f& point, const SE3& T_local_camera) const {
+  if (moving_.any()) {
+    const Eigen::Vector2d at = camera_.project(point.cast<double>());
+    const int u = static_cast<int>(std::lround(at.x())), v = static_cast<int>(std::lround(at.y()));
+    if (u >= 0 && v >= 0 && u < camera_.width && v < camera_.height && moving_.at(u, v))
+      return true;
+  }
   if (!config_.movers.ignore || !prepared_) return false;
   if (!stands_in_free_space(point, in_reference(T_local_camera))) return false;
   return !trial_.stayed((T_local_camera * point.cast<double>()).cast<float>(), time_s_);
@@ -161,7 +176,7 @@ bool GeometricTerm::moves(const Eigen::Vector3f& point, const SE3& T_local_camer
 
 double GeometricTerm::count_movers(const SE3& T_local_camera) {
   movers_ = 0;
-  if (!config_.movers.ignore || source_.points.empty()) return 0;
+  if ((!config_.movers.ignore && !moving_.any()) || source_.points.empty()) return 0;
   for (const registration::SourcePoint& p : source_.points) {
     movers_ += moves(p.point, T_local_camera) ? 1 : 0;
   }
@@ -223,11 +238,11 @@ void GeometricTerm::insert_keyframe(const SE3& T_local_camera, const FrameMotion
   target_sampler_->sample(*depth_, keyframe_source_);
   move_points(keyframe_source_, motion.readout, motion.lag(), depth_->height());
   if (config_.keyframe.clear_view && has_targets()) {
-    targets_->remove_in(registration::FreeSpace(keyframe_source_, camera_, config_.target.step_px),
-                        T_local_camera,
-                        config_.movers.ignore ? static_cast<float>(config_.movers.clear_m) : 0.0f);
+    targets_->remove_in(
+        registration::FreeSpace(keyframe_source_, camera_, config_.target.step_px), T_local_camera,
+        config_.movers.ignore || moving_.any() ? static_cast<float>(config_.movers.clear_m) : 0.0f);
   }
-  if (config_.movers.ignore) {
+  if (config_.movers.ignore || moving_.any()) {
     keep_where(keyframe_source_,
                [&](const registration::SourcePoint& p) { return !moves(p.point, T_local_camera); });
   }

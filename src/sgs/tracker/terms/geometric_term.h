@@ -32,6 +32,8 @@ class GeometricTerm {
   /// Corrects the frame's points for how the camera moved while they were measured; replaces the
   /// motion given before.
   void set_motion(const registration::FrameMotion& motion);
+  /// What moves, of the frame: points there match nothing, until the next frame or set_moving().
+  void set_moving(const registration::CellMask& moving);
   /// Whether there is anything to register to.
   bool has_targets() const { return !targets_->cloud().points.empty(); }
   /// Prepares the search for a frame expected at `T_local_predicted`; needs targets.
@@ -46,8 +48,8 @@ class GeometricTerm {
   /// Share of the frame's points the map explains, with the matches of the last linearize(); those
   /// that the last count_movers() found do not count.
   double overlap(const SE3& T_local_camera) const;
-  /// Finds the points that stand in space that was seen to be free and have not stayed there so
-  /// far, for a frame taken at that pose. Their share of all points.
+  /// Finds the points that move: those of set_moving(), and those that stand in space that was seen
+  /// to be free and have not stayed there so far, for a frame taken at that pose. Their share.
   double count_movers(const SE3& T_local_camera);
   /// Whether that is so of a point (camera coordinates, metres); false before prepare().
   bool moves(const Eigen::Vector3f& point, const SE3& T_local_camera) const;
@@ -91,6 +93,7 @@ class GeometricTerm {
   const DepthImage* depth_ = nullptr;        // of the current frame
   std::int64_t frame_ = 0;                   // its index
   double time_s_ = 0;                        // its stamp
+  registration::CellMask moving_;            // of the current frame
   Trial trial_;
   std::size_t movers_ = 0;            // points, as counted last
   registration::FrameMotion motion_;  // that its points are corrected for

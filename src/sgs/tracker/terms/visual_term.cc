@@ -124,7 +124,8 @@ degeneracy::NormalEquations VisualTerm::Fit::linearize(int level, const SE3& T_l
     if (level >= reference.levels()) continue;
     r.last = registration::linearize(reference, level, term_->pyramid_, term_->frame_->depth,
                                      T_local_camera, r.brightness, term_->config_.photometric,
-                                     readout, readout_free_, term_->noise_[at]);
+                                     readout, readout_free_, term_->noise_[at],
+                                     moving_.any() ? &moving_ : nullptr);
     sum_.H += r.last.H;
     sum_.b += r.last.b;
     sum_.H_pose_readout += r.last.H_pose_readout;
@@ -134,8 +135,9 @@ degeneracy::NormalEquations VisualTerm::Fit::linearize(int level, const SE3& T_l
     sum_.square_sum += r.last.square_sum;
     sum_.used += r.last.used;
     if (r.keyframe == term_->newest_) {
-      newest_share_ = static_cast<double>(r.last.used) /
-                      static_cast<double>(std::max<std::size_t>(1, reference.points(level).size()));
+      const auto points = static_cast<int>(reference.points(level).size());
+      newest_share_ =
+          static_cast<double>(r.last.used) / static_cast<double>(std::max(1, points - r.last.gone));
     }
   }
   squares_.resize(std::max(squares_.size(), at + 1), 0);

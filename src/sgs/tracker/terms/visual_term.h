@@ -98,6 +98,8 @@ class VisualTerm::Fit {
   /// The same once the pose is known better: the estimate stays.
   void update_belief(const ReadoutEstimator::Belief& belief) { belief_ = belief; }
 
+  /// Pixels there do not count from now on.
+  void set_moving(const registration::CellMask& moving) { moving_ = moving; }
   /// Normal equations of all references at a level, gains, offsets and the readout's rotation
   /// eliminated; needs references.
   degeneracy::NormalEquations linearize(int level, const SE3& T_local_camera);
@@ -116,7 +118,7 @@ class VisualTerm::Fit {
   /// Of the last linearize(): pixels used, and mean cost per pixel.
   int used() const { return sum_.used; }
   double mean_cost() const { return sum_.used > 0 ? sum_.cost / sum_.used : 0.0; }
-  /// Share of the newest keyframe's pixels that were used.
+  /// Share of the newest keyframe's pixels that were used, without those lost to what moves.
   double newest_share() const { return newest_share_; }
 
  private:
@@ -128,6 +130,7 @@ class VisualTerm::Fit {
   };
 
   const VisualTerm* term_ = nullptr;
+  registration::CellMask moving_;  // of the frame
   std::vector<Reference> references_;
   ReadoutEstimator::Belief belief_;
   Vector6d readout_ = Vector6d::Zero();
