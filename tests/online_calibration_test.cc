@@ -89,9 +89,8 @@ TEST(OnlineCalibration, LearnsWhereDepthLiesInThePicture) {
   constexpr int kCameras = 3;
   double off_px = 0;
   for (std::uint64_t seed = 1; seed <= kCameras; ++seed) {
-    const CalibratedRun calibrated = seed == 1
-                                         ? corridor_calibrated()
-                                         : run(walk(seed), config_with_calibration(true), 2);
+    const CalibratedRun calibrated =
+        seed == 1 ? corridor_calibrated() : run(walk(seed), config_with_calibration(true), 2);
     ASSERT_TRUE(calibrated.calibration) << seed;
     const synthetic::Sensor sensor(synthetic::SensorModel::of_level("hard", seed),
                                    corridor().camera, seed);

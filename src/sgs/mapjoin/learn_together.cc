@@ -27,8 +27,8 @@ std::vector<mapper::KnownKeyframe> keyframes_of(const Part& part, history::ViewS
     RgbdFrame frame = resampled(view.frame, camera);
     frame.index = tracker::known_view_index(i);
     frame.timestamp_s = tracker::known_view_time_s(i);
-    keyframes.push_back({views.keep(frame), view.motion.lag(),
-                         part.graph.T_map_camera[i], part.T_world_camera[i]});
+    keyframes.push_back(
+        {views.keep(frame), view.motion.lag(), part.graph.T_map_camera[i], part.T_world_camera[i]});
   }
   return keyframes;
 }
@@ -37,10 +37,11 @@ std::vector<mapper::KnownKeyframe> keyframes_of(const Part& part, history::ViewS
 
 std::int64_t learn_together(Part& part, ThreadPool& pool) {
   const slam::SessionConfig config;
-  const auto views = std::make_shared<history::ViewStore>(config.history,
-                                                          config.mapper.insertion.max_depth_m);
+  const auto views =
+      std::make_shared<history::ViewStore>(config.history, config.mapper.insertion.max_depth_m);
   mapper::Mapper mapper(config.mapper, part.sessions.front().camera, config.seed, &pool, views);
-  mapper.know(part.gaussians.splats.gaussians, views_of_gaussians(part), keyframes_of(part, *views));
+  mapper.know(part.gaussians.splats.gaussians, views_of_gaussians(part),
+              keyframes_of(part, *views));
   const int steps = kStepsPerView * static_cast<int>(part.views());
   log().info("learning all Gaussians together, {} steps", steps);
   mapper.iterate(steps);

@@ -9,8 +9,8 @@
 
 namespace sgs::mapjoin {
 
-/// Learns the Gaussians of a part anew from the pictures of all its views, so that those of two maps
-/// that show the same surface show it together: steps of the mapper as a run makes them
+/// Learns the Gaussians of a part anew from the pictures of all its views, so that those of two
+/// maps that show the same surface show it together: steps of the mapper as a run makes them
 /// (mapper/mapper.h), with the gains of the views and from where the map looks like them. Poses of
 /// views stay. Views that are grey get the colours that the map has from there.
 /// Returns the number of steps. The same for any number of threads.

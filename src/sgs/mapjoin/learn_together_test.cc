@@ -46,7 +46,8 @@ TEST(LearnTogether, GaussiansComeToLookLikeTheViewsAndKeepTheirBirths) {
   ASSERT_EQ(after.gaussians.born_s.size(), after.gaussians.splats.gaussians.size());
   for (std::size_t i = 0; i < after.gaussians.born_s.size(); ++i) {
     // Each still lies where its view, a step of 15 cm along, has put it.
-    EXPECT_NEAR(after.gaussians.splats.gaussians[i].mean[0], 0.15 * after.gaussians.born_s[i], 0.05);
+    EXPECT_NEAR(after.gaussians.splats.gaussians[i].mean[0], 0.15 * after.gaussians.born_s[i],
+                0.05);
   }
   // The path is not this one's to judge.
   for (std::size_t i = 0; i < kWalk; ++i) {

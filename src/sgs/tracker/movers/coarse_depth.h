@@ -9,13 +9,13 @@
 
 namespace sgs::tracker {
 
-/// Depth of a frame in a quarter of its size: enough to tell whether surface is where it was.
+/// Depth of a frame, 160 pixels wide or a little more: enough to tell whether surface is where it
+/// was.
 struct CoarseDepth {
-  static constexpr int kStep_px = 4;  ///< one pixel is kept of so many, across and down
-
   CoarseDepth() = default;
   explicit CoarseDepth(const RgbdFrame& taken);
 
+  int step_px = 1;         ///< one pixel is kept of so many, across and down
   std::int64_t frame = 0;  ///< its index
   double timestamp_s = 0;
   PinholeCamera camera;  ///< of the kept pixels

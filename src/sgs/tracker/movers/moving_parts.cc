@@ -118,7 +118,7 @@ registration::CellMask MovingParts::coherent(const std::vector<float>& still,
     moving += static_cast<double>(part.size());
   }
   if (moving < (moved() ? kLeastPart : kOnset) * measured) return {};
-  return {CoarseDepth::kStep_px * SurfaceCheck::kCell, columns, std::move(moves)};
+  return {depth_.step_px * SurfaceCheck::kCell, columns, std::move(moves)};
 }
 
 void MovingParts::remember(const Judgement& judgement, const registration::FrameMotion& motion) {
