@@ -3,11 +3,13 @@
 #include "openni2_driver.h"
 
 #include <fmt/format.h>
+#include <pthread.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <exception>
 #include <optional>
 #include <span>
 #include <utility>
@@ -32,6 +34,19 @@ using OpenStream = std::unique_ptr<Stream, void (*)(Stream*)>;
 struct Found {
   std::string uri, name, serial, firmware;
   OpenDevice device{nullptr, nullptr};
+};
+
+/// While it lives the library cannot end this thread. It does so by pthread_cancel() where a stream
+/// is destroyed, which unwinds; in a function that must not throw that would end the program.
+class NotCancelled {
+ public:
+  NotCancelled() { ::pthread_setcancelstate(PTHREAD_CANCEL_DISABLE, &before_); }
+  ~NotCancelled() { ::pthread_setcancelstate(before_, nullptr); }
+  NotCancelled(const NotCancelled&) = delete;
+  NotCancelled& operator=(const NotCancelled&) = delete;
+
+ private:
+  int before_ = PTHREAD_CANCEL_ENABLE;
 };
 
 class OpenNi2 final : public FamilyDriver {
@@ -253,17 +268,20 @@ class OpenNi2 final : public FamilyDriver {
                    (depth_mode_.height - 1) / 2.0};
   }
 
-  /// Called by threads of the library, one for each stream.
-  static void on_frame(Stream* stream, void* self) noexcept {
+  /// Called by threads of the library, one for each stream. When a stream ends it may be called
+  /// once more, for no frame; reading waits then until the library ends the thread (NotCancelled),
+  /// so the way out is open for all but what is thrown here.
+  static void on_frame(Stream* stream, void* self) {
     auto* camera = static_cast<OpenNi2*>(self);
     Frame* frame = nullptr;
     if (camera->lib_->oniStreamReadFrame(stream, &frame) != kOk || frame == nullptr) return;
+    const NotCancelled until_taken;
     try {
       CameraImage image = image_of(*frame);
       // Before what may wait: the library has few frames.
       camera->lib_->oniFrameRelease(std::exchange(frame, nullptr));
       if (!image.bytes.empty()) camera->sink_->take(std::move(image));
-    } catch (...) {
+    } catch (const std::exception&) {
       // Memory ran out: this image is lost, the next one may fit.
       if (frame != nullptr) camera->lib_->oniFrameRelease(frame);
     }
