@@ -72,6 +72,42 @@ TEST(MapWorker, CatchesUpAfterTheLastFrameWithWhatARevisionHasMoved) {
   EXPECT_EQ(steps({.is_revised = true, .frames_after = 1}), 0) << "a frame's steps came after";
 }
 
+// A keyframe of the session has one turn, the view of the old map several, in all no more steps
+// than the session has made.
+TEST(MapWorker, CatchesUpWithTheViewsOfAMapThatIsGoneOnWith) {
+  auto config = make_session_config("default");
+  ASSERT_TRUE(config);
+  const auto old = mapper::wall_frame(mapper::small_camera(), SE3{});
+  RgbdFrame now = *old;
+  now.index = old->index + 1;
+  now.timestamp_s = old->timestamp_s + 1;
+  mapper::Mapper before(config->mapper, old->camera, 0, nullptr);
+  before.add_keyframe(old, SE3{});
+  const auto known = before.snapshot()->gaussians;
+  config->mapper.iterations_per_frame = 2;
+  const auto steps = [&](double frames, bool catches_up) {
+    history::Revision revision;
+    revision.path.append({old->index, old->timestamp_s, SE3{}});
+    MapWorker worker(*config, old->camera, false, WorkerMode::kInline, 1);
+    worker.know(known, std::vector<std::int32_t>(known.size(), 0),
+                {{std::make_shared<history::StoredView>(*old), Vector6d::Zero(), SE3{}, SE3{}}},
+                revision);
+    revision.path.append({now.index, now.timestamp_s, SE3{}});
+    worker.submit({std::make_shared<RgbdFrame>(now), revision, frames});
+    ++revision.loops;
+    MapJob last;
+    last.revision = revision;
+    last.catches_up = catches_up;
+    last.frames = 0;
+    worker.submit(std::move(last));
+    worker.finish();
+    return worker.iterations();
+  };
+  EXPECT_EQ(steps(20, false), 40);
+  EXPECT_EQ(steps(20, true), 40 + 2 + 8 * 2);
+  EXPECT_EQ(steps(3, true), 6 + 2 + 6) << "no more than the session has made";
+}
+
 // Live steps are made as time allows; nobody waits for them any more then.
 TEST(MapWorker, CatchesUpLive) {
   EXPECT_LT(steps_with(WorkerMode::kLive, {.is_revised = false}), kStepsPerFrame);
