@@ -22,6 +22,7 @@
 #include "sgs/io/trajectory_io.h"
 #include "sgs/loops/loop_closer.h"
 #include "sgs/registration/view_distance.h"
+#include "sgs/slam/loop_back_end.h"
 #include "sgs/tracker/odometry.h"
 #include "tracking_input.h"
 
@@ -139,7 +140,7 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
   const Trajectory truth = source.ground_truth();
   SGS_ASSIGN_OR_RETURN(auto tracker, tracker::make_tracker(config.tracker, source.camera(), SE3{}));
   tracker::Odometry odometry(options.drift.onto(std::move(tracker), config.seed));
-  loops::LoopCloser closer(config.loops, config.tracker, config.seed,
+  loops::LoopCloser closer(config.loops, slam::pair_config(config.tracker), config.seed,
                            std::make_shared<history::ViewStore>(config.history));
   std::vector<StampedPose> online;
   std::vector<double> track_ms;
@@ -157,7 +158,7 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
     lost += result.status == tracker::TrackingStatus::kLost ? 1 : 0;
     online.push_back({frame.timestamp_s, result.T_odom_camera});
     if (!config.loops.enabled) continue;
-    const auto correction = closer.add(frame, result, odometry.revision());
+    const auto correction = closer.add(frame, slam::tracked_frame(result), odometry.revision());
     const double ms = 1e3 * (thread_cpu_time_s() - tracked_s);
     closing_ms += ms;
     longest_ms = std::max(longest_ms, ms);

@@ -10,6 +10,7 @@
 
 #include "recording.h"
 #include "sgs/loops/loop_closer.h"
+#include "sgs/slam/loop_back_end.h"
 #include "sgs/slam/session.h"
 #include "sgs/tracker/test_drifting_tracker.h"
 
@@ -134,7 +135,7 @@ Mending mend(double stretch, double turn_rad, double step_m = 0, double doubt_sh
   slam::SessionConfig config = config_with_loops();
   config.loops.doubt_share = doubt_share;
   config.loops.min_gap_s = 1000;
-  loops::LoopCloser closer(config.loops, config.tracker, 0, new_store());
+  loops::LoopCloser closer(config.loops, slam::pair_config(config.tracker), 0, new_store());
   SE3 T_said, T_now, T_true_last;
   history::Revision now;
   std::vector<StampedPose> said, online;
@@ -156,7 +157,7 @@ Mending mend(double stretch, double turn_rad, double step_m = 0, double doubt_sh
     tracker::TrackResult result;
     result.T_odom_camera = T_now;
     result.information = 1e7 * Matrix6d::Identity();
-    const auto correction = closer.add(*frame, result, now);
+    const auto correction = closer.add(*frame, slam::tracked_frame(result), now);
     if (!correction) continue;
     now = history::revised(now, {*correction});
     T_now = now.path.back().T_odom_camera;
@@ -201,7 +202,7 @@ TEST(Loops, ASingleStepToOldSurfacesIsNotUndone) {
 /// poses.
 int loops_across(const std::function<SE3(const RgbdFrame&, std::size_t)>& pose_of) {
   const slam::SessionConfig config = config_with_loops();
-  loops::LoopCloser closer(config.loops, config.tracker, 0, new_store());
+  loops::LoopCloser closer(config.loops, slam::pair_config(config.tracker), 0, new_store());
   history::Revision now;
   std::size_t i = 0;
   for (const auto& frame : desk().frames) {
@@ -209,7 +210,7 @@ int loops_across(const std::function<SE3(const RgbdFrame&, std::size_t)>& pose_o
     result.T_odom_camera = pose_of(*frame, i++);
     result.information = 1e7 * Matrix6d::Identity();
     now.path.append({frame->index, frame->timestamp_s, result.T_odom_camera});
-    if (const auto c = closer.add(*frame, result, now)) now = history::revised(now, {*c});
+    if (const auto c = closer.add(*frame, slam::tracked_frame(result), now)) now = history::revised(now, {*c});
   }
   const loops::Skeleton& s = closer.skeleton();
   const double half_s = desk().frames[desk().frames.size() / 2]->timestamp_s;
@@ -235,7 +236,7 @@ TEST(Loops, PlacesThatOnlyLookAlikeAreNotJoined) {
 
 TEST(Loops, TrackersThatSayNothingOfTheirCertaintyAreLeftAlone) {
   const slam::SessionConfig config = config_with_loops();
-  loops::LoopCloser closer(config.loops, config.tracker, 0, new_store());
+  loops::LoopCloser closer(config.loops, slam::pair_config(config.tracker), 0, new_store());
   history::Revision now;
   for (const auto& frame : desk().frames) {
     now.path.append({frame->index, frame->timestamp_s, {}});

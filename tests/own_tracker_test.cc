@@ -18,7 +18,7 @@ class TruthTracker : public tracker::Tracker {
     result.T_odom_camera = *frame.truth_T_world_camera;
     if (frame.index == lost_index_) {
       result.status = tracker::TrackingStatus::kLost;
-      result.lost_reason = tracker::LostReason::kOther;
+      result.lost_reason = alignment::LostReason::kOther;
     }
     return result;
   }
@@ -61,7 +61,7 @@ TEST(OwnTracker, SessionMapsWithItsPosesAndBelievesItsStatus) {
     if (record.mapping_keyframe) keyframes.push_back(record.index);
   }
   EXPECT_EQ(keyframes, (std::vector<std::int64_t>{0, 3, 7}));
-  EXPECT_EQ((*session)->records().all()[6].lost_reason, tracker::LostReason::kOther);
+  EXPECT_EQ((*session)->records().all()[6].lost_reason, alignment::LostReason::kOther);
   EXPECT_GT((*session)->snapshot()->gaussians.size(), 100u);
   const Trajectory trajectory = (*session)->trajectory();
   ASSERT_EQ(trajectory.size(), truth.size());

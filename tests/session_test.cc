@@ -290,7 +290,7 @@ TEST(Session, SaysOnceWhyTrackingIsLostAndOnceThatItIsBack) {
   set_log_sinks({std::make_shared<spdlog::sinks::null_sink_mt>()});
   const std::string text = log.str();
   EXPECT_THAT(text, HasSubstr("frame 4"));
-  EXPECT_THAT(text, HasSubstr(std::string(explain(tracker::LostReason::kNoDepth))));
+  EXPECT_THAT(text, HasSubstr(std::string(explain(alignment::LostReason::kNoDepth))));
   EXPECT_THAT(text, HasSubstr("frame 6"));
   EXPECT_THAT(text, HasSubstr("back after 2 lost frames"));
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2) << text;

@@ -59,13 +59,13 @@ std::vector<std::vector<std::size_t>> neighbours(const std::vector<Place>& place
 std::vector<graph::Edge> measured(const PosedViews& views, const std::vector<Place>& places,
                                   std::size_t from, const std::vector<std::size_t>& to,
                                   const LoopConfig& config,
-                                  const tracker::SpectralConfig& tracker) {
+                                  const alignment::AlignerConfig& config_of_aligner) {
   std::vector<graph::Edge> edges;
   if (to.empty()) return edges;
-  const tracker::KnownView older = views.view(from);
-  PairAligner aligner(tracker, older.frame, older.motion);
+  const alignment::KnownView older = views.view(from);
+  PairAligner aligner(config_of_aligner, older.frame, older.motion);
   for (const std::size_t k : to) {
-    const tracker::KnownView newer = views.view(k);
+    const alignment::KnownView newer = views.view(k);
     const SE3 T_start = places[from].T_world_camera.inverse() * places[k].T_world_camera;
     const auto a = aligner.align(newer.frame, newer.motion, T_start);
     const auto information = a ? information_of(*a, places[k].mean_depth_m, config) : std::nullopt;
@@ -79,19 +79,18 @@ std::vector<graph::Edge> measured(const PosedViews& views, const std::vector<Pla
 }  // namespace
 
 std::vector<SE3> agreeing_poses(const PosedViews& views, const LoopConfig& config,
-                                const tracker::TrackerConfig& tracker, ThreadPool& pool) {
+                                const alignment::AlignerConfig& aligner, ThreadPool& pool) {
   std::vector<Place> places;
   for (std::size_t i = 0; i < views.count; ++i) {
-    const tracker::KnownView view = views.view(i);
+    const alignment::KnownView view = views.view(i);
     places.push_back({view.frame.camera, view.T_world_camera,
                       registration::mean_depth(view.frame.depth, kFarthestDepth_m)});
   }
   const auto later = neighbours(places, config.revisit_distance);
-  const tracker::SpectralConfig alignment(tracker);
   std::vector<std::vector<graph::Edge>> found(places.size());
   pool.run(static_cast<int>(places.size()), [&](int chunk, int) {
     const auto i = static_cast<std::size_t>(chunk);
-    found[i] = measured(views, places, i, later[i], config, alignment);
+    found[i] = measured(views, places, i, later[i], config, aligner);
   });
   // The first node is the world, which the poses that there are tie the views to.
   std::vector<SE3> poses = {SE3{}};

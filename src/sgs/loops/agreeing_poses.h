@@ -8,8 +8,7 @@
 
 #include "sgs/core/thread_pool.h"
 #include "sgs/loops/loop_config.h"
-#include "sgs/tracker/known_view.h"
-#include "sgs/tracker/tracker_config.h"
+#include "sgs/alignment/known_view.h"
 
 namespace sgs::loops {
 
@@ -17,7 +16,7 @@ namespace sgs::loops {
 struct PosedViews {
   std::size_t count = 0;
   /// Asked for more than once, from any thread of the pool.
-  std::function<tracker::KnownView(std::size_t)> view;
+  std::function<alignment::KnownView(std::size_t)> view;
 };
 
 /// Poses of views (T_world_camera) with which what each of them shows lies where its neighbours
@@ -27,6 +26,6 @@ struct PosedViews {
 /// is thrown to and fro where they disagree, however true each of them is (docs/decisions/0068).
 /// The same bits for any number of threads.
 std::vector<SE3> agreeing_poses(const PosedViews& views, const LoopConfig& config,
-                                const tracker::TrackerConfig& tracker, ThreadPool& pool);
+                                const alignment::AlignerConfig& aligner, ThreadPool& pool);
 
 }  // namespace sgs::loops

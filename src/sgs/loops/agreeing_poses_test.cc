@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sgs/tracker/textured_wall.h"
+#include "sgs/alignment/test_textured_wall.h"
 
 namespace sgs::loops {
 namespace {
@@ -16,18 +16,18 @@ class AgreeingPosesTest : public testing::Test {
     for (int i = 0; i < 6; ++i) {
       const double side = i % 2 == 0 ? 1 : -1;
       true_.push_back({so3_exp({0.02, -0.01, 0.01}), {0.08 * i, 0.02 * side, 0}});
-      tracker::KnownView view;
+      alignment::KnownView view;
       view.timestamp_s = i;
       view.T_world_camera = true_.back() * SE3(so3_exp({0.003 * side, -0.002, 0.002 * side}),
                                                {0.004 * side, 0.003 * (i % 3 - 1), 0.005 * side});
-      view.frame = tracker::see_wall(true_.back(), i);
+      view.frame = alignment::see_wall(true_.back(), i);
       views_.push_back(std::move(view));
     }
   }
   std::vector<SE3> agreeing(int threads) const {
     ThreadPool pool(threads);
     const auto view = [this](std::size_t number) { return views_[number]; };
-    return agreeing_poses({views_.size(), view}, LoopConfig{}, tracker::TrackerConfig{}, pool);
+    return agreeing_poses({views_.size(), view}, LoopConfig{}, alignment::AlignerConfig{}, pool);
   }
   std::vector<SE3> said() const {
     std::vector<SE3> out;
@@ -45,7 +45,7 @@ class AgreeingPosesTest : public testing::Test {
   }
 
   std::vector<SE3> true_;
-  std::vector<tracker::KnownView> views_;
+  std::vector<alignment::KnownView> views_;
 };
 
 TEST_F(AgreeingPosesTest, NeighboursSeeTheSameThingsInTheSamePlace) {

@@ -36,16 +36,16 @@ bool agree(const Skeleton& skeleton, const graph::Edge& k, const graph::Edge& l)
 
 }  // namespace
 
-LoopCloser::LoopCloser(const LoopConfig& config, const tracker::TrackerConfig& tracker,
+LoopCloser::LoopCloser(const LoopConfig& config, const PairConfig& pair,
                        std::uint64_t seed, std::shared_ptr<history::ViewStore> views)
     : config_(config),
-      verifier_(config, tracker),
+      verifier_(config, pair),
       way_check_(config),
       fern_seed_(seed),
       ferns_(seed),
       views_(std::move(views)) {}
 
-void LoopCloser::know(const tracker::KnownView& view, const RgbdFrame& frame,
+void LoopCloser::know(const alignment::KnownView& view, const RgbdFrame& frame,
                       const history::Revision& revision,
                       const std::optional<graph::UncertainPose>& way) {
   constexpr double kFarFromIt_s = 10;    // lost for so long a camera may be anywhere in a house
@@ -117,17 +117,17 @@ void LoopCloser::take_over(const history::Revision& revision) {
 }
 
 std::optional<PoseCorrection> LoopCloser::add(const RgbdFrame& frame,
-                                              const tracker::TrackResult& result,
+                                              const TrackedFrame& tracked,
                                               const history::Revision& revision) {
   take_over(revision);
   const double dt = last_frame_ ? frame.timestamp_s - last_s_ : 0;
   if (!last_frame_) begin_s_ = solved_s_ = frame.timestamp_s;
   last_s_ = frame.timestamp_s;
-  if (result.status == tracker::TrackingStatus::kLost) {
+  if (tracked.lost) {
     gap_s_ += dt;
     return std::nullopt;
   }
-  if (!result.information) return std::nullopt;
+  if (!tracked.information) return std::nullopt;
   camera_ = frame.camera;
   if (last_frame_) {
     const history::Path& path = revision.path;
@@ -135,7 +135,7 @@ std::optional<PoseCorrection> LoopCloser::add(const RgbdFrame& frame,
   }
   last_frame_ = frame.index;
   if (!wants_node(frame)) return std::nullopt;
-  add_node(frame, result);
+  add_node(frame, tracked);
   look_for_loops();
   accept_supported();
   return is_time_to_solve() ? correction() : std::nullopt;
@@ -150,20 +150,20 @@ bool LoopCloser::wants_node(const RgbdFrame& frame) const {
          way_check_.share() * config_.view_distance;
 }
 
-void LoopCloser::add_node(const RgbdFrame& frame, const tracker::TrackResult& result) {
+void LoopCloser::add_node(const RgbdFrame& frame, const TrackedFrame& tracked) {
   Node node;
   node.frame = frame.index;
   node.timestamp_s = frame.timestamp_s;
   node.mean_depth_m = registration::mean_depth(frame.depth, kFarthestDepth_m);
   if (node.mean_depth_m <= 0) return;
-  node.motion = result.motion;
+  node.motion = tracked.motion;
   node.view = views_->keep(frame, skeleton_.revision().calibration);
   node.ferns = ferns_.code(frame);
   const Matrix6d covariance =
-      motion_covariance(*result.information, node.mean_depth_m, path_m_, gap_s_, config_.drift);
+      motion_covariance(*tracked.information, node.mean_depth_m, path_m_, gap_s_, config_.drift);
   skeleton_.add(std::move(node), covariance);
   mend_way();
-  tie_to_known_place(*result.information);
+  tie_to_known_place(*tracked.information);
   skeleton_.note_left(camera_, config_.left_distance);
   skeleton_.bound_views(camera_, kMostViews);
   skeleton_.join_ways(pending_);

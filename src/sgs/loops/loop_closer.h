@@ -15,8 +15,7 @@
 #include "sgs/loops/loop_verifier.h"
 #include "sgs/loops/skeleton.h"
 #include "sgs/loops/way_check.h"
-#include "sgs/tracker/known_view.h"
-#include "sgs/tracker/track_result.h"
+#include "sgs/alignment/known_view.h"
 
 namespace sgs::loops {
 
@@ -31,6 +30,14 @@ struct LoopCounts {
   int corrections = 0;
 };
 
+/// What tracking found of a frame, as far as loops ask.
+struct TrackedFrame {
+  bool lost = false;
+  /// Of the pose, on twists of the camera; empty where the tracker does not know.
+  std::optional<Matrix6d> information;
+  registration::FrameMotion motion;  ///< of the camera while the frame was measured
+};
+
 /// Knows places again and says how the past has to move for them to be in one place only. A pure
 /// function of what it is given, in order: deterministic, one thread.
 ///
@@ -39,14 +46,14 @@ struct LoopCounts {
 class LoopCloser {
  public:
   /// `views`: where frames are remembered.
-  LoopCloser(const LoopConfig& config, const tracker::TrackerConfig& tracker, std::uint64_t seed,
+  LoopCloser(const LoopConfig& config, const PairConfig& pair, std::uint64_t seed,
              std::shared_ptr<history::ViewStore> views);
 
   /// Before the first frame: a view of a map that is gone on with becomes a node, under the last
   /// index of the path of `revision`. `frame` is what a camera like that of the frames to come saw
   /// there, `way` the measured way from the view before; empty: as tracked poses usually drift. The
   /// first frame that is tracked then hangs on the node whose view is nearest.
-  void know(const tracker::KnownView& view, const RgbdFrame& frame,
+  void know(const alignment::KnownView& view, const RgbdFrame& frame,
             const history::Revision& revision, const std::optional<graph::UncertainPose>& way);
   /// After all views: a loop between two of them, by their numbers.
   void know(const graph::Edge& loop);
@@ -55,8 +62,8 @@ class LoopCloser {
   std::uint64_t fern_seed() const { return fern_seed_; }
 
   /// Takes in the next tracked frame, which is in the path of `revision`, as all before it are.
-  /// Frames without TrackResult::information are passed over.
-  std::optional<PoseCorrection> add(const RgbdFrame& frame, const tracker::TrackResult& result,
+  /// Frames without information are passed over.
+  std::optional<PoseCorrection> add(const RgbdFrame& frame, const TrackedFrame& tracked,
                                     const history::Revision& revision);
 
   const Skeleton& skeleton() const { return skeleton_; }
@@ -65,7 +72,7 @@ class LoopCloser {
  private:
   void take_over(const history::Revision& revision);
   bool wants_node(const RgbdFrame& frame) const;
-  void add_node(const RgbdFrame& frame, const tracker::TrackResult& result);
+  void add_node(const RgbdFrame& frame, const TrackedFrame& tracked);
   std::vector<int> candidates(const std::vector<graph::UncertainPose>& predicted) const;
   void mend_way();
   void tie_to_known_place(const Matrix6d& normal_equations);

@@ -20,7 +20,7 @@ std::optional<LoopVerifier::Sight> LoopVerifier::sight(const Skeleton& skeleton,
 
 std::optional<LoopVerifier::Found> LoopVerifier::align(const Sight& older, const Sight& newer,
                                                        const SE3& T_start) const {
-  PairAligner aligner(tracker_, older.frame, older.node->motion);
+  PairAligner aligner(pair_.aligner, older.frame, older.node->motion);
   const auto a = aligner.align(newer.frame, newer.node->motion, T_start);
   if (!a || (a->used > 0 && a->used < config_.min_used)) return std::nullopt;
   const auto information = information_of(*a, newer.node->mean_depth_m, config_);
@@ -37,8 +37,8 @@ std::optional<LoopVerifier::Found> LoopVerifier::measure(const Skeleton& skeleto
 
 std::optional<SE3> LoopVerifier::match_features(const RgbdFrame& older,
                                                 const RgbdFrame& newer) const {
-  features::OrbExtractor extractor(tracker_.relocaliser.orb);
-  features::VisualMap map(tracker_.relocaliser.pose);
+  features::OrbExtractor extractor(pair_.orb);
+  features::VisualMap map(pair_.visual_pose);
   map.insert(extractor.extract(older), SE3{});
   const auto found = map.relocalise(extractor.extract(newer));
   if (found.verdict != features::Verdict::kOk) return std::nullopt;

@@ -6,16 +6,16 @@
 
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/loops/loop_config.h"
+#include "sgs/loops/pair_config.h"
 #include "sgs/loops/skeleton.h"
-#include "sgs/tracker/tracker_config.h"
 
 namespace sgs::loops {
 
 /// Whether two nodes see the same place, and where one camera stands in the other's view if so.
 class LoopVerifier {
  public:
-  LoopVerifier(const LoopConfig& config, const tracker::TrackerConfig& tracker)
-      : config_(config), tracker_(tracker) {}
+  LoopVerifier(const LoopConfig& config, const PairConfig& pair)
+      : config_(config), pair_(pair) {}
 
   /// Aligns the view of node `newer` to that of node `older` and, on its own, to the neighbours of
   /// `older`: an edge of the graph where the alignments hold and agree. They begin at
@@ -44,7 +44,7 @@ class LoopVerifier {
   bool agree(const Found& found, const SE3& other) const;
 
   LoopConfig config_;
-  tracker::SpectralConfig tracker_;
+  PairConfig pair_;
 };
 
 }  // namespace sgs::loops

@@ -5,13 +5,13 @@
 #include <gtest/gtest.h>
 
 #include "sgs/registration/view_distance.h"
-#include "sgs/tracker/textured_wall.h"
+#include "sgs/alignment/test_textured_wall.h"
 
 namespace sgs::loops {
 namespace {
 
 SE3 before_wall(double x_m, double distance_m) {
-  return {so3_exp({0.02, -0.01, 0.01}), {x_m, 0, tracker::kWallDistance_m - distance_m}};
+  return {so3_exp({0.02, -0.01, 0.01}), {x_m, 0, alignment::kWallDistance_m - distance_m}};
 }
 
 /// Three nodes side by side before the papered wall, 1.5 m away from it, and where a fourth is.
@@ -22,7 +22,7 @@ class LoopVerifierTest : public testing::Test {
   }
   /// `T_seen`: where its picture is taken.
   void add(const SE3& T_said, const SE3& T_seen) {
-    const RgbdFrame frame = tracker::see_wall(T_seen, skeleton_.size());
+    const RgbdFrame frame = alignment::see_wall(T_seen, skeleton_.size());
     Node node;
     node.frame = skeleton_.size();
     node.timestamp_s = 10 * skeleton_.size();
@@ -34,7 +34,7 @@ class LoopVerifierTest : public testing::Test {
   }
   /// Of the newest node to the one in the middle, which is expected where the nodes say.
   std::optional<graph::Edge> verify() const {
-    const LoopVerifier verifier(LoopConfig{}, tracker::TrackerConfig{});
+    const LoopVerifier verifier(LoopConfig{}, PairConfig{});
     const int newest = skeleton_.size() - 1;
     return verifier.verify(skeleton_, 1, newest,
                            skeleton_.pose(1).inverse() * skeleton_.pose(newest));

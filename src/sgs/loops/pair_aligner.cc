@@ -9,9 +9,9 @@ namespace {
 
 // A reference's points are its own, whatever the tracker registers to; and points of one view share
 // all its distortion, where a map's come from many: they count half as much.
-tracker::SpectralConfig of_one_view(tracker::SpectralConfig config) {
+alignment::AlignerConfig of_one_view(alignment::AlignerConfig config) {
   constexpr double kOneView = 0.5;
-  config.geometry.target.source = tracker::TargetSource::kGrid;
+  config.geometry.target.source = alignment::TargetSource::kGrid;
   config.degeneracy.geometry_weight *= kOneView;
   return config;
 }
@@ -26,11 +26,11 @@ std::optional<Matrix6d> information_of(const PairAlignment& alignment, double me
   return information.isZero(0) ? std::nullopt : std::optional(information);
 }
 
-PairAligner::PairAligner(const tracker::SpectralConfig& config, const RgbdFrame& reference,
+PairAligner::PairAligner(const alignment::AlignerConfig& config, const RgbdFrame& reference,
                          const registration::FrameMotion& motion)
     : aligner_(of_one_view(config), reference.camera, SE3{}) {
   aligner_.look_at(reference, {}, nullptr);
-  tracker::Alignment here;
+  alignment::Alignment here;
   here.points_motion = motion;
   aligner_.extend(here, motion.readout);
   reference_.path.append({reference.index, reference.timestamp_s, SE3{}});
@@ -41,7 +41,7 @@ std::optional<PairAlignment> PairAligner::align(const RgbdFrame& frame,
                                                 const SE3& T_start) {
   if (!aligner_.has_map()) return std::nullopt;
   aligner_.look_at(frame, reference_, nullptr);
-  const tracker::Alignment a = aligner_.align(T_start, tracker::known_readout(motion));
+  const alignment::Alignment a = aligner_.align(T_start, alignment::known_readout(motion));
   if (!a.trusted()) return std::nullopt;
   PairAlignment out;
   out.T_reference_camera = a.T_local_camera.normalized();

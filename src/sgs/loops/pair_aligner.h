@@ -7,7 +7,7 @@
 
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/loops/loop_config.h"
-#include "sgs/tracker/joint_aligner.h"
+#include "sgs/alignment/joint_aligner.h"
 
 namespace sgs::loops {
 
@@ -30,7 +30,7 @@ std::optional<Matrix6d> information_of(const PairAlignment& alignment, double me
 class PairAligner {
  public:
   /// `motion` is that of the camera while the reference was measured.
-  PairAligner(const tracker::SpectralConfig& config, const RgbdFrame& reference,
+  PairAligner(const alignment::AlignerConfig& config, const RgbdFrame& reference,
               const registration::FrameMotion& motion);
 
   /// Empty where the alignment is not to be trusted.
@@ -38,7 +38,7 @@ class PairAligner {
                                      const registration::FrameMotion& motion, const SE3& T_start);
 
  private:
-  tracker::JointAligner aligner_;
+  alignment::JointAligner aligner_;
   history::Revision reference_;  // alone, and where the local coordinates are
 };
 

@@ -146,7 +146,7 @@ class Chunks {
       return ChunkContent{ChunkKind::kGaussians, cube, members.size(), bytes_of(columns)};
     }
     if (view_ < contents_.views) {
-      const tracker::KnownView view = contents_.view(view_++);
+      const alignment::KnownView view = contents_.view(view_++);
       return ChunkContent{ChunkKind::kView, cube_of(view.T_world_camera.t), 1, view_bytes(view)};
     }
     if (!std::exchange(graph_written_, true)) return graph();
@@ -234,7 +234,7 @@ Result<MapGaussians> MapFile::gaussians() const {
   return all;
 }
 
-Result<tracker::KnownView> MapFile::view(std::size_t number) const {
+Result<alignment::KnownView> MapFile::view(std::size_t number) const {
   SGS_CHECK(number < views_.size(), "no such view");
   SGS_ASSIGN_OR_RETURN(const std::string bytes, file_.unpacked(views_[number]));
   auto view = view_from(bytes);

@@ -11,7 +11,7 @@
 #include "sgs/graph/pose_graph.h"
 #include "sgs/map/gaussian.h"
 #include "sgs/mapfile/chunk_file.h"
-#include "sgs/tracker/known_view.h"
+#include "sgs/alignment/known_view.h"
 
 namespace sgs::mapfile {
 
@@ -55,7 +55,7 @@ struct MapContents {
   std::vector<MapSession> sessions;
   MapGaussians gaussians;
   std::size_t views = 0;
-  std::function<tracker::KnownView(std::size_t)> view;
+  std::function<alignment::KnownView(std::size_t)> view;
   MapGraph graph;
 };
 
@@ -74,7 +74,7 @@ class MapFile {
   const std::vector<MapSession>& sessions() const { return sessions_; }
   Result<MapGaussians> gaussians() const;
   std::size_t views() const { return views_.size(); }
-  Result<tracker::KnownView> view(std::size_t number) const;
+  Result<alignment::KnownView> view(std::size_t number) const;
   /// Of maps from before it was kept: all views of session 0, no refined poses and no edges.
   Result<MapGraph> graph() const;
 

@@ -19,8 +19,8 @@ using ::testing::HasSubstr;
 constexpr PinholeCamera kCamera{16, 12, 20, 21, 7.5, 5.5};
 
 /// A view with every kind of pixel: bright and dark, near, far and unmeasured.
-tracker::KnownView view_at(double x, std::uint64_t seed) {
-  tracker::KnownView view;
+alignment::KnownView view_at(double x, std::uint64_t seed) {
+  alignment::KnownView view;
   view.timestamp_s = 100 + x;
   view.T_world_camera = SE3(so3_exp({0.1, -0.2, 0.3}), {x, -5, 0.25});
   view.motion.readout << 1, 2, 3, 4, 5, 6;
@@ -88,7 +88,7 @@ TEST(MapFile, GivesBackWhatItWasGiven) {
   for (std::size_t i = 0; i < 2; ++i) {
     const auto view = map->view(i);
     ASSERT_TRUE(view);
-    const tracker::KnownView expected = written.view(i);
+    const alignment::KnownView expected = written.view(i);
     EXPECT_EQ(view->T_world_camera.t, expected.T_world_camera.t);
     EXPECT_EQ(view->motion.readout, expected.motion.readout);
     EXPECT_EQ(view->ferns, expected.ferns);

@@ -124,13 +124,13 @@ void unpack_depth(const Bytes& bytes, Image<std::uint16_t>& depth) {
 
 /// Everything but the pixels.
 template <class Archive>
-void archive_rest(Archive& a, tracker::KnownView& view, bool& all_seen) {
+void archive_rest(Archive& a, alignment::KnownView& view, bool& all_seen) {
   a(view.timestamp_s, view.T_world_camera, view.motion.readout, view.motion.velocity,
     view.motion.depth_delay_s, view.ferns, view.fern_seed);
   a(view.frame.camera, view.frame.index, view.frame.timestamp_s, all_seen);
 }
 
-bool makes_sense(const tracker::KnownView& view) {
+bool makes_sense(const alignment::KnownView& view) {
   const PinholeCamera& camera = view.frame.camera;
   return camera.valid() && camera.width <= kMostPixels && camera.height <= kMostPixels &&
          view.T_world_camera.all_finite() && view.motion.readout.allFinite() &&
@@ -139,8 +139,8 @@ bool makes_sense(const tracker::KnownView& view) {
 
 }  // namespace
 
-std::string view_bytes(const tracker::KnownView& view) {
-  tracker::KnownView rest = view;
+std::string view_bytes(const alignment::KnownView& view) {
+  alignment::KnownView rest = view;
   Pixels pixels = pixels_of(view.frame);
   ArchiveWriter archive;
   archive_rest(archive, rest, pixels.all_seen);
@@ -149,8 +149,8 @@ std::string view_bytes(const tracker::KnownView& view) {
   return archive.take();
 }
 
-std::optional<tracker::KnownView> view_from(std::string_view bytes) {
-  tracker::KnownView view;
+std::optional<alignment::KnownView> view_from(std::string_view bytes) {
+  alignment::KnownView view;
   Pixels pixels;
   ArchiveReader archive(bytes);
   archive_rest(archive, view, pixels.all_seen);

@@ -51,7 +51,7 @@ std::size_t drop_in_the_air(Part& part, std::uint16_t first_session) {
   const std::size_t count = all.born_in.size();
   std::vector<Sight> sights(count);
   for (std::size_t k = 0; k < part.views(); ++k) {
-    const tracker::KnownView view = part.view(k);
+    const alignment::KnownView view = part.view(k);
     const Look look(view.frame, part.graph.T_map_camera[k]);
     const bool of_base = part.graph.session[k] < first_session;
     for (std::size_t i = 0; i < count; ++i) {

@@ -79,11 +79,11 @@ std::vector<SE3> settled(Part part, std::vector<SE3> poses, const loops::LoopCon
   const PinholeCamera camera = part.sessions.front().camera;
   place_views(part, std::move(poses));
   const auto view = [&](std::size_t number) {
-    tracker::KnownView out = part.view(number);
+    alignment::KnownView out = part.view(number);
     out.frame = resampled(std::move(out.frame), camera);
     return out;
   };
-  return loops::agreeing_poses({part.views(), view}, config, tracker, pool);
+  return loops::agreeing_poses({part.views(), view}, config, tracker::aligner_config(tracker), pool);
 }
 
 }  // namespace

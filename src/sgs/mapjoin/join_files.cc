@@ -63,7 +63,7 @@ bool is_same_session(const Part& a, std::size_t i, const Part& b, std::size_t j)
   }
   const std::size_t k = first_view(a, i), l = first_view(b, j);
   if (k == a.views() || l == b.views()) return k == a.views() && l == b.views();
-  const tracker::KnownView v = a.view(k), w = b.view(l);
+  const alignment::KnownView v = a.view(k), w = b.view(l);
   return v.timestamp_s == w.timestamp_s && v.frame.depth.size() == w.frame.depth.size() &&
          std::equal(v.frame.depth.data(), v.frame.depth.data() + v.frame.depth.size(),
                     w.frame.depth.data());

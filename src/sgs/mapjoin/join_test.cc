@@ -38,7 +38,7 @@ TEST(Join, FindsWhereTheOtherWorldLies) {
   EXPECT_EQ(base.graph.session.back(), 1);
   EXPECT_EQ(base.gaussians.born_in.back(), 1);
   for (const map::Gaussian& g : base.gaussians.splats.gaussians) {
-    EXPECT_NEAR(g.mean[2], tracker::kWallDistance_m, 0.03);
+    EXPECT_NEAR(g.mean[2], alignment::kWallDistance_m, 0.03);
   }
   // Edges say what poses say.
   for (const graph::Edge& e : base.graph.edges) {

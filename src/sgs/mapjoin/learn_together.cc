@@ -23,9 +23,9 @@ std::vector<mapper::KnownKeyframe> keyframes_of(const Part& part, history::ViewS
   std::vector<mapper::KnownKeyframe> keyframes;
   keyframes.reserve(part.views());
   for (std::size_t i = 0; i < part.views(); ++i) {
-    const tracker::KnownView view = part.view(i);
+    const alignment::KnownView view = part.view(i);
     RgbdFrame frame = resampled(view.frame, camera);
-    frame.index = tracker::known_view_index(i);
+    frame.index = alignment::known_view_index(i);
     frame.timestamp_s = tracker::known_view_time_s(i);
     keyframes.push_back(
         {views.keep(frame), view.motion.lag(), part.graph.T_map_camera[i], part.T_world_camera[i]});

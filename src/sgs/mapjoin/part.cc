@@ -30,7 +30,7 @@ Result<Part> load_part(const std::filesystem::path& path) {
   }
   SGS_ASSIGN_OR_RETURN(part.graph, file->graph());
   for (std::size_t i = 0; i < file->views(); ++i) {
-    SGS_ASSIGN_OR_RETURN(const tracker::KnownView view, file->view(i));
+    SGS_ASSIGN_OR_RETURN(const alignment::KnownView view, file->view(i));
     part.times_s.push_back(view.timestamp_s);
     part.T_world_camera.push_back(view.T_world_camera);
   }
@@ -43,7 +43,7 @@ Result<Part> load_part(const std::filesystem::path& path) {
 void place_views(Part& part, std::vector<SE3> T_world_camera) {
   part.T_world_camera = std::move(T_world_camera);
   part.view = [view = std::move(part.view), poses = part.T_world_camera](std::size_t number) {
-    tracker::KnownView out = view(number);
+    alignment::KnownView out = view(number);
     out.T_world_camera = poses[number];
     return out;
   };

@@ -21,7 +21,7 @@ struct Part {
   std::vector<double> times_s;      ///< of each view, in its session
   std::vector<SE3> T_world_camera;  ///< of each view
   /// A view as its file has it, but at its pose above; from any thread.
-  std::function<tracker::KnownView(std::size_t)> view;
+  std::function<alignment::KnownView(std::size_t)> view;
 
   std::size_t views() const { return T_world_camera.size(); }
 };

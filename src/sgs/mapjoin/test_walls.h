@@ -6,7 +6,7 @@
 
 #include "sgs/features/ferns.h"
 #include "sgs/mapjoin/part.h"
-#include "sgs/tracker/textured_wall.h"
+#include "sgs/alignment/test_textured_wall.h"
 
 namespace sgs::mapjoin {
 
@@ -15,23 +15,23 @@ namespace sgs::mapjoin {
 inline Part walk_along_wall(const std::string& name, double begin_m, int views,
                             const SE3& T_own_wall) {
   Part part;
-  part.sessions = {{name, "1", tracker::kWallCamera, 0, static_cast<double>(views), views, ""}};
-  std::vector<tracker::KnownView> seen;
+  part.sessions = {{name, "1", alignment::kWallCamera, 0, static_cast<double>(views), views, ""}};
+  std::vector<alignment::KnownView> seen;
   const features::Ferns ferns(0);
   for (int i = 0; i < views; ++i) {
     const double side = i % 2 == 0 ? 0.02 : -0.02;
     const SE3 T(so3_exp({0.02 + side, -0.01, side}), {begin_m + 0.15 * i, side, side});
-    tracker::KnownView view;
+    alignment::KnownView view;
     view.timestamp_s = i;
     view.T_world_camera = (T_own_wall * T).normalized();
-    view.frame = tracker::see_wall(T, i);
+    view.frame = alignment::see_wall(T, i);
     view.ferns = ferns.code(view.frame);
     part.times_s.push_back(i);
     part.T_world_camera.push_back(view.T_world_camera);
     seen.push_back(std::move(view));
     map::Gaussian g{};
     const Eigen::Vector3d mean =
-        T_own_wall * Eigen::Vector3d(begin_m + 0.15 * i, 0, tracker::kWallDistance_m);
+        T_own_wall * Eigen::Vector3d(begin_m + 0.15 * i, 0, alignment::kWallDistance_m);
     for (int k = 0; k < 3; ++k) {
       g.mean[k] = static_cast<float>(mean[k]);
       g.log_scale[k] = k == 2 ? -7.0f : -4.0f;

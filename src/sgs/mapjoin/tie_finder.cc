@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/mapjoin/tie_finder.h"
+#include "sgs/slam/loop_back_end.h"
 
 #include <algorithm>
 #include <utility>
@@ -28,8 +29,8 @@ TieFinder::TieFinder(const loops::LoopConfig& config, const tracker::TrackerConf
       first_(first),
       config_(config),
       camera_(both.sessions[both.graph.session[first - 1]].camera),
-      verifier_(config, tracker),
-      closer_(config, tracker, 0, std::make_shared<history::ViewStore>(history::HistoryConfig{})),
+      verifier_(config, slam::pair_config(tracker)),
+      closer_(config, slam::pair_config(tracker), 0, std::make_shared<history::ViewStore>(history::HistoryConfig{})),
       relocaliser_(tracker::SpectralConfig(tracker).relocaliser) {
   std::vector<const graph::Edge*> ways(both.views(), nullptr);  // to each view
   for (const graph::Edge& e : both.graph.edges) {
@@ -37,7 +38,7 @@ TieFinder::TieFinder(const loops::LoopConfig& config, const tracker::TrackerConf
   }
   history::Revision revision;
   for (std::size_t i = 0; i < both.views(); ++i) {
-    const tracker::KnownView view = both.view(i);
+    const alignment::KnownView view = both.view(i);
     const RgbdFrame seen = frame(view, i);
     revision.path.append({seen.index, seen.timestamp_s, view.T_world_camera});
     std::optional<graph::UncertainPose> way;
@@ -50,15 +51,15 @@ TieFinder::TieFinder(const loops::LoopConfig& config, const tracker::TrackerConf
 }
 
 /// What the camera of the base would have seen, under the view's index and time in the path.
-RgbdFrame TieFinder::frame(const tracker::KnownView& view, std::size_t number) const {
+RgbdFrame TieFinder::frame(const alignment::KnownView& view, std::size_t number) const {
   RgbdFrame frame = resampled(view.frame, camera_);
-  frame.index = tracker::known_view_index(number);
+  frame.index = alignment::known_view_index(number);
   frame.timestamp_s = tracker::known_view_time_s(number);
   return frame;
 }
 
 std::optional<graph::Edge> TieFinder::look_for(std::size_t number) {
-  const tracker::KnownView view = both_.view(number);
+  const alignment::KnownView view = both_.view(number);
   const auto T = relocaliser_.relocalise(frame(view, number), past_, &view);
   ++search_.looked;
   const tracker::Relocaliser::Look& look = relocaliser_.last_look();
@@ -67,7 +68,7 @@ std::optional<graph::Edge> TieFinder::look_for(std::size_t number) {
     search_.best_inliers = look.inliers;
     search_.best_matches = look.matches;
     search_.best_view_s = view.timestamp_s;
-    const auto base = static_cast<std::size_t>(look.keyframe - tracker::known_view_index(0));
+    const auto base = static_cast<std::size_t>(look.keyframe - alignment::known_view_index(0));
     search_.best_base_s = both_.times_s.at(base);
   }
   if (!T) return std::nullopt;
@@ -112,7 +113,7 @@ std::optional<double> TieFinder::metre(const std::vector<graph::Edge>& ties) con
   if (std::ssize(ties) < kLeast) return std::nullopt;
   slam::MetreCheck check(std::min(kMost, static_cast<int>(ties.size())));
   for (std::size_t i = 0; i < first_; ++i) {
-    check.know(tracker::known_view_index(i), frame(both_.view(i), i));
+    check.know(alignment::known_view_index(i), frame(both_.view(i), i));
   }
   for (const graph::Edge& tie : ties) {
     const auto number = static_cast<std::size_t>(tie.to);

@@ -12,7 +12,7 @@
 #include "sgs/loops/loop_closer.h"
 #include "sgs/loops/loop_verifier.h"
 #include "sgs/mapjoin/part.h"
-#include "sgs/tracker/local_past.h"
+#include "sgs/alignment/local_past.h"
 #include "sgs/tracker/relocaliser.h"
 
 namespace sgs::mapjoin {
@@ -51,7 +51,7 @@ class TieFinder {
   const loops::Skeleton& skeleton() const { return closer_.skeleton(); }
 
  private:
-  RgbdFrame frame(const tracker::KnownView& view, std::size_t number) const;
+  RgbdFrame frame(const alignment::KnownView& view, std::size_t number) const;
   std::vector<std::pair<double, int>> nearest(const SE3& T_base_camera) const;
 
   const Part& both_;
@@ -61,7 +61,7 @@ class TieFinder {
   loops::LoopVerifier verifier_;
   loops::LoopCloser closer_;  // for its nodes
   tracker::Relocaliser relocaliser_;
-  tracker::LocalPast past_;
+  alignment::LocalPast past_;
   Search search_;
 };
 

@@ -100,12 +100,12 @@ std::string losses_html(const ReportData& data) {
     const std::size_t first = i;
     while (lost(i + 1)) ++i;
     if (++stretches > kMaxRows) continue;
-    const tracker::LostReason reason = data.frames[first].lost_reason;
+    const alignment::LostReason reason = data.frames[first].lost_reason;
     rows += fmt::format(
         "<tr><td class='v'>{}</td><td class='v'>{}</td><td class='v'>{:.2f} s</td>"
         "<td><code>{}</code></td><td>{}</td></tr>",
         data.frames[first].index, data.frames[i].index, time[first], to_string(reason),
-        html_escaped(tracker::explain(reason)));
+        html_escaped(alignment::explain(reason)));
   }
   if (rows.empty()) return {};
   const std::string more =

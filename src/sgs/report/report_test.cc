@@ -51,7 +51,7 @@ ReportData synthetic_data() {
     r.status = i >= 400 && i < 410 ? TrackingStatus::kLost
                : plane             ? TrackingStatus::kDegenerate
                                    : TrackingStatus::kOk;
-    if (r.status == TrackingStatus::kLost) r.lost_reason = tracker::LostReason::kTooFewPoints;
+    if (r.status == TrackingStatus::kLost) r.lost_reason = alignment::LostReason::kTooFewPoints;
     r.track_ms = 18 + 4 * std::sin(0.9 * t);
     r.iterations = 4 * i;
     r.gaussians = 20000 + 60 * i;

@@ -48,7 +48,7 @@ Status save_lasting_map(const fs::path& path, const slam::Session& session, cons
   ThreadPool pool(threads);
   const std::vector<SE3> poses = slam::agreeing_poses(session, run.trajectory, pool);
   contents.view = [&](std::size_t number) {
-    tracker::KnownView view = slam::known_view(session, run.trajectory, number);
+    alignment::KnownView view = slam::known_view(session, run.trajectory, number);
     view.T_world_camera = poses[number];
     return view;
   };

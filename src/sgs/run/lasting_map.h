@@ -9,7 +9,7 @@
 #include "sgs/mapfile/map_file.h"
 #include "sgs/runfolder/run.h"
 #include "sgs/slam/session.h"
-#include "sgs/tracker/known_view.h"
+#include "sgs/alignment/known_view.h"
 
 namespace sgs::run {
 

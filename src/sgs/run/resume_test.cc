@@ -118,7 +118,7 @@ TEST_F(ResumeTest, WithoutACheckpointTheRunBeginsAgain) {
 TEST_F(ResumeTest, ATrackerThatFollowsTheMapBeginsAgain) {
   slam::SessionConfig config;
   config.tracker.type = tracker::TrackerType::kGicp;
-  config.tracker.target.source = tracker::TargetSource::kOptimised;
+  config.tracker.target.source = alignment::TargetSource::kOptimised;
   make("follower", config, 6, 2);
   EXPECT_TRUE(load_resume_point(folder("follower"))->checkpoint.empty());
   const auto outcome = resumed_run("follower", -1, 2);

@@ -124,7 +124,7 @@ void Journal::write(const std::vector<slam::FrameRecord>& records) {
   try {
     for (const slam::FrameRecord& record : records) {
       frames_.hold(slam::frames_csv_line(record));
-      const bool has_place = record.lost_reason != tracker::LostReason::kNotInMap;
+      const bool has_place = record.lost_reason != alignment::LostReason::kNotInMap;
       if (!record.bad && has_place) poses_.hold(pose_line(record));
     }
     status = try_write();

@@ -26,7 +26,7 @@ struct FrameRecord {
   /// Session::revision().
   SE3 T_online_camera;
   tracker::TrackingStatus status = tracker::TrackingStatus::kLost;
-  tracker::LostReason lost_reason = tracker::LostReason::kNone;
+  alignment::LostReason lost_reason = alignment::LostReason::kNone;
   bool tracking_keyframe = false;
   bool mapping_keyframe = false;
   bool heldout = false;

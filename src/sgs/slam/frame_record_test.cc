@@ -18,7 +18,7 @@ FrameRecord full_record() {
   r.index = 7;
   r.timestamp_s = 1305031102.175304;
   r.status = tracker::TrackingStatus::kLost;
-  r.lost_reason = tracker::LostReason::kTooFewMatches;
+  r.lost_reason = alignment::LostReason::kTooFewMatches;
   r.mapping_keyframe = true;
   r.track_ms = 4.25;
   r.gaussians = 12345;
@@ -59,7 +59,7 @@ TEST(FrameRecord, WrittenAndReadBackIsTheSame) {
   EXPECT_EQ(frames_csv(*back), text);
   const FrameRecord& r = back->front();
   EXPECT_EQ(r.index, 7);
-  EXPECT_EQ(r.lost_reason, tracker::LostReason::kTooFewMatches);
+  EXPECT_EQ(r.lost_reason, alignment::LostReason::kTooFewMatches);
   EXPECT_EQ(r.diagnostics.prior_source, tracker::PriorSource::kPhotometric);
   EXPECT_EQ(r.diagnostics.axes, records[0].diagnostics.axes);
   EXPECT_TRUE(std::isnan(r.diagnostics.cost)) << "what was not measured stays so";

@@ -60,11 +60,11 @@ std::size_t known_views(const Session& session) {
 }
 
 // The last revision may have come after the nodes were last told.
-tracker::KnownView known_view(const Session& session, const Trajectory& path, std::size_t number) {
+alignment::KnownView known_view(const Session& session, const Trajectory& path, std::size_t number) {
   const auto nodes = nodes_with_views(session.skeleton());
   SGS_CHECK(number < nodes.size(), "no such view");
   const loops::Node& node = *nodes[number];
-  tracker::KnownView view;
+  alignment::KnownView view;
   const auto* earlier = session.earlier().view(node.frame);
   view.timestamp_s = earlier != nullptr ? earlier->time_s : node.timestamp_s;
   view.T_world_camera =
@@ -83,7 +83,7 @@ tracker::KnownView known_view(const Session& session, const Trajectory& path, st
 std::vector<SE3> agreeing_poses(const Session& session, const Trajectory& path, ThreadPool& pool) {
   const auto view = [&](std::size_t number) { return known_view(session, path, number); };
   return loops::agreeing_poses({known_views(session), view}, session.config().loops,
-                               session.config().tracker, pool);
+                               tracker::aligner_config(session.config().tracker), pool);
 }
 
 std::vector<SE3> places_in_map(const Session& session) {

@@ -14,7 +14,7 @@
 #include "sgs/geometry/trajectory.h"
 #include "sgs/graph/pose_graph.h"
 #include "sgs/map/gaussian.h"
-#include "sgs/tracker/known_view.h"
+#include "sgs/alignment/known_view.h"
 
 namespace sgs::slam {
 
@@ -31,7 +31,7 @@ struct KnownMap {
   map::SnapshotPtr gaussians;
   std::size_t views = 0;
   /// The view of that number; asked for once each, in order.
-  std::function<Result<tracker::KnownView>(std::size_t)> view;
+  std::function<Result<alignment::KnownView>(std::size_t)> view;
   /// Of the depths of the camera that comes, where it is the map's own.
   std::optional<DepthCalibration> calibration;
 
@@ -51,7 +51,7 @@ std::vector<Birth> births_of(const Session& session, const map::Snapshot& snapsh
 /// loops, which keeps them.
 std::size_t known_views(const Session& session);
 /// Such a view, at the pose that the session's trajectory ends with; `path` is that trajectory.
-tracker::KnownView known_view(const Session& session, const Trajectory& path, std::size_t number);
+alignment::KnownView known_view(const Session& session, const Trajectory& path, std::size_t number);
 /// Poses of all of them that agree with each other (loops::agreeing_poses()).
 std::vector<SE3> agreeing_poses(const Session& session, const Trajectory& path, ThreadPool& pool);
 /// From where the map looks like each of them.

@@ -38,8 +38,8 @@ TEST(KnownMap, IsThereFromTheBeginningAndKeepsItsBirths) {
   KnownMap map;
   map.gaussians = snapshot;
   map.views = 1;
-  map.view = [&](std::size_t) -> Result<tracker::KnownView> {
-    tracker::KnownView view;
+  map.view = [&](std::size_t) -> Result<alignment::KnownView> {
+    alignment::KnownView view;
     view.timestamp_s = 5;
     view.frame = *wall;
     view.ferns = features::Ferns(3).code(*wall);

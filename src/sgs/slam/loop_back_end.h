@@ -12,11 +12,16 @@
 
 namespace sgs::slam {
 
+/// How loops align views: as the tracker does.
+loops::PairConfig pair_config(const tracker::TrackerConfig& tracker);
+/// What loops ask of a tracked frame.
+loops::TrackedFrame tracked_frame(const tracker::TrackResult& result);
+
 /// Closes loops. Frames come with their depth corrected and are remembered as delivered.
 class LoopBackEnd final : public BackEnd {
  public:
   LoopBackEnd(const SessionConfig& config, std::shared_ptr<history::ViewStore> views)
-      : closer_(config.loops, config.tracker, config.seed, std::move(views)) {}
+      : closer_(config.loops, pair_config(config.tracker), config.seed, std::move(views)) {}
 
   std::optional<history::Update> add(const std::shared_ptr<const RgbdFrame>& frame,
                                      const tracker::TrackResult& result,

@@ -21,7 +21,7 @@ FrameRecord record_of(int k) {
     return r;
   }
   r.status = k % 5 == 0 ? tracker::TrackingStatus::kLost : tracker::TrackingStatus::kDegenerate;
-  if (k % 5 == 0) r.lost_reason = tracker::LostReason::kOther;
+  if (k % 5 == 0) r.lost_reason = alignment::LostReason::kOther;
   r.mapping_keyframe = k % 3 == 0;
   if (k % 2 == 0) r.diagnostics.axes = Matrix6d::Constant(k);
   r.diagnostics.snr[5] = k;

@@ -99,8 +99,8 @@ Status Session::check_can_be_given_a_map() const {
       "leave out --tracker and --preset, or use --tracker spectral");
 }
 
-void Session::know(std::size_t number, double time_s, const tracker::KnownView& view) {
-  revision_.path.append({tracker::known_view_index(number), time_s, view.T_world_camera});
+void Session::know(std::size_t number, double time_s, const alignment::KnownView& view) {
+  revision_.path.append({alignment::known_view_index(number), time_s, view.T_world_camera});
   tracker_->know(view, revision_);
   metre_.know(revision_.path.back().frame, view.frame);
 }
@@ -141,12 +141,12 @@ Status Session::go_on_with(const KnownMap& map) {
   std::vector<double> times_s;
   loops::LoopCloser& closer = loop_back_end_->closer();
   for (std::size_t i = 0; i < map.views; ++i) {
-    SGS_ASSIGN_OR_RETURN(const tracker::KnownView view, map.view(i));
+    SGS_ASSIGN_OR_RETURN(const alignment::KnownView view, map.view(i));
     know(i, tracker::known_view_time_s(i), view);
     earlier_.views.push_back({map.session_of[i], view.timestamp_s});
     times_s.push_back(view.timestamp_s);
     RgbdFrame frame = resampled(view.frame, camera_);
-    frame.index = tracker::known_view_index(i);
+    frame.index = alignment::known_view_index(i);
     frame.timestamp_s = tracker::known_view_time_s(i);
     std::optional<graph::UncertainPose> way;
     if (ways[i] != nullptr) way = {ways[i]->T_from_to, ways[i]->information.inverse()};
@@ -172,7 +172,7 @@ Status Session::localise_in(const KnownMap& map) {
     revision_.calibration = std::make_shared<const DepthCalibration>(*map.calibration);
   }
   for (std::size_t i = 0; i < map.views; ++i) {
-    SGS_ASSIGN_OR_RETURN(const tracker::KnownView view, map.view(i));
+    SGS_ASSIGN_OR_RETURN(const alignment::KnownView view, map.view(i));
     know(i, view.timestamp_s, view);
   }
   known_ = map.gaussians;
@@ -408,7 +408,7 @@ void Session::report_loss(const FrameRecord& record) {
     frames_lost_ = 0;
   } else if (frames_lost_++ == 0) {
     log().warn("frame {} ({:.3f} s): tracking is lost. {}", record.index, record.timestamp_s,
-               tracker::explain(record.lost_reason));
+               alignment::explain(record.lost_reason));
   }
 }
 

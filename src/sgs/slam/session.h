@@ -48,7 +48,7 @@ struct EarlierSessions {
 
   /// When the view was seen that stands in the path as `frame`; null for frames of this session.
   const Birth* view(std::int64_t frame) const {
-    const std::int64_t k = frame - tracker::known_view_index(0);
+    const std::int64_t k = frame - alignment::known_view_index(0);
     return k >= 0 && k < std::ssize(views) ? &views[static_cast<std::size_t>(k)] : nullptr;
   }
 };
@@ -138,7 +138,7 @@ class Session {
   map::SnapshotPtr final_snapshot() const { return known_ ? known_ : worker_->final_snapshot(); }
   const RecordLog& records() const { return records_; }
   /// What is believed of the past now: poses of all frames so far, after those of the map's views
-  /// (tracker::known_view_index()) where the session was given one, and the calibration in force.
+  /// (alignment::known_view_index()) where the session was given one, and the calibration in force.
   const history::Revision& revision() const { return revision_; }
   /// Poses of all tracked frames, loops closed and depth calibrated (after finish()); frames that
   /// were lost carry the tracker's guess at their pose. Those of a tracker that follows the map,
@@ -199,7 +199,7 @@ class Session {
   void compare_metres(const RgbdFrame& frame, const FrameRecord& record);
   bool has_place(std::int64_t frame) const;
   Status check_can_be_given_a_map() const;
-  void know(std::size_t number, double time_s, const tracker::KnownView& view);
+  void know(std::size_t number, double time_s, const alignment::KnownView& view);
   bool comes_as_before(const FrameRecord& record, std::int64_t depth_print);
 
   SessionConfig config_;

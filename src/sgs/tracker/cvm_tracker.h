@@ -22,7 +22,7 @@ class CvmTracker : public Tracker {
     result.diagnostics.prior_active = true;
     const SE3 T = motion_.predict(frame.timestamp_s);
     result.lost_reason = motion_.judge(T);
-    if (result.lost_reason != LostReason::kNone) {
+    if (result.lost_reason != alignment::LostReason::kNone) {
       motion_.hold();
       result.status = TrackingStatus::kLost;
     } else {

@@ -12,10 +12,10 @@ RegistrationTracker::Registration GicpTracker::register_frame(double timestamp_s
   r.T_local_camera = T_predicted;
   if (!T_predicted.all_finite()) return r;
   {
-    const CpuTimer timer(times_.index);
+    const alignment::CpuTimer timer(times_.index);
     geometry_.prepare(T_predicted);
   }
-  const CpuTimer timer(times_.geometry);
+  const alignment::CpuTimer timer(times_.geometry);
   const registration::PoseProblem problem{[this](const SE3& T) { return geometry_.linearize(T); },
                                           [this](const SE3& T) { return geometry_.error(T); }};
   const auto solution = registration::solve_pose(config_.solver, problem, T_predicted);

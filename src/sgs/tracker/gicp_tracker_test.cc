@@ -10,7 +10,7 @@
 
 #include "sgs/registration/cloud_sampler.h"
 #include "sgs/tracker/motion_model.h"
-#include "sgs/tracker/targets/target_map.h"
+#include "sgs/alignment/targets/target_map.h"
 #include "sgs/tracker/test_tracker.h"
 #include "sgs/tracker/tracker.h"
 #include "sgs/tracker/tracker_config.h"
@@ -257,7 +257,7 @@ std::shared_ptr<map::Snapshot> snapshot_of(const SE3& T, const SE3& T_world_room
   return snapshot;
 }
 
-class SnapshotTargetsTest : public testing::TestWithParam<std::tuple<TargetSource, bool>> {
+class SnapshotTargetsTest : public testing::TestWithParam<std::tuple<alignment::TargetSource, bool>> {
  protected:
   TrackerConfig config() const {
     TrackerConfig c = std::get<1>(GetParam()) ? paper_on_own_points() : gicp_config();
@@ -281,10 +281,10 @@ TEST_P(SnapshotTargetsTest, TracksAgainstTheGaussiansOfASnapshot) {
 }
 
 TEST_P(SnapshotTargetsTest, SurvivorsKeepTheirIndexAndPrunedOnesDie) {
-  const auto targets = make_target_map(GeometryConfig(config()), SE3{}, kCamera.fx);
+  const auto targets = make_target_map(alignment::GeometryConfig(config()), SE3{}, kCamera.fx);
   auto first = snapshot_of(pose_at(0), SE3{}, 16);
   const std::size_t n = first->anchors.size();
-  targets->update(LocalPast(), first);
+  targets->update(alignment::LocalPast(), first);
   ASSERT_EQ(targets->cloud().points.size(), n);
   const std::uint64_t layout = targets->cloud().layout;
 
@@ -298,7 +298,7 @@ TEST_P(SnapshotTargetsTest, SurvivorsKeepTheirIndexAndPrunedOnesDie) {
   added.keyframe = 1;
   second->anchors.push_back(added);
   second->gaussians.push_back(second->gaussians[0]);
-  targets->update(LocalPast(), second);
+  targets->update(alignment::LocalPast(), second);
   const registration::TargetCloud& cloud = targets->cloud();
   EXPECT_EQ(cloud.layout, layout);
   ASSERT_EQ(cloud.points.size(), n + 1);
@@ -312,19 +312,19 @@ TEST_P(SnapshotTargetsTest, SurvivorsKeepTheirIndexAndPrunedOnesDie) {
   third->version = 3;
   std::reverse(third->anchors.begin(), third->anchors.end());
   std::reverse(third->gaussians.begin(), third->gaussians.end());
-  targets->update(LocalPast(), third);
+  targets->update(alignment::LocalPast(), third);
   EXPECT_NE(targets->cloud().layout, layout);
   EXPECT_EQ(targets->cloud().points.size(), n);
 }
 
 INSTANTIATE_TEST_SUITE_P(Sources, SnapshotTargetsTest,
-                         testing::Combine(testing::Values(TargetSource::kAnchor,
-                                                          TargetSource::kOptimised),
+                         testing::Combine(testing::Values(alignment::TargetSource::kAnchor,
+                                                          alignment::TargetSource::kOptimised),
                                           testing::Bool()));
 
 /// Points and where their keyframes are.
-struct Points : TrackablePoints {
-  using TrackablePoints::TrackablePoints;
+struct Points : alignment::TrackablePoints {
+  using alignment::TrackablePoints::TrackablePoints;
   int see(const registration::SourceCloud& source, const SE3& T,
           const registration::CorrespondenceSearch* search = nullptr,
           const registration::FrameMotion& motion = {}) {
@@ -359,14 +359,14 @@ struct Points : TrackablePoints {
     follow();
   }
   void follow() {
-    LocalPast past;
+    alignment::LocalPast past;
     past.set_revision(now);
-    TrackablePoints::follow(past);
+    alignment::TrackablePoints::follow(past);
   }
   history::Revision now;
 };
 
-TEST(TrackablePoints, AddsOnlyWhereNothingIsAndFollowsKeyframes) {
+TEST(alignment::TrackablePoints, AddsOnlyWhereNothingIsAndFollowsKeyframes) {
   registration::SourceCloud source;
   registration::make_sampler({}, kCamera, false)
       ->sample(render(room(), true, pose_at(0), 0).depth, source);
@@ -389,7 +389,7 @@ TEST(TrackablePoints, AddsOnlyWhereNothingIsAndFollowsKeyframes) {
 
 // Points lie where the delay that was learned by then says. A calibration knows it better: it takes
 // the place of what was learned, and comes on top of the stamps alone.
-TEST(TrackablePoints, ACalibratedDelayTakesThePlaceOfTheLearnedOne) {
+TEST(alignment::TrackablePoints, ACalibratedDelayTakesThePlaceOfTheLearnedOne) {
   constexpr double kStamped_s = -0.01, kLearned_s = -0.016, kSpeed_m_s = 0.5;
   registration::SourceCloud source;
   registration::make_sampler({}, kCamera, false)
@@ -416,7 +416,7 @@ TEST(TrackablePoints, ACalibratedDelayTakesThePlaceOfTheLearnedOne) {
 
 // A wall that was seen a long way ago and now lies before the one that is measured hides it:
 // nothing behind it is found, and every frame would add it anew.
-TEST(TrackablePoints, WhatAFrameLooksThroughGoesIfItIsOld) {
+TEST(alignment::TrackablePoints, WhatAFrameLooksThroughGoesIfItIsOld) {
   const registration::SamplingConfig sampling;
   registration::SourceCloud source;
   registration::make_sampler(sampling, kCamera, false)
@@ -440,7 +440,7 @@ TEST(TrackablePoints, WhatAFrameLooksThroughGoesIfItIsOld) {
   EXPECT_EQ(points.remove_in(space, pose_at(0)), 0);
 }
 
-TEST(TrackablePoints, WhatHasMovedAwayGoesThoughItIsNew) {
+TEST(alignment::TrackablePoints, WhatHasMovedAwayGoesThoughItIsNew) {
   const registration::SamplingConfig sampling;
   registration::SourceCloud source;
   registration::make_sampler(sampling, kCamera, false)
@@ -458,7 +458,7 @@ TEST(TrackablePoints, WhatHasMovedAwayGoesThoughItIsNew) {
   EXPECT_EQ(others.remove_in(space, pose_at(0), 0.2f), 0);
 }
 
-TEST(TrackablePoints, EndSomewhere) {
+TEST(alignment::TrackablePoints, EndSomewhere) {
   registration::SourceCloud source;
   registration::make_sampler({}, kCamera, false)
       ->sample(render(room(), true, pose_at(0), 0).depth, source);
@@ -506,14 +506,14 @@ TEST(MotionModel, RepeatsTheDecayedMotionScaledWithTime) {
 TEST(MotionModel, RefusesImpossibleMotions) {
   MotionModel motion(MotionConfig{}, SE3{});
   const auto shifted = [](double x) { return SE3(Eigen::Matrix3d::Identity(), {x, 0, 0}); };
-  EXPECT_EQ(motion.judge(shifted(0.2)), LostReason::kNone);
-  EXPECT_EQ(motion.judge(shifted(0.3)), LostReason::kImplausibleMotion);
-  EXPECT_EQ(motion.judge(SE3(so3_exp({0, 0.6, 0}), {0, 0, 0})), LostReason::kImplausibleMotion);
-  EXPECT_EQ(motion.judge(shifted(std::nan(""))), LostReason::kNotFinite);
+  EXPECT_EQ(motion.judge(shifted(0.2)), alignment::LostReason::kNone);
+  EXPECT_EQ(motion.judge(shifted(0.3)), alignment::LostReason::kImplausibleMotion);
+  EXPECT_EQ(motion.judge(SE3(so3_exp({0, 0.6, 0}), {0, 0, 0})), alignment::LostReason::kImplausibleMotion);
+  EXPECT_EQ(motion.judge(shifted(std::nan(""))), alignment::LostReason::kNotFinite);
   motion.hold();  // twice the time, twice the way
-  EXPECT_EQ(motion.judge(shifted(0.3)), LostReason::kNone);
+  EXPECT_EQ(motion.judge(shifted(0.3)), alignment::LostReason::kNone);
   for (int i = 0; i < 100; ++i) motion.hold();
-  EXPECT_EQ(motion.judge(shifted(1.1)), LostReason::kImplausibleMotion);
+  EXPECT_EQ(motion.judge(shifted(1.1)), alignment::LostReason::kImplausibleMotion);
 }
 
 TEST(MakeTracker, ConstantVelocityNeverLooks) {
@@ -537,7 +537,7 @@ TEST(MotionModel, GoesOnWithTheLastVelocityOnlyWhereItIsMeantTo) {
   EXPECT_EQ(motion.frames_held(), 1);
   motion.jump_to(shifted(5));
   EXPECT_EQ(motion.predict(0.3).t.x(), 5);
-  EXPECT_EQ(motion.judge(shifted(5.4)), LostReason::kNone);  // still two frames' worth
+  EXPECT_EQ(motion.judge(shifted(5.4)), alignment::LostReason::kNone);  // still two frames' worth
   motion.accept(shifted(5.4), 0.3);
   EXPECT_EQ(motion.frames_held(), 0);
   EXPECT_EQ(motion.predict(0.4).t.x(), 5.4);  // a jump is no velocity

@@ -39,7 +39,7 @@ TrackResult GivenTracker::track(const RgbdFrame& frame, const history::Revision&
   const auto& given = frame.given_T_world_camera;
   if (!given || !given->all_finite()) {
     result.status = TrackingStatus::kLost;
-    result.lost_reason = given ? LostReason::kNotFinite : LostReason::kNoPose;
+    result.lost_reason = given ? alignment::LostReason::kNotFinite : alignment::LostReason::kNoPose;
     result.T_odom_camera = T_world_last_;
     return result;
   }

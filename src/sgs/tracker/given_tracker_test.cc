@@ -35,12 +35,12 @@ TEST(GivenTracker, TakesPosesAsTheyAreHoweverFarApart) {
 
 TEST(GivenTracker, AFrameWithoutAUsablePoseIsLostAndTheNextOneIsNot) {
   GivenTracker tracker(GivenConfig{});
-  EXPECT_EQ(tracker.track(frame_at(std::nullopt), {}, nullptr).lost_reason, LostReason::kNoPose);
+  EXPECT_EQ(tracker.track(frame_at(std::nullopt), {}, nullptr).lost_reason, alignment::LostReason::kNoPose);
   ASSERT_EQ(tracker.track(frame_at(moved(1)), {}, nullptr).status, TrackingStatus::kOk);
   const auto bad =
       tracker.track(frame_at(moved(std::numeric_limits<double>::quiet_NaN())), {}, nullptr);
   EXPECT_EQ(bad.status, TrackingStatus::kLost);
-  EXPECT_EQ(bad.lost_reason, LostReason::kNotFinite);
+  EXPECT_EQ(bad.lost_reason, alignment::LostReason::kNotFinite);
   EXPECT_EQ(bad.T_odom_camera.t.x(), 1);
   EXPECT_FALSE(bad.keyframe);
   EXPECT_EQ(tracker.track(frame_at(moved(2)), {}, nullptr).status, TrackingStatus::kOk);

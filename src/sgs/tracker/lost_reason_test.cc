@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/tracker/lost_reason.h"
+#include "sgs/alignment/lost_reason.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <set>
 
 #include "sgs/tracker/test_tracker.h"
-#include "sgs/tracker/textured_wall.h"
+#include "sgs/alignment/test_textured_wall.h"
 #include "sgs/tracker/tracker.h"
 #include "sgs/tracker/tracker_config.h"
 
@@ -24,13 +24,13 @@ TrackerConfig config_of(TrackerType type) {
 
 // Tracks the frames with a fresh tracker and returns what became of the last one.
 TrackResult track_all(const TrackerConfig& config, const std::vector<RgbdFrame>& frames) {
-  const auto tracker = must_make(config, kWallCamera, SE3{});
+  const auto tracker = must_make(config, alignment::kWallCamera, SE3{});
   TrackResult last;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     last = tracker->track(frames[i], nullptr);
-    EXPECT_EQ(last.status == TrackingStatus::kLost, last.lost_reason != LostReason::kNone);
+    EXPECT_EQ(last.status == TrackingStatus::kLost, last.lost_reason != alignment::LostReason::kNone);
     if (i + 1 < frames.size()) {
-      EXPECT_EQ(last.lost_reason, LostReason::kNone) << to_string(last.lost_reason);
+      EXPECT_EQ(last.lost_reason, alignment::LostReason::kNone) << to_string(last.lost_reason);
     }
   }
   return last;
@@ -55,7 +55,7 @@ RgbdFrame with_little_depth(RgbdFrame frame) {
 
 // Vertical stripes: nothing in the picture changes when the camera moves up or down.
 RgbdFrame striped(int index) {
-  RgbdFrame frame = see_wall(SE3{}, index);
+  RgbdFrame frame = alignment::see_wall(SE3{}, index);
   for (int v = 0; v < frame.color.height(); ++v) {
     for (int u = 0; u < frame.color.width(); ++u) {
       const auto grey = static_cast<std::uint8_t>((u / 8) % 2 == 0 ? 60 : 180);
@@ -68,103 +68,103 @@ RgbdFrame striped(int index) {
 class ByRegistration : public testing::TestWithParam<TrackerType> {};
 
 TEST_P(ByRegistration, NoDepth) {
-  EXPECT_EQ(track_all(config_of(GetParam()), {without_depth(see_wall(SE3{}, 0))}).lost_reason,
-            LostReason::kNoDepth);
+  EXPECT_EQ(track_all(config_of(GetParam()), {without_depth(alignment::see_wall(SE3{}, 0))}).lost_reason,
+            alignment::LostReason::kNoDepth);
 }
 
 TEST_P(ByRegistration, TooFewPoints) {
-  EXPECT_EQ(track_all(config_of(GetParam()), {with_little_depth(see_wall(SE3{}, 0))}).lost_reason,
-            LostReason::kTooFewPoints);
+  EXPECT_EQ(track_all(config_of(GetParam()), {with_little_depth(alignment::see_wall(SE3{}, 0))}).lost_reason,
+            alignment::LostReason::kTooFewPoints);
 }
 
 TEST_P(ByRegistration, TooFewMatches) {
   // Half a metre nearer from one frame to the next: beyond the gate of the search.
-  EXPECT_EQ(track_all(config_of(GetParam()), {see_wall(SE3{}, 0), see_wall(shifted(0, 0.5), 1)})
+  EXPECT_EQ(track_all(config_of(GetParam()), {alignment::see_wall(SE3{}, 0), alignment::see_wall(shifted(0, 0.5), 1)})
                 .lost_reason,
-            LostReason::kTooFewMatches);
+            alignment::LostReason::kTooFewMatches);
 }
 
 TEST_P(ByRegistration, ImplausibleMotion) {
   TrackerConfig config = config_of(GetParam());
   config.motion.max_translation_m = 0.01;
-  EXPECT_EQ(track_all(config, {see_wall(SE3{}, 0), see_wall(shifted(0, 0.015), 1)}).lost_reason,
-            LostReason::kImplausibleMotion);
+  EXPECT_EQ(track_all(config, {alignment::see_wall(SE3{}, 0), alignment::see_wall(shifted(0, 0.015), 1)}).lost_reason,
+            alignment::LostReason::kImplausibleMotion);
 }
 
-INSTANTIATE_TEST_SUITE_P(LostReason, ByRegistration,
+INSTANTIATE_TEST_SUITE_P(alignment::LostReason, ByRegistration,
                          testing::Values(TrackerType::kSpectral, TrackerType::kPaper,
                                          TrackerType::kGicp),
                          [](const auto& param_info) { return to_string(param_info.param); });
 
-TEST(LostReason, TooFewPixels) {
+TEST(alignment::LostReason, TooFewPixels) {
   // A bare wall: geometry leaves three axes open, and nothing on the wall can be followed.
   EXPECT_EQ(track_all(config_of(TrackerType::kSpectral),
-                      {see_wall(SE3{}, 0, false), see_wall(SE3{}, 1, false)})
+                      {alignment::see_wall(SE3{}, 0, false), alignment::see_wall(SE3{}, 1, false)})
                 .lost_reason,
-            LostReason::kTooFewPixels);
+            alignment::LostReason::kTooFewPixels);
 }
 
-TEST(LostReason, PoorPictureFit) {
+TEST(alignment::LostReason, PoorPictureFit) {
   // The same wall with another paper on it.
   EXPECT_EQ(
-      track_all(config_of(TrackerType::kSpectral), {see_wall(SE3{}, 0), see_wall(shifted(50), 1)})
+      track_all(config_of(TrackerType::kSpectral), {alignment::see_wall(SE3{}, 0), alignment::see_wall(shifted(50), 1)})
           .lost_reason,
-      LostReason::kPoorPictureFit);
+      alignment::LostReason::kPoorPictureFit);
 }
 
-TEST(LostReason, UnseenAxis) {
+TEST(alignment::LostReason, UnseenAxis) {
   EXPECT_EQ(track_all(config_of(TrackerType::kSpectral), {striped(0), striped(1)}).lost_reason,
-            LostReason::kUnseenAxis);
+            alignment::LostReason::kUnseenAxis);
 }
 
-TEST(LostReason, TooFewFeatures) {
-  EXPECT_EQ(track_all(config_of(TrackerType::kOrb), {see_wall(SE3{}, 0), see_wall(SE3{}, 1, false)})
+TEST(alignment::LostReason, TooFewFeatures) {
+  EXPECT_EQ(track_all(config_of(TrackerType::kOrb), {alignment::see_wall(SE3{}, 0), alignment::see_wall(SE3{}, 1, false)})
                 .lost_reason,
-            LostReason::kTooFewFeatures);
+            alignment::LostReason::kTooFewFeatures);
 }
 
-TEST(LostReason, TooFewFeatureMatches) {
+TEST(alignment::LostReason, TooFewFeatureMatches) {
   TrackerConfig config = config_of(TrackerType::kOrb);
   config.visual_pose.max_depth_m = 1;  // the wall is farther: no point of it may be matched to
-  EXPECT_EQ(track_all(config, {see_wall(SE3{}, 0), see_wall(SE3{}, 1)}).lost_reason,
-            LostReason::kTooFewFeatureMatches);
+  EXPECT_EQ(track_all(config, {alignment::see_wall(SE3{}, 0), alignment::see_wall(SE3{}, 1)}).lost_reason,
+            alignment::LostReason::kTooFewFeatureMatches);
 }
 
-TEST(LostReason, TooFewFeatureInliers) {
+TEST(alignment::LostReason, TooFewFeatureInliers) {
   // Descriptors on another paper find partners, but these agree on nothing.
-  EXPECT_EQ(track_all(config_of(TrackerType::kOrb), {see_wall(SE3{}, 0), see_wall(shifted(50), 1)})
+  EXPECT_EQ(track_all(config_of(TrackerType::kOrb), {alignment::see_wall(SE3{}, 0), alignment::see_wall(shifted(50), 1)})
                 .lost_reason,
-            LostReason::kTooFewFeatureInliers);
+            alignment::LostReason::kTooFewFeatureInliers);
 }
 
-TEST(LostReason, ImplausibleMotionOfFeatures) {
+TEST(alignment::LostReason, ImplausibleMotionOfFeatures) {
   TrackerConfig config = config_of(TrackerType::kOrb);
   config.motion.max_translation_m = config.visual_pose.max_translation_m = 0.01;
-  EXPECT_EQ(track_all(config, {see_wall(SE3{}, 0), see_wall(shifted(0.04), 1)}).lost_reason,
-            LostReason::kImplausibleMotion);
+  EXPECT_EQ(track_all(config, {alignment::see_wall(SE3{}, 0), alignment::see_wall(shifted(0.04), 1)}).lost_reason,
+            alignment::LostReason::kImplausibleMotion);
 }
 
-TEST(LostReason, NotFinite) {
+TEST(alignment::LostReason, NotFinite) {
   for (const TrackerType type : {TrackerType::kGicp, TrackerType::kCvm}) {
-    std::vector<RgbdFrame> frames = {see_wall(SE3{}, 0), see_wall(SE3{}, 1), see_wall(SE3{}, 2)};
+    std::vector<RgbdFrame> frames = {alignment::see_wall(SE3{}, 0), alignment::see_wall(SE3{}, 1), alignment::see_wall(SE3{}, 2)};
     frames[2].timestamp_s = std::numeric_limits<double>::quiet_NaN();
     const TrackResult r = track_all(config_of(type), frames);
-    EXPECT_EQ(r.lost_reason, LostReason::kNotFinite) << to_string(type);
+    EXPECT_EQ(r.lost_reason, alignment::LostReason::kNotFinite) << to_string(type);
     EXPECT_TRUE(r.T_odom_camera.all_finite());
   }
 }
 
-TEST(LostReason, EachHasANameAndASentenceOfItsOwn) {
+TEST(alignment::LostReason, EachHasANameAndASentenceOfItsOwn) {
   std::set<std::string_view> names, sentences;
-  for (const LostReasonEntry& entry : kLostReasons) {
+  for (const alignment::LostReasonEntry& entry : alignment::kLostReasons) {
     names.insert(entry.name);
     sentences.insert(entry.sentence);
     EXPECT_EQ(to_string(entry.reason), entry.name);
-    EXPECT_EQ(explain(entry.reason), entry.sentence);
+    EXPECT_EQ(alignment::explain(entry.reason), entry.sentence);
     EXPECT_EQ(entry.sentence.back(), '.') << entry.name;
   }
-  EXPECT_EQ(names.size(), kLostReasons.size());
-  EXPECT_EQ(sentences.size(), kLostReasons.size());
+  EXPECT_EQ(names.size(), alignment::kLostReasons.size());
+  EXPECT_EQ(sentences.size(), alignment::kLostReasons.size());
 }
 
 }  // namespace

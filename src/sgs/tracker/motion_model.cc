@@ -24,13 +24,13 @@ Vector6d MotionModel::rate_to(const SE3& T, double timestamp_s) const {
   return (T_.inverse() * T).log() / dt;
 }
 
-LostReason MotionModel::judge(const SE3& T) const {
-  if (!T.all_finite()) return LostReason::kNotFinite;
+alignment::LostReason MotionModel::judge(const SE3& T) const {
+  if (!T.all_finite()) return alignment::LostReason::kNotFinite;
   const SE3 motion = T_.inverse() * T;
   const double growth = std::min(frames_held_ + 1, config_.max_growth);
   const bool possible = motion.t.norm() <= growth * config_.max_translation_m &&
                         motion.angle() <= growth * config_.max_rotation_rad;
-  return possible ? LostReason::kNone : LostReason::kImplausibleMotion;
+  return possible ? alignment::LostReason::kNone : alignment::LostReason::kImplausibleMotion;
 }
 
 void MotionModel::accept(const SE3& T, double timestamp_s) {

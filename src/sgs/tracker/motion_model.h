@@ -3,7 +3,7 @@
 #pragma once
 
 #include "sgs/geometry/se3.h"
-#include "sgs/tracker/lost_reason.h"
+#include "sgs/alignment/lost_reason.h"
 #include "sgs/tracker/tracker_config.h"
 
 namespace sgs::tracker {
@@ -26,7 +26,7 @@ class MotionModel {
   /// Whether going from the last trusted pose to `T` is possible: kNone, kNotFinite or
   /// kImplausibleMotion. After lost frames the limits grow with their number, up to max_growth
   /// times.
-  LostReason judge(const SE3& T) const;
+  alignment::LostReason judge(const SE3& T) const;
   /// Takes `T` as the trusted pose of the frame at `timestamp_s`. The motion after lost frames is
   /// no velocity.
   void accept(const SE3& T, double timestamp_s);

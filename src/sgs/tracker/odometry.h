@@ -22,9 +22,9 @@ class Odometry {
     return result;
   }
   /// Tracker::know(); before the first frame.
-  void know(const KnownView& view) {
+  void know(const alignment::KnownView& view) {
     revision_.path.append(
-        {known_view_index(revision_.path.size()), view.timestamp_s, view.T_world_camera});
+        {alignment::known_view_index(revision_.path.size()), view.timestamp_s, view.T_world_camera});
     tracker_->know(view, revision_);
   }
   const PlaceSearch* place_search() const { return tracker_->place_search(); }

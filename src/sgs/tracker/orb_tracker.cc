@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "sgs/tracker/step_times.h"
+#include "sgs/alignment/step_times.h"
 
 namespace sgs::tracker {
 namespace {
@@ -26,18 +26,18 @@ DepthSummary summarise_depth(const features::OrbFrame& frame) {
   return s;
 }
 
-LostReason lost_reason(features::Verdict verdict) {
+alignment::LostReason lost_reason(features::Verdict verdict) {
   switch (verdict) {
     case features::Verdict::kOk:
-      return LostReason::kNone;
+      return alignment::LostReason::kNone;
     case features::Verdict::kTooFewMatches:
-      return LostReason::kTooFewFeatureMatches;
+      return alignment::LostReason::kTooFewFeatureMatches;
     case features::Verdict::kTooFewInliers:
-      return LostReason::kTooFewFeatureInliers;
+      return alignment::LostReason::kTooFewFeatureInliers;
     case features::Verdict::kImplausibleMotion:
-      return LostReason::kImplausibleMotion;
+      return alignment::LostReason::kImplausibleMotion;
   }
-  return LostReason::kNone;
+  return alignment::LostReason::kNone;
 }
 
 }  // namespace
@@ -52,10 +52,10 @@ TrackResult OrbTracker::track(const RgbdFrame& frame, const history::Revision&,
                               const map::SnapshotPtr&) {
   TrackResult result;
   Diagnostics& d = result.diagnostics;
-  StepTimes times;
+  alignment::StepTimes times;
   features::OrbFrame current;
   {
-    const CpuTimer timer(times.points);
+    const alignment::CpuTimer timer(times.points);
     current = extractor_.extract(frame);
   }
   d.source_points = summarise_depth(current).count;
@@ -65,9 +65,9 @@ TrackResult OrbTracker::track(const RgbdFrame& frame, const history::Revision&,
   SE3 T = motion_.pose();
   int matches = 0;
   if (d.source_points < config_.visual_pose.min_matches) {
-    result.lost_reason = LostReason::kTooFewFeatures;
+    result.lost_reason = alignment::LostReason::kTooFewFeatures;
   } else if (!first) {
-    const CpuTimer timer(times.visual);
+    const alignment::CpuTimer timer(times.visual);
     features::VisualPose pose = localise(current, frame.timestamp_s);
     if (pose.verdict != features::Verdict::kOk) {
       if (const auto elsewhere = find_again(current)) {
@@ -81,7 +81,7 @@ TrackResult OrbTracker::track(const RgbdFrame& frame, const history::Revision&,
     T = pose.T_world_camera;
   }
 
-  if (result.lost_reason != LostReason::kNone) {
+  if (result.lost_reason != alignment::LostReason::kNone) {
     motion_.hold();
     result.status = TrackingStatus::kLost;
     T = motion_.pose();
@@ -90,11 +90,11 @@ TrackResult OrbTracker::track(const RgbdFrame& frame, const history::Revision&,
     result.keyframe = first || wants_keyframe(current, T, matches);
   }
   if (result.keyframe) {
-    const CpuTimer timer(times.update);
+    const alignment::CpuTimer timer(times.update);
     insert_keyframe(current, T);
   }
   if (result.status != TrackingStatus::kLost) previous_ = std::move(current);
-  times.write_to(d);
+  note_times(times, d);
   result.T_odom_camera = T.normalized();
   return result;
 }
@@ -104,7 +104,7 @@ features::VisualPose OrbTracker::localise(const features::OrbFrame& current,
                                           double timestamp_s) const {
   features::VisualPose pose = map_.localise(current, motion_.predict(timestamp_s));
   if (pose.verdict == features::Verdict::kOk &&
-      motion_.judge(pose.T_world_camera) != LostReason::kNone) {
+      motion_.judge(pose.T_world_camera) != alignment::LostReason::kNone) {
     pose.verdict = features::Verdict::kImplausibleMotion;
   }
   if (pose.verdict == features::Verdict::kOk || !previous_) return pose;

@@ -43,7 +43,7 @@ void PaperTracker::hold() {
 
 // The prior comes before registration, and whether or not it will be needed.
 void PaperTracker::look_at(const RgbdFrame& frame) {
-  const CpuTimer timer(times_.visual);
+  const alignment::CpuTimer timer(times_.visual);
   was_active_ = axes_ && axes_->active;
   axes_.reset();
   prior_ = find_prior(frame);
@@ -76,10 +76,10 @@ RegistrationTracker::Registration PaperTracker::register_frame(double) {
   r.T_local_camera = was_active_ ? prior_.T_local_camera : motion_.pose();
   if (!r.T_local_camera.all_finite()) return r;
   {
-    const CpuTimer timer(times_.index);
+    const alignment::CpuTimer timer(times_.index);
     geometry_.prepare(r.T_local_camera);
   }
-  const CpuTimer timer(times_.geometry);
+  const alignment::CpuTimer timer(times_.geometry);
   if (prior_config_.only && prior_.source != PriorSource::kNone) {
     axes_ = choose_axes(geometry_.linearize(r.T_local_camera).H);
     axes_->active = true;
@@ -147,7 +147,7 @@ PaperTracker::ChosenAxes PaperTracker::choose_axes(const Matrix6d& H_icp) const 
 // none. Targets here are oriented (registration wants that), so each gets a sign from its number,
 // as arbitrary and as lasting as the sign of an eigenvector.
 double PaperTracker::planarity() const {
-  GeometricTerm::MatchedTargets matched = geometry_.matched_targets();
+  alignment::GeometricTerm::MatchedTargets matched = geometry_.matched_targets();
   for (std::size_t i = 0; i < matched.normals.size(); ++i) {
     if (coin(static_cast<std::uint64_t>(matched.indices[i]) + 1)) matched.normals[i] *= -1;
   }

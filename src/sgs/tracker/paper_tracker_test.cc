@@ -7,7 +7,7 @@
 #include <bit>
 
 #include "sgs/tracker/test_tracker.h"
-#include "sgs/tracker/textured_wall.h"
+#include "sgs/alignment/test_textured_wall.h"
 
 namespace sgs::tracker {
 namespace {
@@ -21,11 +21,11 @@ struct PaperRun {
 
 PaperRun run_paper(const TrackerConfig& config, bool papered = true) {
   PaperRun run;
-  const auto tracker = must_make(config, kWallCamera, wall_pose(0));
+  const auto tracker = must_make(config, alignment::kWallCamera, alignment::wall_pose(0));
   for (int i = 0; i < kWallFrames; ++i) {
-    run.results.push_back(tracker->track(see_wall(wall_pose(i), i, papered), nullptr));
+    run.results.push_back(tracker->track(alignment::see_wall(alignment::wall_pose(i), i, papered), nullptr));
   }
-  run.end_error_m = (run.results.back().T_odom_camera.t - wall_pose(kWallFrames - 1).t).norm();
+  run.end_error_m = (run.results.back().T_odom_camera.t - alignment::wall_pose(kWallFrames - 1).t).norm();
   return run;
 }
 
@@ -71,7 +71,7 @@ TEST(PaperTracker, RejectedPriorStandsForNoMotion) {
   EXPECT_EQ(run.results.back().diagnostics.prior_source, PriorSource::kZero);
   // Along the wall the pose is locked; off it the wall itself is still seen.
   EXPECT_NEAR(run.results.back().T_odom_camera.t.x(), 0, 0.02);
-  EXPECT_NEAR(run.results.back().T_odom_camera.t.z(), wall_pose(kWallFrames - 1).t.z(), 0.01);
+  EXPECT_NEAR(run.results.back().T_odom_camera.t.z(), alignment::wall_pose(kWallFrames - 1).t.z(), 0.01);
 }
 
 TEST(PaperTracker, PlanarityAloneCallsForThePrior) {
@@ -128,17 +128,17 @@ TEST(PaperTracker, AblationsChangeWhatTheySay) {
 }
 
 TEST(PaperTracker, HoldsThePoseWithoutDepth) {
-  const auto tracker = must_make(paper_config(), kWallCamera, wall_pose(0));
+  const auto tracker = must_make(paper_config(), alignment::kWallCamera, alignment::wall_pose(0));
   SE3 last;
   for (int i = 0; i < 6; ++i)
-    last = tracker->track(see_wall(wall_pose(i), i), nullptr).T_odom_camera;
-  RgbdFrame dark = see_wall(wall_pose(6), 6);
+    last = tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr).T_odom_camera;
+  RgbdFrame dark = alignment::see_wall(alignment::wall_pose(6), 6);
   dark.depth.fill(0);
   const TrackResult held = tracker->track(dark, nullptr);
   EXPECT_EQ(held.status, TrackingStatus::kLost);
   EXPECT_FALSE(held.keyframe);
   EXPECT_EQ(held.T_odom_camera.t, last.t);
-  EXPECT_NE(tracker->track(see_wall(wall_pose(7), 7), nullptr).status, TrackingStatus::kLost);
+  EXPECT_NE(tracker->track(alignment::see_wall(alignment::wall_pose(7), 7), nullptr).status, TrackingStatus::kLost);
 }
 
 TEST(PaperTracker, SameInputGivesTheSameBits) {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "sgs/render/rendered_images.h"
-#include "sgs/tracker/wall_map.h"
+#include "sgs/tracker/test_wall_map.h"
 
 namespace sgs::tracker {
 namespace {
@@ -22,9 +22,9 @@ class PoseDescentTest : public testing::TestWithParam<RenderMethod> {
   /// The frame that the map itself would give.
   RgbdFrame see(const map::Snapshot& map, const SE3& T) {
     render::Rendering rendering;
-    rasterizer_->render(map.gaussians, kWallCamera, T, rendering);
+    rasterizer_->render(map.gaussians, alignment::kWallCamera, T, rendering);
     RgbdFrame frame;
-    frame.camera = kWallCamera;
+    frame.camera = alignment::kWallCamera;
     frame.color = render::to_color_image(rendering.color);
     frame.depth = render::mean_depth(rendering, 0.5f);
     return frame;
@@ -56,15 +56,15 @@ SE3 moved(const SE3& T) {
 double distance(const SE3& a, const SE3& b) { return (a.inverse() * b).log().norm(); }
 
 TEST_P(PoseDescentTest, ComesBackToWhereTheFrameWasTaken) {
-  const SE3 T_true = wall_pose(0), T_start = moved(T_true);
+  const SE3 T_true = alignment::wall_pose(0), T_start = moved(T_true);
   const map::Snapshot map = relief();
   const SE3 T = descend(map, see(map, T_true), T_start);
   EXPECT_LT(distance(T, T_true), 0.35 * distance(T_start, T_true));
 }
 
 TEST_P(PoseDescentTest, StaysWhereTheMapExplainsNothing) {
-  const SE3 T_start = moved(wall_pose(0));
-  const RgbdFrame frame = see_wall(wall_pose(0), 0);
+  const SE3 T_start = moved(alignment::wall_pose(0));
+  const RgbdFrame frame = alignment::see_wall(alignment::wall_pose(0), 0);
   EXPECT_EQ(descend(map::Snapshot{}, frame, T_start).t, T_start.t);
   map::Snapshot behind = *wall_map();
   for (map::Gaussian& g : behind.gaussians) g.mean[2] -= 50;
@@ -72,16 +72,16 @@ TEST_P(PoseDescentTest, StaysWhereTheMapExplainsNothing) {
 }
 
 TEST_P(PoseDescentTest, StaysWhereNoDepthWasMeasured) {
-  RgbdFrame frame = see_wall(wall_pose(0), 0);
+  RgbdFrame frame = alignment::see_wall(alignment::wall_pose(0), 0);
   frame.depth = DepthImage(frame.depth.width(), frame.depth.height());
-  const SE3 T_start = moved(wall_pose(0));
+  const SE3 T_start = moved(alignment::wall_pose(0));
   EXPECT_EQ(descend(*wall_map(), frame, T_start).t, T_start.t);
 }
 
 TEST_P(PoseDescentTest, IsFiniteWithAMapThatIsNot) {
   map::Snapshot broken = *wall_map();
   for (std::size_t i = 0; i < broken.gaussians.size(); i += 7) broken.gaussians[i].rgb[0] = NAN;
-  const SE3 T = descend(broken, see_wall(wall_pose(0), 0), moved(wall_pose(0)));
+  const SE3 T = descend(broken, alignment::see_wall(alignment::wall_pose(0), 0), moved(alignment::wall_pose(0)));
   EXPECT_TRUE(T.all_finite());
 }
 

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "sgs/tracker/loss_checks.h"
+#include "sgs/alignment/loss_checks.h"
 
 namespace sgs::tracker {
 
@@ -20,7 +20,7 @@ TrackResult RegistrationTracker::track(const RgbdFrame& frame, const history::Re
                                        const map::SnapshotPtr& snapshot) {
   times_ = {};
   {
-    const CpuTimer timer(times_.points);
+    const alignment::CpuTimer timer(times_.points);
     past_.set_revision(revision);
     geometry_.set_frame(frame, past_, snapshot);
   }
@@ -30,16 +30,16 @@ TrackResult RegistrationTracker::track(const RgbdFrame& frame, const history::Re
   const bool first = !geometry_.has_targets();
   std::optional<Registration> r;
   result.lost_reason =
-      check_points(static_cast<int>(geometry_.source().points.size()), config_.loss);
+      alignment::check_points(static_cast<int>(geometry_.source().points.size()), config_.loss);
   // The points as the camera saw them when it saw the colour, if it goes on as it did.
   result.motion = {Vector6d::Zero(), motion_.steady_rate(), frame.depth_delay_s};
   geometry_.set_motion(result.motion);
-  if (!first && result.lost_reason == LostReason::kNone) {
+  if (!first && result.lost_reason == alignment::LostReason::kNone) {
     r = register_frame(frame.timestamp_s);
     result.lost_reason = judge(*r);
   }
   const SE3 T = r ? r->T_local_camera : motion_.pose();
-  if (result.lost_reason == LostReason::kNone) {
+  if (result.lost_reason == alignment::LostReason::kNone) {
     accept(T, frame.timestamp_s);
     result.keyframe = first || r->overlap < config_.geometry.keyframe.min_overlap;
     if (r && r->degenerate) result.status = TrackingStatus::kDegenerate;
@@ -48,7 +48,7 @@ TrackResult RegistrationTracker::track(const RgbdFrame& frame, const history::Re
     result.status = TrackingStatus::kLost;
   }
   if (result.keyframe) {
-    const CpuTimer timer(times_.update);
+    const alignment::CpuTimer timer(times_.update);
     geometry_.insert_keyframe(T, result.motion);
   }
   result.T_odom_camera = (T_world_local_ * motion_.pose()).normalized();
@@ -56,11 +56,11 @@ TrackResult RegistrationTracker::track(const RgbdFrame& frame, const history::Re
   return result;
 }
 
-LostReason RegistrationTracker::judge(const Registration& r) const {
-  if (!r.T_local_camera.all_finite()) return LostReason::kNotFinite;
+alignment::LostReason RegistrationTracker::judge(const Registration& r) const {
+  if (!r.T_local_camera.all_finite()) return alignment::LostReason::kNotFinite;
   const auto points = static_cast<int>(geometry_.source().points.size());
-  const LostReason matches = check_matches(r.at_end.inliers, points, config_.loss);
-  return matches != LostReason::kNone ? matches : motion_.judge(r.T_local_camera);
+  const alignment::LostReason matches = alignment::check_matches(r.at_end.inliers, points, config_.loss);
+  return matches != alignment::LostReason::kNone ? matches : motion_.judge(r.T_local_camera);
 }
 
 void RegistrationTracker::accept(const SE3& T_local_camera, double timestamp_s) {
@@ -71,7 +71,7 @@ void RegistrationTracker::hold() { motion_.hold(); }
 
 Diagnostics RegistrationTracker::describe(const Registration* r) const {
   Diagnostics d;
-  times_.write_to(d);
+  note_times(times_, d);
   d.source_points = static_cast<int>(geometry_.source().points.size());
   d.targets = static_cast<int>(geometry_.targets().cloud().points.size());
   if (r != nullptr) {

@@ -4,8 +4,8 @@
 
 #include "sgs/registration/pose_solver.h"
 #include "sgs/tracker/motion_model.h"
-#include "sgs/tracker/step_times.h"
-#include "sgs/tracker/terms/geometric_term.h"
+#include "sgs/alignment/step_times.h"
+#include "sgs/alignment/terms/geometric_term.h"
 #include "sgs/tracker/tracker.h"
 
 namespace sgs::tracker {
@@ -46,16 +46,16 @@ class RegistrationTracker : public Tracker {
   virtual void hold();
 
   GicpConfig config_;
-  GeometricTerm geometry_;
+  alignment::GeometricTerm geometry_;
   MotionModel motion_;  // camera to local
-  StepTimes times_;     // of the current frame
+  alignment::StepTimes times_;     // of the current frame
 
  private:
-  LostReason judge(const Registration& r) const;
+  alignment::LostReason judge(const Registration& r) const;
   Diagnostics describe(const Registration* r) const;
 
   SE3 T_world_local_;
-  LocalPast past_;
+  alignment::LocalPast past_;
 };
 
 }  // namespace sgs::tracker

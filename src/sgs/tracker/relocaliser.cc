@@ -55,7 +55,7 @@ void Relocaliser::add_keyframe(const RgbdFrame& frame, const history::Calibratio
   keyframes_.push_back({frame.index, ferns_.code(frame), views_->keep(frame, calibration)});
 }
 
-void Relocaliser::know(const KnownView& view, const RgbdFrame& frame) {
+void Relocaliser::know(const alignment::KnownView& view, const RgbdFrame& frame) {
   auto known = std::find_if(known_.begin(), known_.end(),
                             [&](const KnownViews& k) { return k.fern_seed == view.fern_seed; });
   if (known == known_.end()) {
@@ -74,7 +74,7 @@ features::OrbConfig Relocaliser::orb() const {
 
 // The newest one, too: a camera that was lost for a moment is mostly still there.
 std::vector<Relocaliser::Keyframe*> Relocaliser::most_alike(const RgbdFrame& frame,
-                                                            const KnownView* view) {
+                                                            const alignment::KnownView* view) {
   std::vector<std::pair<double, Keyframe*>> alike;
   const auto compare = [&](const features::FernCode& code, auto begin, auto end) {
     for (auto k = begin; k != end; ++k) {
@@ -110,8 +110,8 @@ bool Relocaliser::extract(Keyframe& keyframe, const history::CalibrationPtr& cal
   return true;
 }
 
-std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame, const LocalPast& past,
-                                           const KnownView* view) {
+std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame, const alignment::LocalPast& past,
+                                           const alignment::KnownView* view) {
   last_look_ = {};
   features::OrbExtractor extractor(orb());
   const features::OrbFrame current = extractor.extract(known_.empty() ? reduced(frame) : frame);

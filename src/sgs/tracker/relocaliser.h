@@ -12,8 +12,8 @@
 #include "sgs/features/ferns.h"
 #include "sgs/features/orb.h"
 #include "sgs/history/view_store.h"
-#include "sgs/tracker/known_view.h"
-#include "sgs/tracker/local_past.h"
+#include "sgs/alignment/known_view.h"
+#include "sgs/alignment/local_past.h"
 #include "sgs/tracker/tracker_config.h"
 
 namespace sgs::tracker {
@@ -33,13 +33,13 @@ class Relocaliser {
 
   /// Remembers a view of a finished map for good; `frame` is what a camera like that of the frames
   /// to come saw there, under the view's index in the path.
-  void know(const KnownView& view, const RgbdFrame& frame);
+  void know(const alignment::KnownView& view, const RgbdFrame& frame);
   /// Remembers a keyframe, its depth corrected by `calibration`; the oldest makes room.
   void add_keyframe(const RgbdFrame& frame, const history::CalibrationPtr& calibration);
   /// Pose of a frame among the remembered keyframes, camera to local; empty when none fits. `past`
   /// tells where those are. `view`: of another map whose frame this is; its code in colour counts.
-  std::optional<SE3> relocalise(const RgbdFrame& frame, const LocalPast& past,
-                                const KnownView* view = nullptr);
+  std::optional<SE3> relocalise(const RgbdFrame& frame, const alignment::LocalPast& past,
+                                const alignment::KnownView* view = nullptr);
 
   /// How near the last relocalise() came.
   struct Look {
@@ -64,7 +64,7 @@ class Relocaliser {
   };
   /// For pictures of the frames that come.
   features::OrbConfig orb() const;
-  std::vector<Keyframe*> most_alike(const RgbdFrame& frame, const KnownView* view);
+  std::vector<Keyframe*> most_alike(const RgbdFrame& frame, const alignment::KnownView* view);
   bool extract(Keyframe& keyframe, const history::CalibrationPtr& calibration) const;
 
   RelocaliserConfig config_;

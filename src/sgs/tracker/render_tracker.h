@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "sgs/render/rasterizer.h"
-#include "sgs/tracker/joint_aligner.h"
+#include "sgs/alignment/joint_aligner.h"
 #include "sgs/tracker/motion_model.h"
 #include "sgs/tracker/pose_descent.h"
 #include "sgs/tracker/tracker.h"
@@ -40,16 +40,16 @@ class RenderTracker : public Tracker {
   /// Draws the map as seen from a pose.
   void draw(const map::Snapshot& snapshot, const SE3& T_world_camera);
   /// By alignment to drawings, each from where the last one led to.
-  Alignment align_to_drawings(const RgbdFrame& frame, const map::Snapshot& snapshot,
+  alignment::Alignment align_to_drawings(const RgbdFrame& frame, const map::Snapshot& snapshot,
                               const SE3& T_world_start);
-  Alignment descend(const RgbdFrame& frame, const map::Snapshot& snapshot,
+  alignment::Alignment descend(const RgbdFrame& frame, const map::Snapshot& snapshot,
                     const SE3& T_world_start);
   enum class Move { kFree, kNot };
   /// Aligns a frame to the reference, or judges the start; the aligner is kept for what it tells
   /// about the frame.
-  Alignment align(const RgbdFrame& frame, const SE3& T_world_start, Move move = Move::kFree);
-  TrackResult tracked(const Alignment& a) const;
-  TrackResult lost(const Alignment& a);
+  alignment::Alignment align(const RgbdFrame& frame, const SE3& T_world_start, Move move = Move::kFree);
+  TrackResult tracked(const alignment::Alignment& a) const;
+  TrackResult lost(const alignment::Alignment& a);
 
   RenderTrackerConfig config_;
   PinholeCamera camera_;
@@ -57,7 +57,7 @@ class RenderTracker : public Tracker {
   render::Rendering rendering_;
   PoseDescent descent_;
   std::optional<Reference> reference_;
-  std::optional<JointAligner> aligner_;  // of the last alignment
+  std::optional<alignment::JointAligner> aligner_;  // of the last alignment
   MotionModel motion_;                   // camera to world
 };
 

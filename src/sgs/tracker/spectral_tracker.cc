@@ -7,12 +7,12 @@
 #include <utility>
 
 #include "sgs/camera/resample.h"
-#include "sgs/tracker/loss_checks.h"
+#include "sgs/alignment/loss_checks.h"
 
 namespace sgs::tracker {
 namespace {
 
-LossPolicy::Limits loss_limits(const AlignmentConfig& config) {
+LossPolicy::Limits loss_limits(const alignment::AlignmentConfig& config) {
   LossPolicy::Limits limits;
   limits.min_pixels = config.min_pixels;
   limits.search_interval = config.relocalise_interval;
@@ -35,9 +35,9 @@ SpectralTracker::SpectralTracker(const SpectralConfig& config, const PinholeCame
     : config_(config),
       camera_(camera),
       T_world_local_(T_world_first),
-      aligner_(config, camera, T_world_first.inverse()),
+      aligner_(config.aligner, camera, T_world_first.inverse()),
       relocaliser_(config.relocaliser),
-      policy_(loss_limits(config.alignment)),
+      policy_(loss_limits(config.aligner.alignment)),
       motion_(config.motion, SE3{}),
       readout_(config.readout),
       delay_(config.delay) {}
@@ -49,7 +49,7 @@ TrackResult SpectralTracker::track(const RgbdFrame& frame, const history::Revisi
   aligner_.look_at(frame, revision, snapshot);
   if (before.number() != revision.number()) follow(before.calibration);
   depth_delay_s_ = frame.depth_delay_s + delay_.delay_s();
-  const Alignment alignment = !is_in_map()                ? look_for_place(frame)
+  const alignment::Alignment alignment = !is_in_map()                ? look_for_place(frame)
                               : !aligner_.has_map()       ? start_map()
                               : motion_.frames_held() > 0 ? find_camera(frame)
                                                           : follow_unless_elsewhere(frame);
@@ -71,8 +71,8 @@ TrackResult SpectralTracker::track(const RgbdFrame& frame, const history::Revisi
 }
 
 // The first frame is where the tracker was told it is; all it needs is depth.
-Alignment SpectralTracker::start_map() const {
-  Alignment a;
+alignment::Alignment SpectralTracker::start_map() const {
+  alignment::Alignment a;
   a.T_local_camera = motion_.pose();
   a.lost_reason = aligner_.check_frame();
   return a;
@@ -82,10 +82,10 @@ Alignment SpectralTracker::start_map() const {
 // problem (an abrupt stop, a jerk between dropped frames): once more from the last pose. The better
 // of the two counts. The picture of a prediction that stands its ground still fits badly, so that
 // one is refined from where it ended, with the references and targets of that pose.
-Alignment SpectralTracker::follow_camera(double timestamp_s) {
-  Alignment predicted = align(motion_.predict(timestamp_s), timestamp_s, motion_);
+alignment::Alignment SpectralTracker::follow_camera(double timestamp_s) {
+  alignment::Alignment predicted = align(motion_.predict(timestamp_s), timestamp_s, motion_);
   if (predicted.trusted() && !fits_badly(predicted)) return predicted;
-  Alignment again = align(motion_.pose(), timestamp_s, motion_);
+  alignment::Alignment again = align(motion_.pose(), timestamp_s, motion_);
   const bool better = again.trusted() && again.picture && predicted.picture &&
                       again.picture->mean_cost < predicted.picture->mean_cost;
   if (!predicted.trusted() || better) return again;
@@ -95,12 +95,12 @@ Alignment SpectralTracker::follow_camera(double timestamp_s) {
 // A camera that was carried off between two frames may find surfaces that fit where it is not, and
 // surfaces that have drifted may pull a pose away from what the picture says: then the picture
 // alone still fits there.
-Alignment SpectralTracker::follow_unless_elsewhere(const RgbdFrame& frame) {
-  Alignment followed = follow_camera(frame.timestamp_s);
+alignment::Alignment SpectralTracker::follow_unless_elsewhere(const RgbdFrame& frame) {
+  alignment::Alignment followed = follow_camera(frame.timestamp_s);
   const Evidence evidence = evidence_of(followed);
   if (policy_.follow(evidence) == LossPolicy::State::kTracking) {
     if (!policy_.wonders(evidence)) return followed;
-    const auto is_better = [&](const Alignment& found) {
+    const auto is_better = [&](const alignment::Alignment& found) {
       return policy_.is_better(evidence_of(found), evidence);
     };
     return relocalised(frame, is_better).value_or(followed);
@@ -109,17 +109,17 @@ Alignment SpectralTracker::follow_unless_elsewhere(const RgbdFrame& frame) {
     return followed;
   }
   if (policy_.searches(evidence)) {
-    const auto is_right = [&](const Alignment& found) { return is_found(found); };
+    const auto is_right = [&](const alignment::Alignment& found) { return is_found(found); };
     if (const auto elsewhere = relocalised(frame, is_right)) return *elsewhere;
   }
-  if (policy_.loses(evidence)) followed.lost_reason = LostReason::kPoorPictureFit;
+  if (policy_.loses(evidence)) followed.lost_reason = alignment::LostReason::kPoorPictureFit;
   return followed;
 }
 
 // The frames after a loss: from the pose carried on, and now and then from where the camera is
 // found among the keyframes.
-Alignment SpectralTracker::find_camera(const RgbdFrame& frame) {
-  Alignment carried_on = align(T_bridge_, frame.timestamp_s, motion_, JointAligner::From::kAfar);
+alignment::Alignment SpectralTracker::find_camera(const RgbdFrame& frame) {
+  alignment::Alignment carried_on = align(T_bridge_, frame.timestamp_s, motion_, alignment::JointAligner::From::kAfar);
   switch (policy_.find(evidence_of(carried_on))) {
     case LossPolicy::Finding::kAccept:
       return carried_on;
@@ -129,15 +129,15 @@ Alignment SpectralTracker::find_camera(const RgbdFrame& frame) {
     case LossPolicy::Finding::kLost:
       break;
   }
-  if (carried_on.trusted()) carried_on.lost_reason = LostReason::kPoorPictureFit;
+  if (carried_on.trusted()) carried_on.lost_reason = alignment::LostReason::kPoorPictureFit;
   if (!policy_.searches_lost(motion_.frames_held())) return carried_on;
-  const auto is_right = [&](const Alignment& found) { return is_found(found); };
+  const auto is_right = [&](const alignment::Alignment& found) { return is_found(found); };
   return relocalised(frame, is_right).value_or(carried_on);
 }
 
 // A view becomes what a frame becomes that was tracked to its place; and its picture teaches what
 // pictures cost here.
-void SpectralTracker::know(const KnownView& view, const history::Revision& revision) {
+void SpectralTracker::know(const alignment::KnownView& view, const history::Revision& revision) {
   if (!search_) {
     search_.emplace();
     search_->needed_inliers = config_.relocaliser.pose.relocalisation_min_inliers;
@@ -148,11 +148,11 @@ void SpectralTracker::know(const KnownView& view, const history::Revision& revis
   frame.index = revision.path.back().frame;
   relocaliser_.know(view, frame);
   aligner_.look_at(frame, revision, nullptr);
-  Alignment a;
+  alignment::Alignment a;
   a.T_local_camera = aligner_.past().at(frame.index);
   if (aligner_.has_map()) {
     aligner_.carry_to(aligner_.vision().nearest_keyframe(a.T_local_camera));
-    a = aligner_.measure(a.T_local_camera, known_readout(view.motion));
+    a = aligner_.measure(a.T_local_camera, alignment::known_readout(view.motion));
     aligner_.learn_noise(a);
     policy_.learn(evidence_of(a));
   }
@@ -164,10 +164,10 @@ void SpectralTracker::know(const KnownView& view, const history::Revision& revis
 }
 
 // A camera that has not found itself in its map could be anywhere: it is not carried on.
-Alignment SpectralTracker::look_for_place(const RgbdFrame& frame) {
-  if (aligner_.check_frame() == LostReason::kNone) {
+alignment::Alignment SpectralTracker::look_for_place(const RgbdFrame& frame) {
+  if (aligner_.check_frame() == alignment::LostReason::kNone) {
     const double t = frame.timestamp_s;
-    const auto is_right = [&](const Alignment& place) { return is_first_place(place, t); };
+    const auto is_right = [&](const alignment::Alignment& place) { return is_first_place(place, t); };
     const auto found = relocalised(frame, is_right);
     note_look(t);
     if (found) {
@@ -175,9 +175,9 @@ Alignment SpectralTracker::look_for_place(const RgbdFrame& frame) {
       return *found;
     }
   }
-  Alignment a;
+  alignment::Alignment a;
   a.T_local_camera = motion_.pose();
-  a.lost_reason = LostReason::kNotInMap;
+  a.lost_reason = alignment::LostReason::kNotInMap;
   return a;
 }
 
@@ -191,7 +191,7 @@ void SpectralTracker::note_look(double timestamp_s) {
   best.best_inliers = look.inliers;
   best.best_matches = look.matches;
   best.best_frame_s = timestamp_s;
-  const std::int64_t view = look.keyframe - known_view_index(0);
+  const std::int64_t view = look.keyframe - alignment::known_view_index(0);
   const bool known = view >= 0 && view < std::ssize(view_times_s_);
   best.best_view_s = known ? view_times_s_[static_cast<std::size_t>(view)] : 0;
 }
@@ -200,7 +200,7 @@ void SpectralTracker::note_look(double timestamp_s) {
 // yet: surfaces and picture have to say so both, and a second frame has to see itself next to it.
 // Who sees the map from farther away sees much that it does not show: then less has to be explained
 // by surfaces, where hardly a feature that is alike contradicts the others.
-bool SpectralTracker::is_first_place(const Alignment& a, double timestamp_s) {
+bool SpectralTracker::is_first_place(const alignment::Alignment& a, double timestamp_s) {
   constexpr double kPartlyExplained = 0.35, kUnanimous = 0.8;
   const Relocaliser::Look& look = relocaliser_.last_look();
   const Evidence evidence = evidence_of(a);
@@ -217,7 +217,7 @@ bool SpectralTracker::is_first_place(const Alignment& a, double timestamp_s) {
                                timestamp_s - before->timestamp_s);
 }
 
-Evidence SpectralTracker::evidence_of(const Alignment& a) const {
+Evidence SpectralTracker::evidence_of(const alignment::Alignment& a) const {
   constexpr double kExplained = 0.6;  // surfaces cannot agree so far by chance
   Evidence e;
   e.trusted = a.trusted();
@@ -232,10 +232,10 @@ Evidence SpectralTracker::evidence_of(const Alignment& a) const {
 }
 
 // Where the picture alone fits, as pictures usually do, near a pose that surfaces have agreed to.
-std::optional<Alignment> SpectralTracker::picture_of_this_place(const Alignment& a,
+std::optional<alignment::Alignment> SpectralTracker::picture_of_this_place(const alignment::Alignment& a,
                                                                 double timestamp_s) {
   constexpr double kNear_m = 0.1, kNear_rad = 0.1;
-  Alignment picture = align_picture(a.T_local_camera, timestamp_s);
+  alignment::Alignment picture = align_picture(a.T_local_camera, timestamp_s);
   const SE3 T = a.T_local_camera.inverse() * picture.T_local_camera;
   if (!policy_.is_confirmed(evidence_of(picture)) || T.t.norm() > kNear_m || T.angle() > kNear_rad)
     return std::nullopt;
@@ -244,11 +244,11 @@ std::optional<Alignment> SpectralTracker::picture_of_this_place(const Alignment&
 
 // From where the keyframes say that the camera is; empty where they do not know, or where what is
 // seen there is not believed.
-std::optional<Alignment> SpectralTracker::relocalised(
-    const RgbdFrame& frame, const std::function<bool(const Alignment&)>& is_believed) {
+std::optional<alignment::Alignment> SpectralTracker::relocalised(
+    const RgbdFrame& frame, const std::function<bool(const alignment::Alignment&)>& is_believed) {
   std::optional<SE3> found;
   {
-    const CpuTimer timer(aligner_.times().visual);
+    const alignment::CpuTimer timer(aligner_.times().visual);
     found = relocaliser_.relocalise(frame, aligner_.past());
   }
   if (!found) return std::nullopt;
@@ -257,7 +257,7 @@ std::optional<Alignment> SpectralTracker::relocalised(
   motion.jump_to(*found);
   const std::size_t last = aligner_.vision().newest_keyframe();
   aligner_.carry_to(aligner_.vision().nearest_keyframe(*found));
-  Alignment a = align(*found, frame.timestamp_s, motion, JointAligner::From::kAfar);
+  alignment::Alignment a = align(*found, frame.timestamp_s, motion, alignment::JointAligner::From::kAfar);
   if (!is_believed(a)) {
     aligner_.carry_to(last);
     return std::nullopt;
@@ -268,26 +268,26 @@ std::optional<Alignment> SpectralTracker::relocalised(
 }
 
 // The picture fits much worse than pictures lately did: perhaps not where the camera is.
-bool SpectralTracker::fits_badly(const Alignment& a) const {
+bool SpectralTracker::fits_badly(const alignment::Alignment& a) const {
   return policy_.usual_cost() > 0 && a.picture &&
-         a.picture->mean_cost > config_.alignment.suspicious_cost * policy_.usual_cost();
+         a.picture->mean_cost > config_.aligner.alignment.suspicious_cost * policy_.usual_cost();
 }
 
 // Aligns from one start pose; `motion` tells which poses are possible.
-Alignment SpectralTracker::align(const SE3& T_start, double timestamp_s, const MotionModel& motion,
-                                 JointAligner::From from) {
-  Alignment a = aligner_.align(T_start, readout_model(timestamp_s, motion), from);
+alignment::Alignment SpectralTracker::align(const SE3& T_start, double timestamp_s, const MotionModel& motion,
+                                 alignment::JointAligner::From from) {
+  alignment::Alignment a = aligner_.align(T_start, readout_model(timestamp_s, motion), from);
   if (a.trusted()) a.lost_reason = motion.judge(a.T_local_camera);
   return a;
 }
 
-Alignment SpectralTracker::align_picture(const SE3& T_start, double timestamp_s) {
-  Alignment a = aligner_.align_picture(T_start, readout_model(timestamp_s, motion_));
+alignment::Alignment SpectralTracker::align_picture(const SE3& T_start, double timestamp_s) {
+  alignment::Alignment a = aligner_.align_picture(T_start, readout_model(timestamp_s, motion_));
   if (a.trusted()) a.lost_reason = motion_.judge(a.T_local_camera);
   return a;
 }
 
-ReadoutModel SpectralTracker::readout_model(double timestamp_s, const MotionModel& motion) const {
+alignment::ReadoutModel SpectralTracker::readout_model(double timestamp_s, const MotionModel& motion) const {
   return {[this, timestamp_s, &motion](const SE3& T_local_camera) {
             return readout_.predict(motion.rate_to(T_local_camera, timestamp_s),
                                     aligner_.vision().newest_keyframe());
@@ -314,7 +314,7 @@ Vector6d SpectralTracker::frame_readout(const Vector6d& seen) const {
 
 // What this frame tells about the sensor: its readout time, its clocks, its noise, and how well
 // pictures fit. `rate`: camera twist per second.
-void SpectralTracker::learn_from(const Alignment& a, const Vector6d& rate) {
+void SpectralTracker::learn_from(const alignment::Alignment& a, const Vector6d& rate) {
   if (!a.picture_holds()) return;
   const auto seen = a.fit.measured_readout(a.geometry ? a.geometry->H : Matrix6d(Matrix6d::Zero()));
   readout_.update(rate.head<3>(), seen.rotation, seen.information,
@@ -327,9 +327,9 @@ void SpectralTracker::learn_from(const Alignment& a, const Vector6d& rate) {
 }
 
 // Targets and visual keyframes grow independently; true when the targets did.
-bool SpectralTracker::extend_map(const RgbdFrame& frame, const Alignment& a,
+bool SpectralTracker::extend_map(const RgbdFrame& frame, const alignment::Alignment& a,
                                  const Vector6d& readout, const Vector6d& rate) {
-  const CpuTimer timer(aligner_.times().update);
+  const alignment::CpuTimer timer(aligner_.times().update);
   const auto extended = aligner_.extend(a, readout);
   if (extended.keyframe) {
     relocaliser_.add_keyframe(frame, aligner_.past().revision().calibration);
@@ -340,7 +340,7 @@ bool SpectralTracker::extend_map(const RgbdFrame& frame, const Alignment& a,
 
 // Goes on from where the last frames are believed to be now, the last trusted one and the last one.
 void SpectralTracker::follow(const history::CalibrationPtr& before) {
-  const LocalPast& past = aligner_.past();
+  const alignment::LocalPast& past = aligner_.past();
   if (const auto change = history::depth_change(before, past.revision().calibration)) {
     delay_.shift(change->delay_s(), change->after().delay_sigma_s);
   }
@@ -349,18 +349,18 @@ void SpectralTracker::follow(const history::CalibrationPtr& before) {
   T_bridge_ = past.at(past.revision().path.back().frame);
 }
 
-TrackResult SpectralTracker::tracked(const Alignment& alignment) const {
+TrackResult SpectralTracker::tracked(const alignment::Alignment& alignment) const {
   TrackResult result;
   result.T_odom_camera = (T_world_local_ * alignment.T_local_camera).normalized();
   result.status =
       aligner_.observability().mask != 0 ? TrackingStatus::kDegenerate : TrackingStatus::kOk;
   result.information = alignment.information();
-  result.diagnostics = aligner_.describe(alignment);
+  result.diagnostics = describe(aligner_, alignment);
   result.diagnostics.readout_s = readout_.readout_s();
   return result;
 }
 
-TrackResult SpectralTracker::lost(const Alignment& alignment, double timestamp_s) {
+TrackResult SpectralTracker::lost(const alignment::Alignment& alignment, double timestamp_s) {
   if (motion_.frames_held() == 0) {
     lost_since_s_ = timestamp_s;
     T_bridge_ = motion_.pose();
@@ -369,20 +369,20 @@ TrackResult SpectralTracker::lost(const Alignment& alignment, double timestamp_s
   policy_.lost();
   const SE3 T_carried_on = motion_.predict(timestamp_s);
   if (T_carried_on.all_finite() &&
-      (timestamp_s - lost_since_s_ <= config_.alignment.bridge_s || motion_.frames_held() == 1)) {
+      (timestamp_s - lost_since_s_ <= config_.aligner.alignment.bridge_s || motion_.frames_held() == 1)) {
     T_bridge_ = T_carried_on;
   }
   // Surfaces that were not believed are still the best guess of how the camera went on.
-  if (alignment.lost_reason == LostReason::kPoorPictureFit &&
+  if (alignment.lost_reason == alignment::LostReason::kPoorPictureFit &&
       evidence_of(alignment).explained_by_surfaces &&
-      motion_.judge(alignment.T_local_camera) == LostReason::kNone) {
+      motion_.judge(alignment.T_local_camera) == alignment::LostReason::kNone) {
     T_bridge_ = alignment.T_local_camera;
   }
   TrackResult result;
   result.status = TrackingStatus::kLost;
   result.lost_reason = alignment.lost_reason;
   result.T_odom_camera = (T_world_local_ * T_bridge_).normalized();
-  result.diagnostics = aligner_.describe(alignment);
+  result.diagnostics = describe(aligner_, alignment);
   return result;
 }
 

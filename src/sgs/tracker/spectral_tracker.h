@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "sgs/tracker/delay_estimator.h"
-#include "sgs/tracker/joint_aligner.h"
-#include "sgs/tracker/known_view.h"
+#include "sgs/alignment/joint_aligner.h"
+#include "sgs/alignment/known_view.h"
 #include "sgs/tracker/loss_policy.h"
 #include "sgs/tracker/motion_model.h"
-#include "sgs/tracker/readout_estimator.h"
+#include "sgs/alignment/readout_estimator.h"
 #include "sgs/tracker/relocaliser.h"
 #include "sgs/tracker/tracker.h"
 
@@ -34,47 +34,47 @@ class SpectralTracker : public Tracker {
     relocaliser_.remember_in(views);
   }
   bool finds_itself() const override { return true; }
-  void know(const KnownView& view, const history::Revision& revision) override;
+  void know(const alignment::KnownView& view, const history::Revision& revision) override;
   const PlaceSearch* place_search() const override { return search_ ? &*search_ : nullptr; }
 
  private:
   // The steps of a frame.
   void follow(const history::CalibrationPtr& before);
-  Alignment start_map() const;
-  Alignment follow_camera(double timestamp_s);
-  Alignment follow_unless_elsewhere(const RgbdFrame& frame);
-  Alignment find_camera(const RgbdFrame& frame);
-  Alignment look_for_place(const RgbdFrame& frame);
-  std::optional<Alignment> relocalised(const RgbdFrame& frame,
-                                       const std::function<bool(const Alignment&)>& is_believed);
-  void learn_from(const Alignment& alignment, const Vector6d& rate);
-  bool extend_map(const RgbdFrame& frame, const Alignment& alignment, const Vector6d& readout,
+  alignment::Alignment start_map() const;
+  alignment::Alignment follow_camera(double timestamp_s);
+  alignment::Alignment follow_unless_elsewhere(const RgbdFrame& frame);
+  alignment::Alignment find_camera(const RgbdFrame& frame);
+  alignment::Alignment look_for_place(const RgbdFrame& frame);
+  std::optional<alignment::Alignment> relocalised(const RgbdFrame& frame,
+                                       const std::function<bool(const alignment::Alignment&)>& is_believed);
+  void learn_from(const alignment::Alignment& alignment, const Vector6d& rate);
+  bool extend_map(const RgbdFrame& frame, const alignment::Alignment& alignment, const Vector6d& readout,
                   const Vector6d& rate);
-  TrackResult tracked(const Alignment& alignment) const;
-  TrackResult lost(const Alignment& alignment, double timestamp_s);
+  TrackResult tracked(const alignment::Alignment& alignment) const;
+  TrackResult lost(const alignment::Alignment& alignment, double timestamp_s);
 
-  Alignment align(const SE3& T_start, double timestamp_s, const MotionModel& motion,
-                  JointAligner::From from = JointAligner::From::kNear);
-  Alignment align_picture(const SE3& T_start, double timestamp_s);
-  std::optional<Alignment> picture_of_this_place(const Alignment& a, double timestamp_s);
-  ReadoutModel readout_model(double timestamp_s, const MotionModel& motion) const;
-  bool fits_badly(const Alignment& a) const;
-  Evidence evidence_of(const Alignment& a) const;
+  alignment::Alignment align(const SE3& T_start, double timestamp_s, const MotionModel& motion,
+                  alignment::JointAligner::From from = alignment::JointAligner::From::kNear);
+  alignment::Alignment align_picture(const SE3& T_start, double timestamp_s);
+  std::optional<alignment::Alignment> picture_of_this_place(const alignment::Alignment& a, double timestamp_s);
+  alignment::ReadoutModel readout_model(double timestamp_s, const MotionModel& motion) const;
+  bool fits_badly(const alignment::Alignment& a) const;
+  Evidence evidence_of(const alignment::Alignment& a) const;
   bool is_in_map() const { return !search_ || search_->found; }
-  bool is_found(const Alignment& a) const { return policy_.is_found(evidence_of(a)); }
-  bool is_first_place(const Alignment& a, double timestamp_s);
+  bool is_found(const alignment::Alignment& a) const { return policy_.is_found(evidence_of(a)); }
+  bool is_first_place(const alignment::Alignment& a, double timestamp_s);
   void note_look(double timestamp_s);
   Vector6d frame_readout(const Vector6d& readout) const;
 
   SpectralConfig config_;
   PinholeCamera camera_;
   SE3 T_world_local_;
-  JointAligner aligner_;
+  alignment::JointAligner aligner_;
   Relocaliser relocaliser_;
   LossPolicy policy_;
   MotionModel motion_;                         // camera to local
   std::optional<std::int64_t> trusted_frame_;  // index of the last one that was not lost
-  ReadoutEstimator readout_;
+  alignment::ReadoutEstimator readout_;
   DelayEstimator delay_;
   double depth_delay_s_ = 0;  // of the frame that is tracked, with what was learned of it
   double lost_since_s_ = 0;

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "sgs/tracker/test_tracker.h"
-#include "sgs/tracker/textured_wall.h"
+#include "sgs/alignment/test_textured_wall.h"
 
 namespace sgs::tracker {
 namespace {
@@ -20,11 +20,11 @@ struct WallRun {
 
 WallRun run_wall(const TrackerConfig& config, int frames, const SE3& T_shift = {}) {
   WallRun run;
-  const auto tracker = must_make(config, kWallCamera, T_shift * wall_pose(0));
+  const auto tracker = must_make(config, alignment::kWallCamera, T_shift * alignment::wall_pose(0));
   for (int i = 0; i < frames; ++i) {
-    run.results.push_back(tracker->track(see_wall(wall_pose(i), i), nullptr));
+    run.results.push_back(tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr));
     const TrackResult& r = run.results.back();
-    run.worst_m = std::max(run.worst_m, distance_m(r.T_odom_camera, T_shift * wall_pose(i)));
+    run.worst_m = std::max(run.worst_m, distance_m(r.T_odom_camera, T_shift * alignment::wall_pose(i)));
     run.lost += r.status == TrackingStatus::kLost ? 1 : 0;
   }
   return run;
@@ -63,11 +63,11 @@ double error_with_depth_later_by(double delay_s, double known_delay_s, bool lear
   constexpr int kFrames = 40;
   TrackerConfig config;
   config.delay.estimate = learn;
-  const auto tracker = must_make(config, kWallCamera, swinging(0, haste));
+  const auto tracker = must_make(config, alignment::kWallCamera, swinging(0, haste));
   double squares = 0;
   for (int i = 0; i < kFrames; ++i) {
-    RgbdFrame frame = see_wall(swinging(i / 30.0, haste), i);
-    frame.depth = see_wall(swinging(i / 30.0 + delay_s, haste), i).depth;
+    RgbdFrame frame = alignment::see_wall(swinging(i / 30.0, haste), i);
+    frame.depth = alignment::see_wall(swinging(i / 30.0 + delay_s, haste), i).depth;
     frame.depth_delay_s = known_delay_s;
     const TrackResult result = tracker->track(frame, nullptr);
     EXPECT_NE(result.status, TrackingStatus::kLost) << i;
@@ -112,116 +112,116 @@ TEST(SpectralTracker, GivesTheSameBitsAgain) {
 }
 
 TEST(SpectralTracker, SaysLostBeforeABarePlaneAndComesBack) {
-  const auto tracker = must_make({}, kWallCamera, wall_pose(0));
-  for (int i = 0; i < 12; ++i) tracker->track(see_wall(wall_pose(i), i), nullptr);
+  const auto tracker = must_make({}, alignment::kWallCamera, alignment::wall_pose(0));
+  for (int i = 0; i < 12; ++i) tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr);
   // The camera stops before a wall without paper: neither source sees the two sideways directions.
   int lost = 0;
   SE3 last;
   for (int i = 12; i < 42; ++i) {
-    const auto r = tracker->track(see_wall(wall_pose(11), i, false), nullptr);
+    const auto r = tracker->track(alignment::see_wall(alignment::wall_pose(11), i, false), nullptr);
     lost += r.status == TrackingStatus::kLost ? 1 : 0;
-    EXPECT_LT(distance_m(r.T_odom_camera, wall_pose(11)), 0.15) << i;
+    EXPECT_LT(distance_m(r.T_odom_camera, alignment::wall_pose(11)), 0.15) << i;
     last = r.T_odom_camera;
   }
   EXPECT_GE(lost, 29);
   // Features return: tracking is back within half a second, where it was.
   TrackResult r;
-  for (int i = 42; i < 57; ++i) r = tracker->track(see_wall(wall_pose(i - 31), i), nullptr);
+  for (int i = 42; i < 57; ++i) r = tracker->track(alignment::see_wall(alignment::wall_pose(i - 31), i), nullptr);
   EXPECT_NE(r.status, TrackingStatus::kLost);
-  EXPECT_LT(distance_m(r.T_odom_camera, wall_pose(25)), 0.015);
+  EXPECT_LT(distance_m(r.T_odom_camera, alignment::wall_pose(25)), 0.015);
 }
 
 // After its first frame, and later: keyframes, targets and the motion are where the path has them.
 TEST(SpectralTracker, GoesOnWhereARevisionPutsIt) {
   const SE3 shift(so3_exp({0.02, 0.3, -0.1}), {1, -2, 0.5});
   for (const int frames : {1, 12}) {
-    const auto tracker = must_make({}, kWallCamera, wall_pose(0));
-    for (int i = 0; i < frames; ++i) tracker->track(see_wall(wall_pose(i), i), nullptr);
+    const auto tracker = must_make({}, alignment::kWallCamera, alignment::wall_pose(0));
+    for (int i = 0; i < frames; ++i) tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr);
     const history::Path::Entry last = tracker->revision().path.back();
     const SE3& T = last.T_odom_camera;
     tracker->revise({PoseCorrection({{last.timestamp_s, T, shift * T}})});
     for (int i = frames; i < frames + 3; ++i) {
-      const TrackResult r = tracker->track(see_wall(wall_pose(i), i), nullptr);
+      const TrackResult r = tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr);
       EXPECT_NE(r.status, TrackingStatus::kLost) << i;
-      EXPECT_LT(distance_m(r.T_odom_camera, shift * wall_pose(i)), 0.01) << i;
+      EXPECT_LT(distance_m(r.T_odom_camera, shift * alignment::wall_pose(i)), 0.01) << i;
     }
   }
 }
 
 TEST(SpectralTracker, NeverJumps) {
-  const auto tracker = must_make({}, kWallCamera, wall_pose(0));
-  for (int i = 0; i < 5; ++i) tracker->track(see_wall(wall_pose(i), i), nullptr);
-  SE3 elsewhere = wall_pose(5);
+  const auto tracker = must_make({}, alignment::kWallCamera, alignment::wall_pose(0));
+  for (int i = 0; i < 5; ++i) tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr);
+  SE3 elsewhere = alignment::wall_pose(5);
   elsewhere.t.x() += 3;
-  const auto r = tracker->track(see_wall(elsewhere, 5), nullptr);
+  const auto r = tracker->track(alignment::see_wall(elsewhere, 5), nullptr);
   EXPECT_EQ(r.status, TrackingStatus::kLost);
-  EXPECT_LT(distance_m(r.T_odom_camera, wall_pose(5)), 0.1);
+  EXPECT_LT(distance_m(r.T_odom_camera, alignment::wall_pose(5)), 0.1);
 }
 
 TEST(SpectralTracker, WaitsForDepth) {
-  const auto tracker = must_make({}, kWallCamera, wall_pose(0));
-  RgbdFrame blind = see_wall(wall_pose(0), 0);
+  const auto tracker = must_make({}, alignment::kWallCamera, alignment::wall_pose(0));
+  RgbdFrame blind = alignment::see_wall(alignment::wall_pose(0), 0);
   blind.depth.fill(0);
   EXPECT_EQ(tracker->track(blind, nullptr).status, TrackingStatus::kLost);
-  EXPECT_NE(tracker->track(see_wall(wall_pose(0), 1), nullptr).status, TrackingStatus::kLost);
-  EXPECT_NE(tracker->track(see_wall(wall_pose(1), 2), nullptr).status, TrackingStatus::kLost);
+  EXPECT_NE(tracker->track(alignment::see_wall(alignment::wall_pose(0), 1), nullptr).status, TrackingStatus::kLost);
+  EXPECT_NE(tracker->track(alignment::see_wall(alignment::wall_pose(1), 2), nullptr).status, TrackingStatus::kLost);
 }
 
 // Neither a picture nor depth: nothing was observed, and nothing may be said to be.
 TEST(SpectralTracker, ABlackFrameIsLost) {
-  const auto tracker = must_make({}, kWallCamera, wall_pose(0));
-  for (int i = 0; i < 5; ++i) tracker->track(see_wall(wall_pose(i), i), nullptr);
-  RgbdFrame black = see_wall(wall_pose(5), 5);
+  const auto tracker = must_make({}, alignment::kWallCamera, alignment::wall_pose(0));
+  for (int i = 0; i < 5; ++i) tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr);
+  RgbdFrame black = alignment::see_wall(alignment::wall_pose(5), 5);
   black.depth.fill(0);
   black.color.fill({});
   const TrackResult result = tracker->track(black, nullptr);
   EXPECT_EQ(result.status, TrackingStatus::kLost);
-  EXPECT_EQ(result.lost_reason, LostReason::kNoDepth);
+  EXPECT_EQ(result.lost_reason, alignment::LostReason::kNoDepth);
 }
 
 TEST(SpectralTracker, FollowsThePictureWhereDepthFails) {
-  const auto tracker = must_make({}, kWallCamera, wall_pose(0));
+  const auto tracker = must_make({}, alignment::kWallCamera, alignment::wall_pose(0));
   for (int i = 0; i < 10; ++i) {
-    RgbdFrame frame = see_wall(wall_pose(i), i);
+    RgbdFrame frame = alignment::see_wall(alignment::wall_pose(i), i);
     if (i >= 5) frame.depth.fill(0);
     const TrackResult result = tracker->track(frame, nullptr);
     EXPECT_NE(result.status, TrackingStatus::kLost) << i;
-    EXPECT_LT(distance_m(result.T_odom_camera, wall_pose(i)), 0.01) << i;
+    EXPECT_LT(distance_m(result.T_odom_camera, alignment::wall_pose(i)), 0.01) << i;
   }
 }
 
 // Carried along a wall whose surface is everywhere the same: only the picture tells.
 TEST(SpectralTracker, SurfacesAreNotBelievedAgainstThePicture) {
-  const auto tracker = must_make({}, kWallCamera, wall_pose(0));
-  for (int i = 0; i < 10; ++i) tracker->track(see_wall(wall_pose(i), i), nullptr);
-  SE3 elsewhere = wall_pose(10);
+  const auto tracker = must_make({}, alignment::kWallCamera, alignment::wall_pose(0));
+  for (int i = 0; i < 10; ++i) tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr);
+  SE3 elsewhere = alignment::wall_pose(10);
   elsewhere.t.x() += 50;
   int lost = 0;
   for (int i = 10; i < 40; ++i) {
-    lost += tracker->track(see_wall(elsewhere, i), nullptr).status == TrackingStatus::kLost;
+    lost += tracker->track(alignment::see_wall(elsewhere, i), nullptr).status == TrackingStatus::kLost;
   }
   EXPECT_EQ(lost, 30);
-  const TrackResult back = tracker->track(see_wall(wall_pose(9), 40), nullptr);
+  const TrackResult back = tracker->track(alignment::see_wall(alignment::wall_pose(9), 40), nullptr);
   EXPECT_NE(back.status, TrackingStatus::kLost);
-  EXPECT_LT(distance_m(back.T_odom_camera, wall_pose(9)), 0.01);
+  EXPECT_LT(distance_m(back.T_odom_camera, alignment::wall_pose(9)), 0.01);
 }
 
 // What it tracks by are points and pixels of its own: the pictures lie on a disk that may be slow.
 TEST(SpectralTracker, ReadsTheDiskOnlyOnceItIsLost) {
   const auto views =
       std::make_shared<history::ViewStore>(1, history::ViewStore::Options{.least_in_memory = 1});
-  auto made = make_tracker({}, kWallCamera, wall_pose(0));
+  auto made = make_tracker({}, alignment::kWallCamera, alignment::wall_pose(0));
   ASSERT_TRUE(made);
   (*made)->remember_in(views);
   Odometry tracker(std::move(*made));
   for (int i = 0; i < 60; ++i) {
-    EXPECT_NE(tracker.track(see_wall(wall_pose(i), i), nullptr).status, TrackingStatus::kLost) << i;
+    EXPECT_NE(tracker.track(alignment::see_wall(alignment::wall_pose(i), i), nullptr).status, TrackingStatus::kLost) << i;
     views->settle();
   }
   EXPECT_EQ(views->reads(), 0u);
-  SE3 elsewhere = wall_pose(10);
+  SE3 elsewhere = alignment::wall_pose(10);
   elsewhere.t.x() += 50;
-  for (int i = 61; i < 75; ++i) tracker.track(see_wall(elsewhere, i), nullptr);
+  for (int i = 61; i < 75; ++i) tracker.track(alignment::see_wall(elsewhere, i), nullptr);
   EXPECT_GT(views->reads(), 0u);
 }
 
@@ -229,27 +229,27 @@ TEST(SpectralTracker, ReadsTheDiskOnlyOnceItIsLost) {
 // which the camera is found must be as well aligned as those that follow.
 TEST(SpectralTracker, CarriedBackToTheWallItIsAlignedToWhatItSawThere) {
   const auto before_wall = [](double distance_m) {
-    return SE3(so3_exp({0.03, -0.02, 0.01}), {0, 0, kWallDistance_m - distance_m});
+    return SE3(so3_exp({0.03, -0.02, 0.01}), {0, 0, alignment::kWallDistance_m - distance_m});
   };
   constexpr int kAway = 60;  // frames
-  const auto tracker = must_make({}, kWallCamera, before_wall(0.8));
+  const auto tracker = must_make({}, alignment::kWallCamera, before_wall(0.8));
   for (int i = 0; i < kAway; ++i) {
-    const auto r = tracker->track(see_wall(before_wall(0.8 + 0.04 * i), i), nullptr);
+    const auto r = tracker->track(alignment::see_wall(before_wall(0.8 + 0.04 * i), i), nullptr);
     ASSERT_NE(r.status, TrackingStatus::kLost) << i;
   }
   const SE3 back = before_wall(0.82);
-  const TrackResult found = tracker->track(see_wall(back, kAway), nullptr);
+  const TrackResult found = tracker->track(alignment::see_wall(back, kAway), nullptr);
   EXPECT_NE(found.status, TrackingStatus::kLost);
   EXPECT_LT(distance_m(found.T_odom_camera, back), 0.005);
-  const TrackResult next = tracker->track(see_wall(back, kAway + 1), nullptr);
+  const TrackResult next = tracker->track(alignment::see_wall(back, kAway + 1), nullptr);
   EXPECT_GT(found.diagnostics.visual_inliers, 0.9 * next.diagnostics.visual_inliers);
   EXPECT_LT(found.diagnostics.visual_cost, 1.05 * next.diagnostics.visual_cost);
 }
 
 TEST(SpectralTracker, SurvivesBrightnessChanges) {
-  const auto tracker = must_make({}, kWallCamera, wall_pose(0));
+  const auto tracker = must_make({}, alignment::kWallCamera, alignment::wall_pose(0));
   for (int i = 0; i < 20; ++i) {
-    RgbdFrame frame = see_wall(wall_pose(i), i);
+    RgbdFrame frame = alignment::see_wall(alignment::wall_pose(i), i);
     const double gain = 1 + 0.2 * std::sin(0.8 * i);
     for (std::size_t k = 0; k < frame.color.size(); ++k) {
       Rgb8& c = frame.color.data()[k];
@@ -257,13 +257,13 @@ TEST(SpectralTracker, SurvivesBrightnessChanges) {
     }
     const auto r = tracker->track(frame, nullptr);
     EXPECT_NE(r.status, TrackingStatus::kLost) << i;
-    EXPECT_LT(distance_m(r.T_odom_camera, wall_pose(i)), 0.01) << i;
+    EXPECT_LT(distance_m(r.T_odom_camera, alignment::wall_pose(i)), 0.01) << i;
   }
 }
 
-KnownView view_of_wall(const SE3& T_world_camera, int index = 0) {
-  KnownView view;
-  const RgbdFrame frame = see_wall(T_world_camera, index);
+alignment::KnownView view_of_wall(const SE3& T_world_camera, int index = 0) {
+  alignment::KnownView view;
+  const RgbdFrame frame = alignment::see_wall(T_world_camera, index);
   view.timestamp_s = 1000 + frame.timestamp_s;  // of another day
   view.T_world_camera = T_world_camera;
   view.frame = frame;
@@ -273,9 +273,9 @@ KnownView view_of_wall(const SE3& T_world_camera, int index = 0) {
 }
 
 std::unique_ptr<Odometry> tracker_that_knows_the_wall() {
-  auto tracker = must_make(TrackerConfig(), kWallCamera, SE3{});
+  auto tracker = must_make(TrackerConfig(), alignment::kWallCamera, SE3{});
   EXPECT_EQ(tracker->place_search(), nullptr);
-  for (int i = 0; i < 40; i += 4) tracker->know(view_of_wall(wall_pose(i), i));
+  for (int i = 0; i < 40; i += 4) tracker->know(view_of_wall(alignment::wall_pose(i), i));
   return tracker;
 }
 
@@ -284,13 +284,13 @@ TEST(SpectralTracker, FindsItselfInAMapThatItIsGivenAndGoesOnThere) {
   ASSERT_NE(tracker->place_search(), nullptr);
   int lost = 0;
   for (int i = 18; i < 40; ++i) {
-    const TrackResult r = tracker->track(see_wall(wall_pose(i), i), nullptr);
+    const TrackResult r = tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr);
     if (r.status == TrackingStatus::kLost) {
-      EXPECT_EQ(r.lost_reason, LostReason::kNotInMap);
+      EXPECT_EQ(r.lost_reason, alignment::LostReason::kNotInMap);
       ++lost;
       continue;
     }
-    EXPECT_LT(distance_m(r.T_odom_camera, wall_pose(i)), 0.01) << i;
+    EXPECT_LT(distance_m(r.T_odom_camera, alignment::wall_pose(i)), 0.01) << i;
   }
   EXPECT_GE(lost, 1) << "one frame alone is not believed";
   EXPECT_LE(lost, 5);
@@ -301,8 +301,8 @@ TEST(SpectralTracker, RatherStaysLostThanTakesAnotherPlaceForTheMaps) {
   const auto tracker = tracker_that_knows_the_wall();
   const SE3 elsewhere(Eigen::Matrix3d::Identity(), {7, 3, 0});  // papered otherwise
   for (int i = 0; i < 10; ++i) {
-    const TrackResult r = tracker->track(see_wall(elsewhere * wall_pose(i), i), nullptr);
-    EXPECT_EQ(r.lost_reason, LostReason::kNotInMap) << i;
+    const TrackResult r = tracker->track(alignment::see_wall(elsewhere * alignment::wall_pose(i), i), nullptr);
+    EXPECT_EQ(r.lost_reason, alignment::LostReason::kNotInMap) << i;
   }
   const PlaceSearch& search = *tracker->place_search();
   EXPECT_FALSE(search.found);
@@ -312,15 +312,15 @@ TEST(SpectralTracker, RatherStaysLostThanTakesAnotherPlaceForTheMaps) {
 
 // What a map of one view at two thirds of the distance shows fills less than half of the frame.
 TEST(SpectralTracker, FindsItselfInAMapThatItSeesFromFartherAway) {
-  const SE3 nearer(Eigen::Matrix3d::Identity(), {0.05, 0.03, kWallDistance_m / 3});
+  const SE3 nearer(Eigen::Matrix3d::Identity(), {0.05, 0.03, alignment::kWallDistance_m / 3});
   for (const bool here : {true, false}) {
     const SE3 place = here ? SE3{} : SE3(Eigen::Matrix3d::Identity(), {7, 3, 0});
-    const auto tracker = must_make(TrackerConfig(), kWallCamera, SE3{});
+    const auto tracker = must_make(TrackerConfig(), alignment::kWallCamera, SE3{});
     tracker->know(view_of_wall(nearer));
     for (int i = 0; i < 10; ++i) {
-      const TrackResult r = tracker->track(see_wall(place * wall_pose(i), i), nullptr);
+      const TrackResult r = tracker->track(alignment::see_wall(place * alignment::wall_pose(i), i), nullptr);
       if (r.status == TrackingStatus::kLost) continue;
-      EXPECT_LT(distance_m(r.T_odom_camera, wall_pose(i)), 0.01) << i;
+      EXPECT_LT(distance_m(r.T_odom_camera, alignment::wall_pose(i)), 0.01) << i;
     }
     EXPECT_EQ(tracker->place_search()->found, here);
   }
@@ -330,7 +330,7 @@ TEST(SpectralTracker, FindsItselfInAMapThatItSeesFromFartherAway) {
 // calibration knows the delay to `sigma_s`; 0: there is no calibration.
 constexpr double kLate_s = 0.008;
 double delay_learned_in_a_map(double sigma_s) {
-  const auto tracker = must_make(TrackerConfig(), kWallCamera, SE3{});
+  const auto tracker = must_make(TrackerConfig(), alignment::kWallCamera, SE3{});
   if (sigma_s > 0) {
     DepthCalibration calibration;
     calibration.delay_sigma_s = sigma_s;
@@ -339,8 +339,8 @@ double delay_learned_in_a_map(double sigma_s) {
   for (int i = 0; i < 40; i += 8) tracker->know(view_of_wall(swinging(i / 30.0)));
   double learned_s = 0;
   for (int i = 0; i < 40; ++i) {
-    RgbdFrame frame = see_wall(swinging(i / 30.0), i);
-    frame.depth = see_wall(swinging(i / 30.0 + kLate_s), i).depth;
+    RgbdFrame frame = alignment::see_wall(swinging(i / 30.0), i);
+    frame.depth = alignment::see_wall(swinging(i / 30.0 + kLate_s), i).depth;
     const TrackResult r = tracker->track(frame, nullptr);
     if (r.status != TrackingStatus::kLost) learned_s = r.motion.learned_delay_s;
   }

@@ -10,7 +10,8 @@
 #include "sgs/history/revision.h"
 #include "sgs/history/view_store.h"
 #include "sgs/map/gaussian.h"
-#include "sgs/tracker/known_view.h"
+#include "sgs/alignment/known_view.h"
+#include "sgs/tracker/place_search.h"
 #include "sgs/tracker/track_result.h"
 
 namespace sgs::tracker {
@@ -58,7 +59,7 @@ class Tracker {
   /// somewhere in that world: frames are lost (kNotInMap) until it has found itself there. The path
   /// of `revision` ends with this view, after those that were taken in before, and that of every
   /// later revision begins with all of them; depths of the view are as its calibration has them.
-  virtual void know(const KnownView& /*view*/, const history::Revision& /*revision*/) {}
+  virtual void know(const alignment::KnownView& /*view*/, const history::Revision& /*revision*/) {}
   /// What became of that; null where there is no map to be found in.
   virtual const PlaceSearch* place_search() const { return nullptr; }
 };

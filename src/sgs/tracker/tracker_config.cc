@@ -61,34 +61,31 @@ TrackerConfig paper_tracker_config() {
   c.degeneracy.planarity_alone = true;
   c.motion.start = MotionStart::kPrevious;
   c.keyframe.clear_view = false;
-  c.target.source = TargetSource::kOptimised;
+  c.target.source = alignment::TargetSource::kOptimised;
   c.target.step_px = c.points.step_px;
   return c;
 }
 
-GeometryConfig::GeometryConfig(const TrackerConfig& all)
-    : points(all.points),
-      search(all.search),
-      factor(all.factor),
-      target(all.target),
-      keyframe(all.keyframe),
-      movers(all.movers) {}
+namespace {
 
-VisionConfig::VisionConfig(const TrackerConfig& all)
-    : photometric(all.photometric), keyframes(all.visual_keyframes) {}
+alignment::GeometryConfig geometry_config(const TrackerConfig& all) {
+  return {all.points, all.search, all.factor, all.target, all.keyframe, all.movers};
+}
+
+}  // namespace
+
+alignment::AlignerConfig aligner_config(const TrackerConfig& all) {
+  return {all.fusion,     all.alignment,        all.solver,
+          all.degeneracy, all.loss,             geometry_config(all),
+          {all.photometric, all.visual_keyframes}};
+}
 
 RelocaliserConfig::RelocaliserConfig(const TrackerConfig& all)
     : memory(all.relocalisation), orb(all.orb), pose(all.visual_pose) {}
 
 SpectralConfig::SpectralConfig(const TrackerConfig& all)
-    : fusion(all.fusion),
-      alignment(all.alignment),
-      solver(all.solver),
-      degeneracy(all.degeneracy),
+    : aligner(aligner_config(all)),
       motion(all.motion),
-      loss(all.loss),
-      geometry(all),
-      vision(all),
       readout(all.readout),
       delay(all.delay),
       relocaliser(all) {}
@@ -98,7 +95,7 @@ GicpConfig::GicpConfig(const TrackerConfig& all)
       degeneracy(all.degeneracy),
       motion(all.motion),
       loss(all.loss),
-      geometry(all) {}
+      geometry(geometry_config(all)) {}
 
 PaperConfig::PaperConfig(const TrackerConfig& all)
     : registration(all), prior(all.prior), orb(all.orb), visual_pose(all.visual_pose) {}
@@ -107,6 +104,6 @@ OrbTrackerConfig::OrbTrackerConfig(const TrackerConfig& all)
     : motion(all.motion), orb(all.orb), visual_pose(all.visual_pose), tracking(all.orb_tracking) {}
 
 RenderTrackerConfig::RenderTrackerConfig(const TrackerConfig& all)
-    : alignment(all), rendering(all.rendering) {}
+    : aligner(aligner_config(all)), motion(all.motion), rendering(all.rendering) {}
 
 }  // namespace sgs::tracker

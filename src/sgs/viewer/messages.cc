@@ -139,7 +139,7 @@ std::string state_message(const FrameUpdate& update, bool paused) {
   slam::visit_columns(record, ValueVisitor{values});
   Json lost;
   if (record.status == tracker::TrackingStatus::kLost) {
-    lost = tracker::explain(record.lost_reason);
+    lost = alignment::explain(record.lost_reason);
   }
   return dump({{"type", "state"},
                {"frame", record.index},

@@ -91,9 +91,9 @@ TEST(Messages, StateHasEveryAnnouncedColumn) {
 TEST(Messages, ALostFrameSaysWhy) {
   FrameUpdate u = testing::update(1);
   u.record.status = tracker::TrackingStatus::kLost;
-  u.record.lost_reason = tracker::LostReason::kTooFewMatches;
+  u.record.lost_reason = alignment::LostReason::kTooFewMatches;
   const json state = json::parse(state_message(u, false));
-  EXPECT_EQ(state["lost"], tracker::explain(tracker::LostReason::kTooFewMatches));
+  EXPECT_EQ(state["lost"], alignment::explain(alignment::LostReason::kTooFewMatches));
   EXPECT_EQ(state["values"]["lost_reason"], "too_few_matches");
 }
 

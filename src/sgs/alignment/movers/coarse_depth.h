@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "sgs/camera/rgbd_frame.h"
+#include "sgs/registration/rolling_shutter.h"
+
+namespace sgs::alignment {
+
+/// Depth of a frame, 160 pixels wide or a little more: enough to tell whether surface is where it
+/// was.
+struct CoarseDepth {
+  CoarseDepth() = default;
+  explicit CoarseDepth(const RgbdFrame& taken);
+
+  int step_px = 1;         ///< one pixel is kept of so many, across and down
+  std::int64_t frame = 0;  ///< its index
+  double timestamp_s = 0;
+  PinholeCamera camera;  ///< of the kept pixels
+  DepthImage depth;      ///< metres, 0 = no measurement
+  /// How the camera moved while it was measured.
+  registration::FrameMotion motion;
+};
+
+}  // namespace sgs::alignment

@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "sgs/registration/cell_mask.h"
+#include "sgs/alignment/local_past.h"
+#include "sgs/alignment/movers/coarse_depth.h"
+
+namespace sgs::alignment {
+
+/// Tells which parts of a frame move by themselves: those whose surface stands where the frames of
+/// the last half second saw none. Knows nothing of the map, which may have the movers in it. As
+/// long as nothing moves, much has to move at once before anything is said to: depth that is bent
+/// or late looks like small things that move.
+class MovingParts {
+ public:
+  /// What a pose says of the frame.
+  struct Judgement {
+    registration::CellMask mask;  ///< what moves
+    std::vector<float> still;     ///< score_still() of each cell; empty where nothing moves
+    double support = 0;           ///< how much of the older frames the pose explains
+  };
+
+  /// Looks at a frame.
+  void look_at(const RgbdFrame& frame) { depth_ = CoarseDepth(frame); }
+  /// What moves if it was taken there, and the camera moved so meanwhile. `past` has the frames
+  /// that were remembered.
+  Judgement judge(const SE3& T_local_camera, const registration::FrameMotion& motion,
+                  const LocalPast& past);
+  /// The judgement is believed: later frames are compared with this one.
+  void remember(const Judgement& judgement, const registration::FrameMotion& motion);
+  /// Whether something moved in the last frame that was remembered.
+  bool moved() const { return !still_.empty(); }
+  /// Whether there is a frame to compare with.
+  bool has_past() const { return !past_depths_.empty(); }
+
+ private:
+  std::vector<const CoarseDepth*> compared_with() const;
+  registration::CellMask coherent(const std::vector<float>& still, const std::vector<float>& depths,
+                                  int columns) const;
+
+  CoarseDepth depth_;                    // of the frame that is looked at
+  std::deque<CoarseDepth> past_depths_;  // oldest first
+  std::vector<float> still_;             // of the last of them; empty: nothing moved
+};
+
+}  // namespace sgs::alignment

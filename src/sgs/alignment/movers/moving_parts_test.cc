@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/alignment/movers/moving_parts.h"
+
+#include <gtest/gtest.h>
+
+#include "sgs/alignment/movers/surface_check.h"
+#include "sgs/alignment/test_textured_wall.h"
+
+namespace sgs::alignment {
+namespace {
+
+// A board that is carried through the view before the papered wall; papered as well.
+struct Board {
+  double left_m, width_m, distance_m;
+};
+
+RgbdFrame see(const SE3& T_world_camera, int index, const Board& board) {
+  RgbdFrame frame = see_wall(T_world_camera, index);
+  for (int v = 0; v < kWallCamera.height; ++v) {
+    for (int u = 0; u < kWallCamera.width; ++u) {
+      const Eigen::Vector3d ray = T_world_camera.R * kWallCamera.back_project(u, v, 1.0);
+      const double z = (board.distance_m - T_world_camera.t.z()) / ray.z();
+      const Eigen::Vector3d p = T_world_camera.t + z * ray;
+      const double x = p.x() - board.left_m;
+      if (x < 0 || x > board.width_m) continue;
+      const std::uint8_t grey = wallpaper(x + 7, p.y());
+      frame.color(u, v) = {grey, grey, grey};
+      frame.depth(u, v) = static_cast<float>(z);
+    }
+  }
+  return frame;
+}
+
+// Past the camera at a metre a second.
+Board carried(int index, double width_m) { return {-0.5 + index / 30.0, width_m, 0.8}; }
+
+CoarseDepth coarse(int index, const Board& board, const SE3& T = {}) {
+  return CoarseDepth(see(T, index, board));
+}
+
+TEST(CoarseDepth, KeepsPixelsWithTheirCamera) {
+  const RgbdFrame frame = see_wall({}, 3);
+  const CoarseDepth depth(frame);
+  EXPECT_EQ(depth.frame, 3);
+  ASSERT_EQ(depth.step_px, 2);
+  EXPECT_EQ(depth.depth.width(), kWallCamera.width / 2);
+  const Eigen::Vector3d there = depth.camera.back_project(5, 7, 1.0);
+  const Eigen::Vector3d here = kWallCamera.back_project(11, 15, 1.0);
+  EXPECT_NEAR((there - here).norm(), 0, 1e-12);
+  EXPECT_EQ(depth.depth(5, 7), frame.depth(11, 15));
+}
+
+TEST(SurfaceCheck, SurfaceIsOffWhereNothingStoodAndUnknownWhereItWasHidden) {
+  const Board nobody{10, 0.1, 0.8};
+  const CoarseDepth empty = coarse(0, nobody), with = coarse(1, {-0.1, 0.2, 0.8});
+  const SurfaceCheck came = check_surface(with, empty, {}), left = check_surface(empty, with, {});
+  const auto middle = came.off.size() / 2 + static_cast<std::size_t>(came.columns / 2);
+  EXPECT_EQ(came.off[middle], 1);
+  EXPECT_EQ(left.off[middle], SurfaceCheck::kUnknown);
+  const auto beside = middle + 15;
+  EXPECT_LT(came.off[beside], 0.1f);
+  EXPECT_LT(left.off[beside], 0.1f);
+  EXPECT_GT(check_surface(empty, empty, {}).support, came.support);
+}
+
+TEST(SurfaceCheck, FollowsTheCamera) {
+  const Board nobody{10, 0.1, 0.8};
+  const SE3 T(so3_exp({0.02, 0.05, 0.1}), {0.03, 0.02, -0.2});
+  const SurfaceCheck check = check_surface(coarse(1, nobody, T), coarse(0, nobody), T);
+  for (const float off : check.off) EXPECT_LT(off, 0.1f);
+  const SurfaceCheck wrong = check_surface(coarse(1, nobody, T), coarse(0, nobody), {});
+  EXPECT_LT(wrong.support, 0.2 * check.support);
+}
+
+// Looks at frames up to the last, of which it gives the judgement; all from one place.
+MovingParts::Judgement judge_last(int last, double width_m) {
+  MovingParts parts;
+  history::Revision revision;
+  LocalPast past;
+  MovingParts::Judgement judgement;
+  for (int i = 0; i <= last; ++i) {
+    parts.look_at(see({}, i, carried(i, width_m)));
+    judgement = parts.judge({}, {}, past);
+    revision.path.append({i, i / 30.0, SE3{}});
+    past.set_revision(revision);
+    parts.remember(judgement, {});
+  }
+  return judgement;
+}
+
+TEST(MovingParts, SaysWhatIsCarriedThroughTheView) {
+  const MovingParts::Judgement judgement = judge_last(15, 0.5);
+  ASSERT_TRUE(judgement.mask.any());
+  const RgbdFrame frame = see({}, 15, carried(15, 0.5));
+  int both = 0, either = 0;
+  for (int v = 4; v < kWallCamera.height; v += 8) {
+    for (int u = 4; u < kWallCamera.width; u += 8) {
+      const bool moves = frame.depth(u, v) < 1, said = judgement.mask.at(u, v);
+      both += moves && said ? 1 : 0;
+      either += moves || said ? 1 : 0;
+    }
+  }
+  EXPECT_GT(both, 0.8 * either);
+}
+
+TEST(MovingParts, SaysNothingOfSomethingSmall) { EXPECT_FALSE(judge_last(15, 0.1).mask.any()); }
+
+}  // namespace
+}  // namespace sgs::alignment

@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#include "sgs/alignment/movers/surface_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sgs/camera/depth_noise.h"
+
+namespace sgs::alignment {
+namespace {
+
+constexpr float kWidths = 3;  // of the noise, beyond which nothing is noise
+constexpr float kNearest_m = 0.05f;
+constexpr int kMostReach = 2;  // pixels beside a place that are looked at
+
+// By how much a point moves against the camera, metres per second.
+Eigen::Vector3f speed_of(const Eigen::Vector3f& point, const Vector6d& velocity) {
+  return velocity.head<3>().cast<float>().cross(point) + velocity.tail<3>().cast<float>();
+}
+
+struct Range {
+  float nearest = std::numeric_limits<float>::infinity(), farthest = 0;
+};
+
+// Of what is measured around a place, `reach` pixels beyond the four that surround it.
+Range range_around(const DepthImage& depth, int u, int v, int reach) {
+  Range out;
+  for (int y = v - reach; y <= v + 1 + reach; ++y) {
+    const float* row = depth.row(y);
+    for (int x = u - reach; x <= u + 1 + reach; ++x) {
+      if (!(row[x] > 0)) continue;
+      out.nearest = std::min(out.nearest, row[x]);
+      out.farthest = std::max(out.farthest, row[x]);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+SurfaceCheck check_surface(const CoarseDepth& now, const CoarseDepth& then, const SE3& T_then_now,
+                           double clock_s) {
+  SurfaceCheck out;
+  out.columns = now.depth.width() / SurfaceCheck::kCell;
+  const int rows = now.depth.height() / SurfaceCheck::kCell;
+  out.off.assign(static_cast<std::size_t>(out.columns * rows), SurfaceCheck::kUnknown);
+  // Depth is measured somewhat later than colour, whose pose is known.
+  const SE3 T = SE3::exp(Vector6d(-then.motion.lag())) * T_then_now * SE3::exp(now.motion.lag());
+  const Eigen::Matrix3f R = T.R.cast<float>();
+  const Eigen::Vector3f t = T.t.cast<float>();
+  const auto f = [](double x) { return static_cast<float>(x); };
+  const float fx = f(now.camera.fx), fy = f(now.camera.fy), cx = f(now.camera.cx),
+              cy = f(now.camera.cy);
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < out.columns; ++column) {
+      const int x = column * SurfaceCheck::kCell + 1, y = row * SurfaceCheck::kCell + 1;
+      const float z = now.depth(x, y);
+      if (!(z > 0)) continue;
+      const Eigen::Vector3f p((f(x) - cx) / fx * z, (f(y) - cy) / fy * z, z);
+      const Eigen::Vector3f q = R * p + t;
+      if (!(q.z() > kNearest_m)) continue;
+      const Eigen::Vector3f drift = f(clock_s) * (speed_of(p, now.motion.velocity).cwiseAbs() +
+                                                  speed_of(q, then.motion.velocity).cwiseAbs());
+      const float across_px = std::max(drift.x() * fx, drift.y() * fy) / q.z();
+      const int reach = std::min(kMostReach, static_cast<int>(std::lround(across_px)));
+      const float u = q.x() / q.z() * fx + cx, v = q.y() / q.z() * fy + cy;
+      const float rim = f(reach);
+      if (!(u >= rim && v >= rim && u < f(then.depth.width() - 1) - rim &&
+            v < f(then.depth.height() - 1) - rim)) {
+        continue;
+      }
+      const Range seen = range_around(then.depth, static_cast<int>(u), static_cast<int>(v), reach);
+      if (!(seen.farthest > 0)) continue;
+      const float width = std::sqrt(2.0f) * depth_sigma_m(q.z()) + drift.z() / kWidths;
+      const float before = (seen.nearest - q.z()) / width, behind = (q.z() - seen.farthest) / width;
+      if (behind > kWidths) continue;
+      const float e = std::max({before, behind, 0.0f}) / kWidths;
+      const float off = std::min(1.0f, e * e);
+      out.off[static_cast<std::size_t>(row * out.columns + column)] = off;
+      out.support += 1 - double{off};
+    }
+  }
+  return out;
+}
+
+}  // namespace sgs::alignment

@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: The Spectral GS-SLAM authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "sgs/geometry/se3.h"
+#include "sgs/alignment/movers/coarse_depth.h"
+
+namespace sgs::alignment {
+
+/// Whether surface of a frame is where an older one saw it, cell by cell.
+struct SurfaceCheck {
+  static constexpr int kCell = 2;  ///< pixels of the coarse depth to a cell's side
+  static constexpr float kUnknown = -1;
+
+  int columns = 0;
+  /// 0 (as noise has it) .. 1 (three widths off or more: where nothing stood), or kUnknown: not
+  /// measured, out of sight, or behind what was seen there, and so perhaps hidden by it.
+  std::vector<float> off;
+  /// Sum of 1 - off over what is known: how much of the older frame the pose explains.
+  double support = 0;
+};
+
+/// Checks `now` against `then`, for a camera that moved so between them (now's camera to then's).
+/// Both are measured while the camera moves as their motions say, give or take `clock_s`: by so
+/// much their clocks of depth and colour may differ, besides the delay that is known.
+SurfaceCheck check_surface(const CoarseDepth& now, const CoarseDepth& then, const SE3& T_then_now,
+                           double clock_s = 0);
+
+}  // namespace sgs::alignment
