@@ -4,7 +4,7 @@
 """Runs the commands named in a Markdown page and puts what they print in their place.
 
 update_results.py NAME... [--with WORD=VALUE]... [--page docs/results.md] [--programs FOLDER]
-update_results.py --list
+update_results.py all [--with WORD=VALUE]... | readme | --list
 
 A block of the page says what makes it, and everything between its two lines is replaced:
 
@@ -15,7 +15,8 @@ A block of the page says what makes it, and everything between its two lines is 
 COMMAND is run by bash in the repository's root, with --programs (that of the release preset) first
 in PATH, so that `sgs bench tum-synth --markdown` is one. `--with DIR=../data` runs the command with
 ../data where it says DIR; the page goes on to say DIR. A command that fails or prints nothing leaves
-the page as it is.
+the page as it is. `all` renews every block, one after the other, and what README quotes of them;
+`readme` only the latter: the cells that README_TABLES names.
 """
 import argparse
 import os
@@ -27,6 +28,49 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BEGIN = re.compile(r"<!-- begin (?P<name>[\w.-]+): (?P<command>.+) -->")
 END = re.compile(r"<!-- end (?P<name>[\w.-]+) -->")
+
+
+# What README quotes. For each of its tables: heading, then label, and (block, row, column) of each
+# cell; a list of several is shown with strokes between.
+README_TABLES = [
+    (
+        "| real recording | ours | live at 30 Hz | geometry only (`--tracker gicp`) |"
+        " features only (`--tracker orb`) | PSNR of the map, live / offline, dB |",
+        [
+            (
+                label,
+                [("real", name, "ATE, cm: spectral (as said)")],
+                [("real", name, "live: ATE, cm")],
+                [("real", name, "gicp")],
+                [("real", name, "orb")],
+                [("real", name, "live: PSNR full, dB"), ("real", name, "PSNR full / held out, dB")],
+            )
+            for name, label in [
+                ("tum_fr1_xyz", "TUM `freiburg1_xyz`, 797 Kinect frames"),
+                ("7scenes_redkitchen_600", "7-Scenes RedKitchen, 600 Kinect frames"),
+            ]
+        ],
+    ),
+    (
+        "| rendered, with a sensor's faults | ours | geometry only | features only |",
+        [
+            (
+                label,
+                *(
+                    [("accuracy-hard", f"hard {tracker}", scene)]
+                    for tracker in ("spectral", "gicp", "orb")
+                ),
+            )
+            for scene, label in [
+                ("nostruct_far", "textured wall, no structure (`nostructure_texture_far`)"),
+                ("nostruct_near", "the same nearer, with a loop (`nostructure_texture_near`)"),
+                ("notex_near", "zig-zag panels, no texture (`structure_notexture_near`)"),
+                ("room_desk", "desk in a room (`room_desk`)"),
+                ("corridor", "corridor (`corridor`)"),
+            ]
+        ],
+    ),
+]
 
 
 class Wrong(Exception):
@@ -92,10 +136,61 @@ def renew(page, names, programs, values):
         page.write_text("\n".join(lines))
 
 
+def cells(lines, block):
+    """{(row, column): cell} of the tables of a block; a row is called by its first words in bold."""
+    _, _, begin, end = next((b for b in blocks(lines) if b[0] == block), (None, None, 0, 0))
+    found, columns = {}, None
+    for line in lines[begin + 1 : end]:
+        if not line.startswith("|"):
+            columns = None
+            continue
+        row = [cell.strip() for cell in line.strip().removeprefix("|").removesuffix("|").split("|")]
+        if columns is None:
+            columns = row
+        elif not set(row[0]) <= set("-: "):
+            bold = re.match(r"\*\*(.+?)\*\*", row[0])
+            name = bold[1] if bold else row[0]
+            found.update({(name, c): cell for c, cell in zip(columns[1:], row[1:])})
+    return found
+
+
+def quoted(lines, references):
+    """The numbers that stand there, without bold type and what is in brackets."""
+    numbers = []
+    for block, row, column in references:
+        cell = cells(lines, block).get((row, column))
+        if cell is None:
+            raise Wrong(f"no '{row}' under '{column}' in block '{block}', which README quotes")
+        numbers.append(re.split(r" \(| / ", cell.replace("*", ""))[0])
+    return " / ".join(numbers)
+
+
+def renew_readme(page, readme):
+    """Puts the numbers of the page into README's tables."""
+    lines = page.read_text().split("\n")
+    text = readme.read_text().split("\n")
+    for heading, rows in README_TABLES:
+        if heading not in text:
+            raise Wrong(f"{readme.name} has no table '{heading}'")
+        first = text.index(heading) + 2
+        last = next(i for i in range(first, len(text) + 1) if not text[i].startswith("|"))
+        text[first:last] = [
+            f"| {label} | "
+            + " | ".join(
+                f"**{quoted(lines, r)}**" if i == 0 else quoted(lines, r)
+                for i, r in enumerate(references)
+            )
+            + " |"
+            for label, *references in rows
+        ]
+    readme.write_text("\n".join(text))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("names", nargs="*", metavar="NAME")
     parser.add_argument("--page", type=pathlib.Path, default=ROOT / "docs" / "results.md")
+    parser.add_argument("--readme", type=pathlib.Path, default=ROOT / "README.md")
     parser.add_argument(
         "--programs", type=pathlib.Path, default=ROOT / "build" / "release" / "apps" / "sgs"
     )
@@ -111,12 +206,17 @@ def main():
             for name, command, *_ in blocks(arguments.page.read_text().split("\n")):
                 print(f"{name}: {command}")
         else:
+            known = [block[0] for block in blocks(arguments.page.read_text().split("\n"))]
             renew(
                 arguments.page,
-                arguments.names,
+                known
+                if arguments.names == ["all"]
+                else [n for n in arguments.names if n != "readme"],
                 arguments.programs.resolve(),
                 dict(value.split("=", 1) for value in arguments.values),
             )
+            if {"all", "readme"} & set(arguments.names):
+                renew_readme(arguments.page, arguments.readme)
     except (Wrong, OSError) as error:
         print(f"{arguments.page}: {error}", file=sys.stderr)
         return 1

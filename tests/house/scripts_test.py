@@ -4,6 +4,7 @@
 
 Usage: scripts_test.py [unittest arguments]
 """
+import importlib.util
 import pathlib
 import subprocess
 import sys
@@ -188,6 +189,52 @@ class UpdateResults(Case):
         self.assertEqual(self.page.read_text(), before)
         self.assertIn("one: tool 1\ntwo: tool 2\n", self.update("--list"))
         self.assertIn("name the blocks", self.update(code=2))
+
+    def test_all_blocks_and_what_the_readme_quotes(self):
+        tables = self.readme_tables()
+        page = []
+        for block in sorted({reference[0] for reference in tables}):
+            rows = list(dict.fromkeys(r[1] for r in tables if r[0] == block))
+            columns = list(dict.fromkeys(r[2] for r in tables if r[0] == block))
+            text = ["|".join(["", "", *columns, ""]), "|---" * (len(columns) + 1) + "|"]
+            text += [
+                "|".join(["", f" {row} ", *(f" **{r}.{c}** (9) " for c in range(len(columns))), ""])
+                for r, row in enumerate(rows)
+            ]
+            self.write(f"{block}.md", *text)
+            page += [
+                f"<!-- begin {block}: cat {self.folder}/{block}.md -->",
+                f"<!-- end {block} -->",
+            ]
+        self.write("page.md", *page)
+        headings = [heading for heading, _ in self.results().README_TABLES]
+        readme = self.write(
+            "README.md", *(line for h in headings for line in (h, "|---|", "| old |", ""))
+        )
+        self.update("all", "--readme", readme)
+        text = readme.read_text()
+        self.assertNotIn("old", text)
+        self.assertIn("| **0.0** | ", text)
+        for heading in headings:
+            self.assertIn(heading, text)
+        self.write("page.md", *(line.replace("real", "unreal") for line in page))
+        self.assertIn("which README quotes", self.update("readme", "--readme", readme, code=1))
+
+    def results(self):
+        spec = importlib.util.spec_from_file_location("results", SCRIPTS / "update_results.py")
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        return module
+
+    def readme_tables(self):
+        """(block, row, column) of every number that README quotes."""
+        return [
+            reference
+            for _, rows in self.results().README_TABLES
+            for _, *cells in rows
+            for cell in cells
+            for reference in cell
+        ]
 
     def test_fills_in_words_and_keeps_them_on_the_page(self):
         self.write("page.md", "<!-- begin one: tool DIR NODIR -->", "<!-- end one -->")

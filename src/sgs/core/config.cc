@@ -226,8 +226,10 @@ void ParameterList::for_users(std::initializer_list<std::string_view> names) {
 }
 
 const Parameter* ParameterList::find(std::string_view key) const {
-  const auto it = std::find_if(parameters_.begin(), parameters_.end(),
-                               [&](const Parameter& p) { return p.key == key; });
+  const FormerKey* gone = reads_earlier_versions_ ? former(key) : nullptr;
+  const std::string now = gone != nullptr && !gone->now.empty() ? gone->name_now(key) : "";
+  const auto it = std::ranges::find_if(
+      parameters_, [&](const Parameter& p) { return p.key == key || p.key == now; });
   return it == parameters_.end() ? nullptr : &*it;
 }
 
@@ -236,15 +238,20 @@ Status ParameterList::check() const {
   return {};
 }
 
+const FormerKey* ParameterList::former(std::string_view key) const {
+  const auto it = std::ranges::find_if(former_keys_,
+                                       [&](const FormerKey& f) { return is_or_below(key, f.key); });
+  return it == former_keys_.end() ? nullptr : &*it;
+}
+
 tl::unexpected<Error> ParameterList::unknown_key(std::string_view key) const {
-  for (const FormerKey& former : former_keys_) {
-    if (!is_or_below(key, former.key)) continue;
-    if (former.now.empty()) {
+  if (const FormerKey* gone = former(key)) {
+    if (gone->now.empty()) {
       return fail(ErrorCode::kInvalidArgument,
-                  fmt::format("config key '{}' was removed: {}", shortened(key), former.why_gone),
+                  fmt::format("config key '{}' was removed: {}", shortened(key), gone->why_gone),
                   "leave it out");
     }
-    const std::string now = former.now + std::string(key.substr(former.key.size()));
+    const std::string now = gone->name_now(key);
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("config key '{}' is now called '{}'", shortened(key), shortened(now)),
                 fmt::format("write {} instead", shortened(now)));
@@ -259,12 +266,8 @@ tl::unexpected<Error> ParameterList::unknown_key(std::string_view key) const {
 
 Status ParameterList::set(std::string_view key, std::string_view value_text) const {
   if (const Parameter* parameter = find(key)) return parameter->set_from_text(value_text);
-  const auto is_gone = [&](const FormerKey& former) {
-    return former.now.empty() && is_or_below(key, former.key);
-  };
-  if (passes_over_removed_ && std::any_of(former_keys_.begin(), former_keys_.end(), is_gone)) {
-    return {};
-  }
+  const FormerKey* gone = reads_earlier_versions_ ? former(key) : nullptr;
+  if (gone != nullptr && gone->now.empty()) return {};
   return unknown_key(key);
 }
 

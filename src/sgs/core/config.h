@@ -74,6 +74,11 @@ struct FormerKey {
   std::string key;       ///< of a parameter, or of a group whose keys keep their last part
   std::string now;       ///< its name today; empty = removed
   std::string why_gone;  ///< of a removed one
+
+  /// Name today of `full`, which is this key or, where this is a group, below it.
+  std::string name_now(std::string_view full) const {
+    return now + std::string(full.substr(key.size()));
+  }
 };
 
 /// Whom a parameter is for.
@@ -153,14 +158,16 @@ class ParameterList {
   void renamed(std::string_view former, std::string_view now);
   /// Makes an error of the key `former` that says why it is gone.
   void removed(std::string_view former, std::string_view why);
-  /// Values of such keys are passed over: what an earlier version wrote is to be read.
-  void pass_over_removed() { passes_over_removed_ = true; }
+  /// From now on what an earlier version wrote is read: values of renamed keys go where they belong
+  /// today, those of removed keys are passed over.
+  void read_earlier_versions() { reads_earlier_versions_ = true; }
   /// Makes an error of a word that the parameter `name` (added before) once accepted; `instead`
   /// says what to write, e.g. "relative" or "tracker.type = paper".
   void renamed_word(std::string_view name, std::string_view former, std::string_view instead);
 
   const std::vector<Parameter>& parameters() const { return parameters_; }
   const std::vector<FormerKey>& former_keys() const { return former_keys_; }
+  /// Null for a key that is not known; see read_earlier_versions().
   const Parameter* find(std::string_view key) const;
   /// The first value that is not allowed, as an error; see Parameter::check().
   Status check() const;
@@ -180,12 +187,13 @@ class ParameterList {
   void push(Parameter parameter);
   /// The parameter of that name in the current group; null = none was added.
   Parameter* added(std::string_view name);
+  const FormerKey* former(std::string_view key) const;
   tl::unexpected<Error> unknown_key(std::string_view key) const;
 
   std::string prefix_;
   std::vector<Parameter> parameters_;
   std::vector<FormerKey> former_keys_;
-  bool passes_over_removed_ = false;
+  bool reads_earlier_versions_ = false;
 };
 
 /// Whether every value of a config struct is allowed, however it was built. Keys in the error are

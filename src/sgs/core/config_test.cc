@@ -201,11 +201,13 @@ TEST(Config, FormerKeysAndWordsAreRefusedByTheirNewNames) {
             "config key 'turn.old_group.x' is now called 'turn.group.x'");
   EXPECT_EQ(list.set("turn.speed", "1").error().message,
             "config key 'turn.speed' was removed: turns have none");
-  list.pass_over_removed();
+  list.read_earlier_versions();
   EXPECT_TRUE(list.set("turn.speed", "1"));
+  EXPECT_TRUE(list.set("turn.direction", "left"));
+  EXPECT_EQ(turn.way, Way::kLeft);
   EXPECT_EQ(list.set("turn.way", "ahead").error().remedy, "write straight instead");
   EXPECT_THAT(list.set("turn.speeds", "1").error().message, HasSubstr("unknown"));
-  EXPECT_EQ(turn.way, Way::kStraight);
+  EXPECT_EQ(turn.way, Way::kLeft);
 }
 
 TEST(Config, LongNonsenseIsRefusedAtOnceAndShortened) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
+
 #include "sgs/map/gaussian_store.h"
 #include "sgs/mapper/keyframe.h"
 #include "sgs/mapper/mapper_config.h"
@@ -23,6 +25,12 @@ struct SurfacePoint {
   Eigen::Vector3f position;  ///< camera, metres
   Eigen::Vector3f normal;    ///< camera, unit, towards the camera
 };
+
+/// Cap of a Gaussian's largest log scale, `at_birth` its value then: growth by `max_growth`
+/// (OptimizerConfig::max_growth), 0 = free.
+inline float longest_log_scale(float at_birth, double max_growth) {
+  return at_birth + (max_growth > 0 ? static_cast<float>(std::log(max_growth)) : 1e6f);
+}
 
 /// Adds Gaussians for a keyframe with an image quadtree (docs/mapping.md, section 2): leaves are as
 /// large as colour and depth are flat; a leaf is used only where `rendering`, the present map seen

@@ -22,24 +22,12 @@
 #include "sgs/mapper/optimizer.h"
 #include "sgs/mapper/schedule.h"
 #include "sgs/mapper/snapshot_pool.h"
+#include "sgs/mapper/trainer.h"
 #include "sgs/mapper/view_candidates.h"
-#include "sgs/render/pose_information.h"
 #include "sgs/render/rasterizer.h"
 
 namespace sgs::mapper {
 namespace {
-
-render::LossConfig loss_config(const ObjectiveConfig& objective) {
-  render::LossConfig loss;
-  loss.color_weight = static_cast<float>(objective.color_weight);
-  loss.depth_weight = static_cast<float>(objective.depth_weight);
-  loss.color_knee = static_cast<float>(objective.color_knee);
-  loss.depth_knee_m = static_cast<float>(objective.depth_knee_m);
-  loss.depth_form = objective.depth_form;
-  loss.color_only_where_depth = objective.color_only_where_depth;
-  loss.floater_margin_m = static_cast<float>(objective.floater_margin_m);
-  return loss;
-}
 
 bool has_depth(const RgbdFrame& frame, double max_depth_m) {
   constexpr std::size_t kMinShare = 200;  // one pixel in so many
@@ -63,7 +51,7 @@ struct Mapper::Impl {
         optimizer(c.optimizer),
         schedule(seed, c.schedule.order, c.schedule.visit_bias),
         views(c.schedule.look_interval),
-        loss(loss_config(c.objective)),
+        trainer(c.objective, c.refinement),
         kept(store_of_views ? std::move(store_of_views)
                             : std::make_shared<history::ViewStore>(history::HistoryConfig{},
                                                                    c.insertion.max_depth_m)) {}
@@ -81,7 +69,7 @@ struct Mapper::Impl {
   /// Everything but the keyframes.
   template <class Archive>
   void archive(Archive& a) {
-    a(store, schedule, views, iterations, full_steps, last_loss, version);
+    a(store, schedule, views, iterations, trainer, version);
   }
   bool consistent() const;
 
@@ -93,7 +81,7 @@ struct Mapper::Impl {
   Schedule schedule;
   ViewCandidates views;
   map::GaussianSet removed;
-  render::LossConfig loss;
+  Trainer trainer;
   map::GaussianStore store;
   map::MeanBounds bounds;                    // of store.raw and store.average
   std::shared_ptr<history::ViewStore> kept;  // what keyframes show
@@ -101,9 +89,7 @@ struct Mapper::Impl {
   std::vector<MapKeyframe> keyframes;
   std::deque<MapKeyframe> awaited;  // restored keyframes without pictures, in order
   render::Rendering rendering;
-  render::Gradients gradients;
-  std::int64_t iterations = 0, full_steps = 0;
-  double last_loss = 0;
+  std::int64_t iterations = 0;
   bool changed = true;
   std::uint64_t version = 0;
   map::SnapshotPtr newest;
@@ -116,10 +102,7 @@ void Mapper::Impl::step() {
   const std::size_t index = schedule.next();
   MapKeyframe& keyframe = keyframes[index];
   const int level = schedule.random().uniform() < config.schedule.half_resolution_share ? 1 : 0;
-  const bool structural = level == 0 && config.objective.dssim_weight > 0 &&
-                          full_steps++ % config.objective.dssim_interval == 0;
-  loss.dssim_weight = structural ? static_cast<float>(config.objective.dssim_weight) : 0.0f;
-  loss.gain = keyframe.gain;
+  trainer.begin(keyframe, level);
   const double asked_s = wall_time_s();
   const auto training = training_views.get(keyframe, index, level);
   times.add_interval("map/iteration/view", asked_s, 1e3 * (wall_time_s() - asked_s));
@@ -133,27 +116,10 @@ void Mapper::Impl::step() {
       .capture = {.reached = visit.reached,
                   .reached_weight = static_cast<float>(config.schedule.min_weight)},
       .sink = &step_with_backward};
-  rasterizer->evaluate(store.raw, *training, keyframe.T_world_camera, loss, gradients, options);
-  const PinholeCamera view = camera.halved(level);
-  last_loss = gradients.loss / (static_cast<double>(view.width) * view.height);
-
-  // The first keyframe fixes the map's exposure and its place in the world.
-  const KeyframeRefinementConfig& refinement = config.refinement;
-  if (refinement.exposure && index > 0) {
-    update_gain(keyframe, gradients.exposure_measured, gradients.exposure_rendered,
-                refinement.exposure_prior, refinement.exposure_step);
-  }
-  if (refinement.pose && index > 0 && keyframe.visits >= refinement.pose_first_visit) {
-    if (!keyframe.pose_information) {
-      const auto half = keyframe.training_image(1);
-      if (!half) return cull(index);
-      keyframe.pose_information = std::make_shared<Matrix6d>(render::pose_information(*half, loss));
-    }
-    // A step at full resolution sums over four times as many pixels.
-    const PinholeCamera half = camera.halved(1);
-    const double pixels = static_cast<double>(half.width) * half.height;
-    const double share = pixels / (static_cast<double>(view.width) * view.height);
-    refine_pose(keyframe, share * gradients.camera_twist, pixels, refinement);
+  trainer.evaluate(*rasterizer, store.raw, keyframe, *training, options);
+  if (index > 0) {  // the first one fixes the map's exposure and its place in the world
+    trainer.learn_exposure(keyframe);
+    if (!trainer.learn_pose(keyframe)) return cull(index);
   }
   ++keyframe.visits;
   ++iterations;
@@ -373,7 +339,7 @@ IterationReport Mapper::iterate(int count) {
   Impl& m = *impl_;
   if (m.keyframes.empty()) return {};
   for (int i = 0; i < count; ++i) m.step();
-  return {count, m.last_loss};
+  return {count, m.trainer.last_loss()};
 }
 
 void Mapper::save(ArchiveWriter& archive) {
@@ -403,7 +369,7 @@ bool Mapper::Impl::consistent() const {
   }
   return map::consistent(store) && std::all_of(store.anchors.begin(), store.anchors.end(), known) &&
          schedule.consistent() && schedule.keyframes() == awaited.size() &&
-         views.consistent(awaited.size(), store.size()) && iterations >= 0 && full_steps >= 0;
+         views.consistent(awaited.size(), store.size()) && iterations >= 0 && trainer.consistent();
 }
 
 Status Mapper::restore(ArchiveReader& archive) {

@@ -245,8 +245,7 @@ class QuadtreeInsertion {
     g.opacity_logit = static_cast<float>(std::log(opacity / (1 - opacity)));
     const map::Anchor anchor{position, (T.R * n.cast<double>()).cast<float>(),
                              depth_sigma_m(p.z()) * cosine, keyframe_index_};
-    const float growth = max_growth_ > 0 ? static_cast<float>(std::log(max_growth_)) : 1e6f;
-    store_.append(g, anchor, g.log_scale[0] + growth);
+    store_.append(g, anchor, longest_log_scale(g.log_scale[0], max_growth_));
   }
 
   const MapKeyframe& keyframe_;

@@ -19,10 +19,7 @@ bool Schedule::consistent() const {
   const auto known = [this](std::size_t index) {
     return std::binary_search(active_.begin(), active_.end(), index);
   };
-  const bool credits_finite = std::all_of(entries_.begin(), entries_.end(), [](const Entry& e) {
-    return std::isfinite(e.credit) && e.visits >= 0;
-  });
-  return entries_.size() == count_ && credits_finite &&
+  return balanced_.size() == count_ && balanced_.consistent() &&
          std::all_of(fresh_.begin(), fresh_.end(), known) &&
          std::all_of(round_.begin(), round_.end(), known);
 }
@@ -31,8 +28,7 @@ void Schedule::add_keyframe(std::size_t index) {
   count_ = index + 1;
   active_.push_back(index);
   fresh_.push_back(index);
-  const double jitter = random_.uniform();
-  entries_.push_back({jitter, jitter, 0, 0});
+  balanced_.add(0, random_);
 }
 
 void Schedule::cull(std::size_t index) {
@@ -51,7 +47,7 @@ std::size_t Schedule::next() {
   } else {
     switch (order_) {
       case VisitOrder::kBalanced:
-        index = next_balanced();
+        index = balanced_.next(active_, random_);
         break;
       case VisitOrder::kRounds:
         index = next_in_round();
@@ -77,25 +73,9 @@ std::size_t Schedule::next_in_round() {
   return index;
 }
 
-std::size_t Schedule::next_balanced() {
-  double sum = 0;
-  for (const std::size_t i : active_) sum += entries_[i].weight;
-  std::size_t best = active_.front();
-  for (const std::size_t i : active_) {
-    entries_[i].credit += entries_[i].weight / sum;
-    if (entries_[i].credit > entries_[best].credit) best = i;
-  }
-  Entry& entry = entries_[best];
-  const double jitter = random_.uniform();
-  entry.credit += jitter - entry.jitter - 1;
-  entry.jitter = jitter;
-  return best;
-}
-
 void Schedule::count_visit(std::size_t index) {
   constexpr double kSoftening = 4;
-  Entry& entry = entries_[index];
-  entry.weight = std::pow(++entry.visits + kSoftening, -visit_bias_);
+  balanced_.set_weight(index, std::pow(balanced_.count_visit(index) + kSoftening, -visit_bias_));
 }
 
 }  // namespace sgs::mapper

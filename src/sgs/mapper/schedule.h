@@ -7,6 +7,7 @@
 
 #include "sgs/core/archive.h"
 #include "sgs/core/random.h"
+#include "sgs/mapper/balanced_order.h"
 #include "sgs/mapper/mapper_config.h"
 
 namespace sgs::mapper {
@@ -38,12 +39,11 @@ class Schedule {
 
   template <class Archive>
   void archive(Archive& a) {
-    a(random_, count_, active_, fresh_, round_, entries_);
+    a(random_, count_, active_, fresh_, round_, balanced_);
   }
 
  private:
   std::size_t next_in_round();
-  std::size_t next_balanced();
   void count_visit(std::size_t index);
 
   SplitMix64 random_;
@@ -53,20 +53,7 @@ class Schedule {
   std::vector<std::size_t> active_;
   std::vector<std::size_t> fresh_;  ///< announced, not yet visited
   std::vector<std::size_t> round_;  ///< kRounds: what is left of the current round, last first
-
-  /// kBalanced: `credit` grows with every step by the share that the keyframe should have had of
-  /// it; the one with the most comes next and pays a whole step. The jitter, drawn anew each time,
-  /// keeps keyframes from following each other in the same order for ever.
-  struct Entry {
-    double credit = 0, jitter = 0, weight = 0;
-    int visits = 0;
-
-    template <class Archive>
-    void archive(Archive& a) {
-      a(credit, jitter, weight, visits);
-    }
-  };
-  std::vector<Entry> entries_;
+  BalancedOrder balanced_;
 };
 
 }  // namespace sgs::mapper

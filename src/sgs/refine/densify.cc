@@ -85,15 +85,14 @@ std::pair<map::Gaussian, map::Gaussian> halves(const map::Gaussian& whole) {
   return {a, b};
 }
 
-std::size_t split_most_pulled(std::size_t count, double size_power, double least_sigma_px,
-                              map::GaussianStore& store, GaussianNotes& notes,
-                              LearnedHarmonics& harmonics) {
+std::size_t split_most_pulled(std::size_t count, double least_sigma_px, map::GaussianStore& store,
+                              GaussianNotes& notes, LearnedHarmonics& harmonics) {
   std::vector<std::uint32_t> candidates;
   std::vector<float> wish(store.size(), 0.0f);
   for (std::size_t i = 0; i < store.size(); ++i) {
     const float sigma_px = std::exp(largest_log_scale(store.raw[i])) / notes.pixel_m[i];
     if (!(sigma_px > static_cast<float>(least_sigma_px)) || !(notes.pull[i] > 0)) continue;
-    wish[i] = notes.pull[i] * std::pow(sigma_px, static_cast<float>(size_power));
+    wish[i] = notes.pull[i] * std::sqrt(sigma_px);
     candidates.push_back(static_cast<std::uint32_t>(i));
   }
   count = std::min(count, candidates.size());

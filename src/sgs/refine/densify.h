@@ -30,14 +30,13 @@ std::size_t remove_useless(double opacity, map::GaussianStore& store, GaussianNo
                            LearnedHarmonics& harmonics);
 
 /// Splits the `count` Gaussians that ask for it most, in the order of
-///   pull * (largest standard deviation in pixels)^size_power:
+///   pull * sqrt(largest standard deviation in pixels):
 /// the picture pulls at them in different directions, so they are too coarse for it (Kerbl et al.
 /// 2023, section 5.2; a budget instead of a threshold as in Mallick et al., Taming 3DGS, 2024).
 /// Two halves side by side along the longest axis replace each; one takes its place, the other goes
 /// to the end. Those no larger than `least_sigma_px` do not split. Returns how many did.
-std::size_t split_most_pulled(std::size_t count, double size_power, double least_sigma_px,
-                              map::GaussianStore& store, GaussianNotes& notes,
-                              LearnedHarmonics& harmonics);
+std::size_t split_most_pulled(std::size_t count, double least_sigma_px, map::GaussianStore& store,
+                              GaussianNotes& notes, LearnedHarmonics& harmonics);
 
 /// The two halves of a Gaussian along its longest axis. Together they look nearly as it did.
 std::pair<map::Gaussian, map::Gaussian> halves(const map::Gaussian& whole);

@@ -57,7 +57,7 @@ TEST(SplitMostPulled, SplitsThoseThatThePicturePullsAtMost) {
   auto store =
       store_of({gaussian(0, 0.1f, 0.6f), gaussian(1, 0.1f, 0.6f), gaussian(2, 0.1f, 0.6f)}, notes);
   notes.pull = {1, 5, 2};
-  EXPECT_EQ(split_most_pulled(1, 0.5, 0.6, store, notes, harmonics), 1u);
+  EXPECT_EQ(split_most_pulled(1, 0.6, store, notes, harmonics), 1u);
   ASSERT_EQ(store.size(), 4u);
   EXPECT_NE(store.raw[1].mean[0], 1.0f);
   EXPECT_EQ(store.raw[0].mean[0], 0.0f);
@@ -72,7 +72,7 @@ TEST(SplitMostPulled, LeavesAloneWhatIsSmallUnseenOrAtRest) {
       {gaussian(0, 0.001f, 0.6f), gaussian(1, 0.1f, 0.6f), gaussian(2, 0.1f, 0.6f)}, notes);
   notes.pull = {9, 9, 0};
   notes.pixel_m[1] = kNeverSeen;
-  EXPECT_EQ(split_most_pulled(3, 0.5, 0.6, store, notes, harmonics), 0u);
+  EXPECT_EQ(split_most_pulled(3, 0.6, store, notes, harmonics), 0u);
   EXPECT_EQ(store.size(), 3u);
 }
 

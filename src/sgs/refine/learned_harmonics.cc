@@ -22,10 +22,7 @@ LearnedHarmonics::LearnedHarmonics(map::Harmonics start) : values_(std::move(sta
   resize(values_.size());
 }
 
-void LearnedHarmonics::set_rates(double rate, double decay) {
-  rate_ = static_cast<float>(rate);
-  kept_ = static_cast<float>(1 - decay);
-}
+void LearnedHarmonics::set_rate(double rate) { rate_ = static_cast<float>(rate); }
 
 void LearnedHarmonics::resize(std::size_t count) {
   values_.resize(count);
@@ -47,8 +44,8 @@ void LearnedHarmonics::step(std::size_t i, std::uint32_t t, std::span<const floa
     v[k] = kBeta2 * v[k] + (1 - kBeta2) * g * g;
     // What has come with more may keep it.
     const float largest = std::max(map::kLargestHarmonic, std::abs(value[k]));
-    value[k] = std::clamp(kept_ * value[k] - rate * m[k] / std::sqrt(std::max(v[k], kLeast)),
-                          -largest, largest);
+    value[k] =
+        std::clamp(value[k] - rate * m[k] / std::sqrt(std::max(v[k], kLeast)), -largest, largest);
   }
 }
 

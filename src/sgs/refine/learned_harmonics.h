@@ -20,8 +20,8 @@ class LearnedHarmonics {
   const map::Harmonics& values() const { return values_; }
   int degree() const { return values_.degree; }
   bool empty() const { return values_.empty(); }
-  /// `rate` of Adam, and by how much each step shrinks what no picture holds up.
-  void set_rates(double rate, double decay);
+  /// Of Adam.
+  void set_rate(double rate);
   /// New Gaussians at the end look the same from everywhere.
   void resize(std::size_t count);
   /// Step number `t` (from 1) of Gaussian `i`. No coefficient grows beyond kLargestHarmonic, so
@@ -36,7 +36,7 @@ class LearnedHarmonics {
   map::Harmonics values_;
   std::vector<float> mean_, mean_square_;         // moments of the gradient
   std::vector<float> correction1_, correction2_;  // 1/(1-b1^t), 1/sqrt(1-b2^t)
-  float rate_ = 0, kept_ = 1;
+  float rate_ = 0;
 };
 
 }  // namespace sgs::refine

@@ -22,7 +22,7 @@ float first(const LearnedHarmonics& harmonics, std::size_t i) {
 
 TEST(LearnedHarmonics, StepsGoAgainstTheGradient) {
   LearnedHarmonics harmonics = three();
-  harmonics.set_rates(0.01, 0);
+  harmonics.set_rate(0.01);
   std::vector<float> gradient(9, 0.0f);
   gradient[1] = 5;
   gradient[2] = -1e-3f;
@@ -33,16 +33,9 @@ TEST(LearnedHarmonics, StepsGoAgainstTheGradient) {
   EXPECT_EQ(harmonics.values().of(0)[1], 0);
 }
 
-TEST(LearnedHarmonics, DecayShrinksWhatNothingHoldsUp) {
-  LearnedHarmonics harmonics = three();
-  harmonics.set_rates(0.01, 0.25);
-  harmonics.step(2, 1, std::vector<float>(9, 0.0f));
-  EXPECT_FLOAT_EQ(first(harmonics, 2), 1.5f);
-}
-
 TEST(LearnedHarmonics, NothingGrowsBeyondWhatAByteHolds) {
   LearnedHarmonics harmonics = three();
-  harmonics.set_rates(0.3, 0);
+  harmonics.set_rate(0.3);
   std::vector<float> gradient(9, 0.0f);
   gradient[0] = -1;
   gradient[1] = 1;

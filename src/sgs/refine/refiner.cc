@@ -7,16 +7,16 @@
 #include <limits>
 
 #include "sgs/core/stopwatch.h"
+#include "sgs/mapper/balanced_order.h"
 #include "sgs/mapper/insertion.h"
 #include "sgs/mapper/keyframe_refinement.h"
 #include "sgs/mapper/optimizer.h"
+#include "sgs/mapper/trainer.h"
 #include "sgs/refine/densify.h"
 #include "sgs/refine/heldout_judge.h"
 #include "sgs/refine/learned_harmonics.h"
 #include "sgs/refine/learning_sink.h"
 #include "sgs/refine/shutter.h"
-#include "sgs/refine/visit_order.h"
-#include "sgs/render/pose_information.h"
 
 namespace sgs::refine {
 namespace {
@@ -33,35 +33,14 @@ double warmth(const RefineConfig& config, std::int64_t steps, double share) {
 
 /// The optimiser's settings after `steps`, when `share` of the budget is spent: rates rise first,
 /// and then fall exponentially.
-mapper::OptimizerConfig optimizer_config(const RefineConfig& config, std::int64_t steps,
-                                         double share) {
+mapper::OptimizerConfig rates_at(const RefineConfig& config, std::int64_t steps, double share) {
   const double left = std::pow(config.rate_end, share) * warmth(config, steps, share);
-  mapper::OptimizerConfig optimizer;
-  optimizer.rate_mean_m = left * config.rate_mean_m;
-  optimizer.rate_log_scale = left * config.rate_log_scale;
-  optimizer.rate_rotation = left * config.rate_rotation;
-  optimizer.rate_opacity = left * config.rate_opacity;
-  optimizer.rate_color = left * config.rate_color;
-  optimizer.beta2 = config.beta2;
-  optimizer.max_axis_ratio = config.max_axis_ratio;
-  optimizer.max_flatness = config.max_flatness;
-  return optimizer;
-}
-
-mapper::KeyframeRefinementConfig pose_config(const RefineConfig& config) {
-  mapper::KeyframeRefinementConfig refinement;
-  refinement.pose_share = config.pose_share;
-  refinement.pose_prior_rotation *= config.pose_prior;
-  refinement.pose_prior_translation *= config.pose_prior;
-  return refinement;
-}
-
-render::LossConfig refine_loss(const RefineConfig& config) {
-  render::LossConfig loss;
-  loss.color_weight = static_cast<float>(config.color_weight);
-  loss.color_knee = static_cast<float>(config.color_knee);
-  loss.depth_weight = static_cast<float>(config.depth_weight);
-  return loss;
+  mapper::OptimizerConfig rates = config.optimizer;
+  for (double* rate : {&rates.rate_mean_m, &rates.rate_log_scale, &rates.rate_rotation,
+                       &rates.rate_opacity, &rates.rate_color}) {
+    *rate *= left;
+  }
+  return rates;
 }
 
 /// Whether learning still gets anywhere: some checks in a row without a state better than all that
@@ -81,12 +60,6 @@ class EarlyStop {
   int checks_, without_gain_ = 0;
   double best_db_ = -std::numeric_limits<double>::infinity();
 };
-
-std::vector<double> weights_of(const std::vector<RefineFrame>& frames) {
-  std::vector<double> weights;
-  for (const RefineFrame& frame : frames) weights.push_back(frame.weight);
-  return weights;
-}
 
 /// A few of many, spread evenly.
 std::vector<RefineFrame> spread(const std::vector<RefineFrame>& frames, std::size_t count) {
@@ -129,16 +102,20 @@ struct Refiner::Impl {
         rasterizer(render::make_cpu_rasterizer(threads)),
         views(*rasterizer, full_views_within(frames.front().keyframe.camera(),
                                              (static_cast<std::size_t>(c.memory_mb) << 20) / 4)),
-        optimizer(optimizer_config(c, 0, 0)),
-        order(weights_of(frames), seed),
-        loss(refine_loss(c)),
-        pose_refinement(pose_config(c)),
+        optimizer(rates_at(c, 0, 0)),
+        random(seed),
+        trainer(c.objective, c.keyframes),
         harmonics(with_degree(map.harmonics, c.harmonics, map.gaussians.size())),
         colors(threads),
         pool(threads) {
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      all.push_back(i);
+      order.add(frames[i].weight, random);
+    }
+    const double growth = c.optimizer.max_growth;
     for (const map::Gaussian& g : map.gaussians) {
       const float largest = std::max({g.log_scale[0], g.log_scale[1], g.log_scale[2]});
-      store.append(g, {}, largest + kMostGrowth);
+      store.append(g, {}, mapper::longest_log_scale(largest, growth));
     }
     harmonics.resize(store.size());
     notes.begin(store.size());
@@ -146,14 +123,12 @@ struct Refiner::Impl {
   }
 
   static constexpr std::size_t kJudgesFromTraining = 24;
-  static constexpr float kMostGrowth = 1.4f;  // logarithm: four times the size it came with
 
   void draw(const mapper::MapKeyframe& keyframe, int level);
   void fit_exposures();
   void fill_holes();
   void set_rates(double share);
-  void step(double share);
-  void learn_frame(RefineFrame& frame, bool first, const PinholeCamera& view);
+  void step();
   void densify(double share);
   PoseCorrection correction() const;
   ExposureCurve exposures() const;
@@ -166,15 +141,15 @@ struct Refiner::Impl {
   std::unique_ptr<render::Rasterizer> rasterizer;
   mapper::TrainingViewCache views;
   mapper::Optimizer optimizer;
-  VisitOrder order;
-  render::LossConfig loss;
-  mapper::KeyframeRefinementConfig pose_refinement;
+  SplitMix64 random;
+  mapper::BalancedOrder order;
+  std::vector<std::size_t> all;  // frames
+  mapper::Trainer trainer;
   LearnedHarmonics harmonics;
   render::ViewColors colors;
   map::GaussianStore store;
   map::MeanBounds bounds;
   GaussianNotes notes;
-  render::Gradients gradients;
   render::Rendering rendering;
   std::vector<map::Gaussian> shifted;  // scratch
   ThreadPool* pool;
@@ -197,7 +172,7 @@ void Refiner::Impl::fit_exposures() {
     mapper::MapKeyframe& keyframe = frame.keyframe;
     draw(keyframe, 1);
     const auto sums = mapper::exposure_sums(keyframe, rendering);
-    mapper::update_gain(keyframe, sums.measured, sums.rendered, config.exposure_prior, 1);
+    mapper::update_gain(keyframe, sums.measured, sums.rendered, config.keyframes.exposure_prior, 1);
   }
 }
 
@@ -210,7 +185,7 @@ void Refiner::Impl::fill_holes() {
         frames[(2 * k + 1) * frames.size() / (2 * count)].keyframe;
     draw(keyframe, insertion.rendering_level);
     mapper::insert_quadtree(keyframe, static_cast<int>(k), &rendering, insertion,
-                            std::exp(kMostGrowth), store);
+                            config.optimizer.max_growth, store);
   }
   harmonics.resize(store.size());
   notes.begin(store.size());
@@ -218,19 +193,21 @@ void Refiner::Impl::fill_holes() {
 }
 
 void Refiner::Impl::set_rates(double share) {
-  const mapper::OptimizerConfig rates = optimizer_config(config, steps, share);
+  const mapper::OptimizerConfig rates = rates_at(config, steps, share);
   optimizer.set_rates(rates);
-  harmonics.set_rates(config.rate_harmonics * rates.rate_color, config.harmonics_decay);
+  harmonics.set_rate(config.rate_harmonics * rates.rate_color);
 }
 
-void Refiner::Impl::step(double share) {
-  const std::size_t index = order.next();
+/// The pull of all gains to 1 fixes the brightness of the map, and the first pose its place. Of a
+/// frame whose pictures are gone nothing is learnt.
+void Refiner::Impl::step() {
+  const std::size_t index = order.next(all, random);
   RefineFrame& frame = frames[index];
   mapper::MapKeyframe& keyframe = frame.keyframe;
-  const int level = share < config.half_resolution_until && steps % 2 == 1 ? 1 : 0;
-  loss.dssim_weight = level == 0 ? static_cast<float>(config.dssim_weight) : 0.0f;
-  loss.gain = keyframe.gain;
-  const auto training = views.get(keyframe, index, level);
+  ++steps;
+  const auto training = views.get(keyframe, index, 0);
+  if (!training) return;
+  trainer.begin(keyframe, 0);
   const PinholeCamera& view = training->camera();
   LearningSink sink(optimizer, store, bounds, notes, harmonics, view, keyframe.T_world_camera,
                     config.least_sigma_px);
@@ -245,52 +222,28 @@ void Refiner::Impl::step(double share) {
     options.scope.bounds = nullptr;  // they bound the Gaussians where they really are
   }
   seen = colors.seen(seen, harmonics.values(), keyframe.T_world_camera.t);
-  rasterizer->evaluate(seen, *training, keyframe.T_world_camera, loss, gradients, options);
-  learn_frame(frame, index == 0, view);
+  trainer.evaluate(*rasterizer, seen, keyframe, *training, options);
+  trainer.learn_exposure(keyframe);
+  if (index > 0) (void)trainer.learn_pose(keyframe);
   ++keyframe.visits;
-  ++steps;
-}
-
-/// Exposure and pose of the frame just visited. The pull of all gains to 1 fixes the brightness of
-/// the map, and the first pose its place.
-void Refiner::Impl::learn_frame(RefineFrame& frame, bool first, const PinholeCamera& view) {
-  mapper::MapKeyframe& keyframe = frame.keyframe;
-  if (config.exposure) {
-    constexpr double kExposureStep = 0.5;
-    mapper::update_gain(keyframe, gradients.exposure_measured, gradients.exposure_rendered,
-                        config.exposure_prior, kExposureStep);
-  }
-  if (!config.poses || first) return;
-  if (!keyframe.pose_information) {
-    keyframe.pose_information =
-        std::make_shared<Matrix6d>(render::pose_information(*keyframe.training_image(1), loss));
-  }
-  const PinholeCamera half = keyframe.camera().halved(1);
-  const double pixels = static_cast<double>(half.width) * half.height;
-  const double share = pixels / (static_cast<double>(view.width) * view.height);
-  mapper::refine_pose(keyframe, share * gradients.camera_twist, pixels, pose_refinement);
 }
 
 void Refiner::Impl::densify(double share) {
-  remove_useless(config.prune_opacity, store, notes, harmonics);
+  remove_useless(config.densify.prune_opacity, store, notes, harmonics);
   const auto limit = static_cast<std::size_t>(config.max_gaussians);
-  if (share >= config.densify_from && share < config.densify_until && store.size() < limit) {
+  if (share >= config.densify.from && share < config.densify.until && store.size() < limit) {
     if (first_count == 0) first_count = store.size();
-    const double way = (share - config.densify_from) / (config.densify_until - config.densify_from);
+    const double way = (share - config.densify.from) / (config.densify.until - config.densify.from);
     const double grown = static_cast<double>(first_count) *
                          std::pow(static_cast<double>(limit) / static_cast<double>(first_count),
                                   std::min(1.0, 1.25 * way));
     const auto wanted = static_cast<std::size_t>(std::min(grown, static_cast<double>(limit)));
-    const auto most =
-        static_cast<std::size_t>(std::ceil(config.split_share * static_cast<double>(store.size())));
+    const auto most = static_cast<std::size_t>(
+        std::ceil(config.densify.split_share * static_cast<double>(store.size())));
     constexpr double kLeastSigma_px = 0.6;  // what is smaller does not split
     if (wanted > store.size()) {
-      split_most_pulled(std::min(most, wanted - store.size()), config.split_size_power,
-                        kLeastSigma_px, store, notes, harmonics);
-    }
-    if (config.opacity_decay > 0) {
-      for (map::Gaussian& g : store.raw)
-        g.opacity_logit -= static_cast<float>(config.opacity_decay);
+      split_most_pulled(std::min(most, wanted - store.size()), kLeastSigma_px, store, notes,
+                        harmonics);
     }
   }
   notes.fade();
@@ -330,7 +283,7 @@ Evaluation Refiner::Impl::check(double share) {
     result.gaussians = store.average;
     result.harmonics = harmonics.values();
     result.correction = correction();
-    result.exposures = steps > 0 && config.exposure ? exposures() : ExposureCurve();
+    result.exposures = steps > 0 && config.keyframes.exposure ? exposures() : ExposureCurve();
     result.best = now;
   }
   result.last = now;
@@ -370,7 +323,7 @@ Refined Refiner::run(const Budget& budget, const Watch& watch, const std::stop_t
   m.result.start = m.result.best;
   double share = spent();
   if (share < 1) {
-    if (m.config.exposure) m.fit_exposures();
+    if (m.config.keyframes.exposure) m.fit_exposures();
     m.fill_holes();
   }
   EarlyStop early_stop(m.config.patience);
@@ -378,8 +331,8 @@ Refined Refiner::run(const Budget& budget, const Watch& watch, const std::stop_t
   while ((share = spent()) < 1 && !stop.stop_requested()) {
     constexpr int kRatesFor = 50;  // steps
     if (m.steps % kRatesFor == 0 || m.steps <= m.config.warmup_steps) m.set_rates(share);
-    m.step(share);
-    if (m.steps % m.config.densify_interval == 0) m.densify(share);
+    m.step();
+    if (m.steps % m.config.densify.interval == 0) m.densify(share);
     if (share * m.config.checks < checks) continue;
     checks = static_cast<int>(share * m.config.checks) + 1;
     look(share);

@@ -53,7 +53,7 @@ std::vector<RefineFrame> darkening_frames(int first, int end, int stride) {
 RefineConfig small_config() {
   RefineConfig config;
   config.max_gaussians = 3000;
-  config.densify_interval = 20;
+  config.densify.interval = 20;
   config.checks = 6;
   return config;
 }
@@ -85,8 +85,8 @@ TEST(Refiner, SameBitsForAnyNumberOfThreads) {
 // Rates that destroy the map: what comes out is what went in.
 TEST(Refiner, NeverWorseThanWhatItStartedFrom) {
   RefineConfig config = small_config();
-  config.rate_mean_m = 0.5;
-  config.rate_color = 1;
+  config.optimizer.rate_mean_m = 0.5;
+  config.optimizer.rate_color = 1;
   config.rate_end = 1;
   const auto before = rough_map().gaussians;
   const Refined refined = refine(config, {40, 0});
@@ -99,7 +99,7 @@ TEST(Refiner, NeverWorseThanWhatItStartedFrom) {
 
 TEST(Refiner, EndsWhenNothingImproves) {
   RefineConfig config = small_config();
-  config.rate_mean_m = 0.5;
+  config.optimizer.rate_mean_m = 0.5;
   config.rate_end = 1;
   config.checks = 100;
   config.patience = 3;
@@ -132,7 +132,7 @@ TEST(Refiner, DoesNotEndWhileItRises) {
   const map::SplatMap good = {refine(small_config(), {150, 0}).gaussians, {}};
   RefineConfig config = small_config();
   config.warmup_steps = 0;
-  config.rate_color = 0.5;
+  config.optimizer.rate_color = 0.5;
   config.checks = 10;
   config.patience = 3;
   Refiner refiner(config, 1, frames(0, 6, 2), frames(1, 6, 2), good, nullptr);
@@ -190,7 +190,7 @@ std::vector<RefineFrame> shimmering_frames(int first, int end, int stride) {
 Refined refine_shimmer(int harmonics, int threads) {
   RefineConfig config = small_config();
   config.harmonics = harmonics;
-  config.exposure = false;
+  config.keyframes.exposure = false;
   ThreadPool pool(threads);
   Refiner refiner(config, 1, shimmering_frames(0, 21, 4), shimmering_frames(2, 21, 4), rough_map(),
                   &pool);
@@ -226,7 +226,7 @@ TEST(Refiner, HarmonicsOfTheMapAreKept) {
 // The held-out pictures' exposure is that of the frames around them, never looked up in them.
 TEST(Refiner, LearnsHowTheExposureChanges) {
   RefineConfig config = small_config();
-  config.exposure_prior = 0.1;
+  config.keyframes.exposure_prior = 0.1;
   Refiner refiner(config, 1, darkening_frames(0, 7, 2), darkening_frames(1, 7, 2), rough_map(),
                   nullptr);
   const Refined refined = refiner.run({200, 0});
@@ -238,7 +238,8 @@ TEST(Refiner, LearnsHowTheExposureChanges) {
 // Poses that are wrong come right, and what lies between them moves along.
 TEST(Refiner, MovesPosesToWhereThePicturesFit) {
   RefineConfig config = small_config();
-  config.pose_prior = 0.01;
+  config.keyframes.pose_prior_rotation *= 0.01;
+  config.keyframes.pose_prior_translation *= 0.01;
   const SE3 error = mapper::translated(0.008, 0, 0);
   const auto distance = [](const SE3& pose, int i) { return (pose.t - viewpoint(i).t).norm(); };
   Refiner refiner(config, 1, frames(0, 6, 2, error), frames(1, 6, 2, error), rough_map(), nullptr);

@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "sgs/refine/visit_order.h"
-
 namespace sgs::refine {
 namespace {
 
@@ -59,29 +57,6 @@ TEST(FrameSelection, BlurredFramesWeighLess) {
   const auto frames = selection.finish();
   EXPECT_LT(frames[2].weight, frames[1].weight);
   EXPECT_GT(frames[2].weight, 0.0);
-}
-
-TEST(VisitOrder, VisitsInProportionToTheWeights) {
-  VisitOrder order({1, 2, 1}, 7);
-  int visits[3] = {};
-  for (int i = 0; i < 400; ++i) ++visits[order.next()];
-  EXPECT_NEAR(visits[0], 100, 2);
-  EXPECT_NEAR(visits[1], 200, 2);
-}
-
-TEST(VisitOrder, IsShuffledAndRepeatable) {
-  const std::vector<double> equal(8, 1.0);
-  VisitOrder a(equal, 3), b(equal, 3), c(equal, 4);
-  std::vector<std::size_t> first, again, other;
-  for (int i = 0; i < 64; ++i) {
-    first.push_back(a.next());
-    again.push_back(b.next());
-    other.push_back(c.next());
-  }
-  EXPECT_EQ(first, again);
-  EXPECT_NE(first, other);
-  EXPECT_NE(std::vector(first.begin(), first.begin() + 8),
-            std::vector(first.begin() + 8, first.begin() + 16));
 }
 
 }  // namespace

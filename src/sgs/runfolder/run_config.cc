@@ -121,7 +121,7 @@ Result<SavedConfig> load_config(const std::filesystem::path& folder) {
   stamp.declare(list);
   saved.input.declare(list);
   saved.config.declare(list);
-  list.pass_over_removed();
+  list.read_earlier_versions();
   const auto status = io::apply_toml_file(folder / files::kConfig, list);
   const bool later = stamp.format > kFolderFormat;
   if (!status || later) {
