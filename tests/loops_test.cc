@@ -210,7 +210,8 @@ int loops_across(const std::function<SE3(const RgbdFrame&, std::size_t)>& pose_o
     result.T_odom_camera = pose_of(*frame, i++);
     result.information = 1e7 * Matrix6d::Identity();
     now.path.append({frame->index, frame->timestamp_s, result.T_odom_camera});
-    if (const auto c = closer.add(*frame, slam::tracked_frame(result), now)) now = history::revised(now, {*c});
+    if (const auto c = closer.add(*frame, slam::tracked_frame(result), now))
+      now = history::revised(now, {*c});
   }
   const loops::Skeleton& s = closer.skeleton();
   const double half_s = desk().frames[desk().frames.size() / 2]->timestamp_s;

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "sgs/degeneracy/planarity.h"
 #include "sgs/alignment/loss_checks.h"
+#include "sgs/degeneracy/planarity.h"
 
 namespace sgs::alignment {
 namespace {

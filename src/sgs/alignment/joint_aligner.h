@@ -6,13 +6,13 @@
 #include <limits>
 #include <optional>
 
-#include "sgs/degeneracy/observability.h"
-#include "sgs/degeneracy/spectrum.h"
 #include "sgs/alignment/lost_reason.h"
 #include "sgs/alignment/movers/moving_parts.h"
 #include "sgs/alignment/step_times.h"
 #include "sgs/alignment/terms/geometric_term.h"
 #include "sgs/alignment/terms/visual_term.h"
+#include "sgs/degeneracy/observability.h"
+#include "sgs/degeneracy/spectrum.h"
 
 namespace sgs::alignment {
 

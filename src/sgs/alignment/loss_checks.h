@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "sgs/alignment/lost_reason.h"
 #include "sgs/alignment/alignment_config.h"
+#include "sgs/alignment/lost_reason.h"
 
 namespace sgs::alignment {
 

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "sgs/geometry/se3.h"
 #include "sgs/alignment/alignment_config.h"
+#include "sgs/geometry/se3.h"
 
 namespace sgs::alignment {
 

@@ -6,9 +6,10 @@
 #include <functional>
 #include <vector>
 
+#include "sgs/alignment/alignment_config.h"
+#include "sgs/alignment/known_view.h"
 #include "sgs/core/thread_pool.h"
 #include "sgs/loops/loop_config.h"
-#include "sgs/alignment/known_view.h"
 
 namespace sgs::loops {
 

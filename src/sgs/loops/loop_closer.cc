@@ -36,8 +36,8 @@ bool agree(const Skeleton& skeleton, const graph::Edge& k, const graph::Edge& l)
 
 }  // namespace
 
-LoopCloser::LoopCloser(const LoopConfig& config, const PairConfig& pair,
-                       std::uint64_t seed, std::shared_ptr<history::ViewStore> views)
+LoopCloser::LoopCloser(const LoopConfig& config, const PairConfig& pair, std::uint64_t seed,
+                       std::shared_ptr<history::ViewStore> views)
     : config_(config),
       verifier_(config, pair),
       way_check_(config),
@@ -116,8 +116,7 @@ void LoopCloser::take_over(const history::Revision& revision) {
   skeleton_.follow(revision);
 }
 
-std::optional<PoseCorrection> LoopCloser::add(const RgbdFrame& frame,
-                                              const TrackedFrame& tracked,
+std::optional<PoseCorrection> LoopCloser::add(const RgbdFrame& frame, const TrackedFrame& tracked,
                                               const history::Revision& revision) {
   take_over(revision);
   const double dt = last_frame_ ? frame.timestamp_s - last_s_ : 0;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "sgs/alignment/known_view.h"
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/features/ferns.h"
 #include "sgs/history/revision.h"
@@ -15,7 +16,6 @@
 #include "sgs/loops/loop_verifier.h"
 #include "sgs/loops/skeleton.h"
 #include "sgs/loops/way_check.h"
-#include "sgs/alignment/known_view.h"
 
 namespace sgs::loops {
 

@@ -14,8 +14,7 @@ namespace sgs::loops {
 /// Whether two nodes see the same place, and where one camera stands in the other's view if so.
 class LoopVerifier {
  public:
-  LoopVerifier(const LoopConfig& config, const PairConfig& pair)
-      : config_(config), pair_(pair) {}
+  LoopVerifier(const LoopConfig& config, const PairConfig& pair) : config_(config), pair_(pair) {}
 
   /// Aligns the view of node `newer` to that of node `older` and, on its own, to the neighbours of
   /// `older`: an edge of the graph where the alignments hold and agree. They begin at

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sgs/registration/view_distance.h"
 #include "sgs/alignment/test_textured_wall.h"
+#include "sgs/registration/view_distance.h"
 
 namespace sgs::loops {
 namespace {

@@ -5,9 +5,9 @@
 #include <memory>
 #include <optional>
 
+#include "sgs/alignment/joint_aligner.h"
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/loops/loop_config.h"
-#include "sgs/alignment/joint_aligner.h"
 
 namespace sgs::loops {
 

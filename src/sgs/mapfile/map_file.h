@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "sgs/alignment/known_view.h"
 #include "sgs/graph/pose_graph.h"
 #include "sgs/map/gaussian.h"
 #include "sgs/mapfile/chunk_file.h"
-#include "sgs/alignment/known_view.h"
 
 namespace sgs::mapfile {
 

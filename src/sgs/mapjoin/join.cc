@@ -83,7 +83,8 @@ std::vector<SE3> settled(Part part, std::vector<SE3> poses, const loops::LoopCon
     out.frame = resampled(std::move(out.frame), camera);
     return out;
   };
-  return loops::agreeing_poses({part.views(), view}, config, tracker::aligner_config(tracker), pool);
+  return loops::agreeing_poses({part.views(), view}, config, tracker::aligner_config(tracker),
+                               pool);
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ std::vector<mapper::KnownKeyframe> keyframes_of(const Part& part, history::ViewS
     const alignment::KnownView view = part.view(i);
     RgbdFrame frame = resampled(view.frame, camera);
     frame.index = alignment::known_view_index(i);
-    frame.timestamp_s = tracker::known_view_time_s(i);
+    frame.timestamp_s = alignment::known_view_time_s(i);
     keyframes.push_back(
         {views.keep(frame), view.motion.lag(), part.graph.T_map_camera[i], part.T_world_camera[i]});
   }

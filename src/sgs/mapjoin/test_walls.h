@@ -4,9 +4,9 @@
 
 #include <string>
 
+#include "sgs/alignment/test_textured_wall.h"
 #include "sgs/features/ferns.h"
 #include "sgs/mapjoin/part.h"
-#include "sgs/alignment/test_textured_wall.h"
 
 namespace sgs::mapjoin {
 

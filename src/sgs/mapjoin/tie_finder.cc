@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/mapjoin/tie_finder.h"
-#include "sgs/slam/loop_back_end.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "sgs/camera/resample.h"
 #include "sgs/registration/view_distance.h"
+#include "sgs/slam/loop_back_end.h"
 #include "sgs/slam/metre_check.h"
 
 namespace sgs::mapjoin {
@@ -30,7 +30,8 @@ TieFinder::TieFinder(const loops::LoopConfig& config, const tracker::TrackerConf
       config_(config),
       camera_(both.sessions[both.graph.session[first - 1]].camera),
       verifier_(config, slam::pair_config(tracker)),
-      closer_(config, slam::pair_config(tracker), 0, std::make_shared<history::ViewStore>(history::HistoryConfig{})),
+      closer_(config, slam::pair_config(tracker), 0,
+              std::make_shared<history::ViewStore>(history::HistoryConfig{})),
       relocaliser_(tracker::SpectralConfig(tracker).relocaliser) {
   std::vector<const graph::Edge*> ways(both.views(), nullptr);  // to each view
   for (const graph::Edge& e : both.graph.edges) {
@@ -54,7 +55,7 @@ TieFinder::TieFinder(const loops::LoopConfig& config, const tracker::TrackerConf
 RgbdFrame TieFinder::frame(const alignment::KnownView& view, std::size_t number) const {
   RgbdFrame frame = resampled(view.frame, camera_);
   frame.index = alignment::known_view_index(number);
-  frame.timestamp_s = tracker::known_view_time_s(number);
+  frame.timestamp_s = alignment::known_view_time_s(number);
   return frame;
 }
 

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "sgs/alignment/local_past.h"
 #include "sgs/graph/pose_graph.h"
 #include "sgs/loops/loop_closer.h"
 #include "sgs/loops/loop_verifier.h"
 #include "sgs/mapjoin/part.h"
-#include "sgs/alignment/local_past.h"
 #include "sgs/tracker/relocaliser.h"
 
 namespace sgs::mapjoin {

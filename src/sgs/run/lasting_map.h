@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "sgs/alignment/known_view.h"
 #include "sgs/mapfile/map_file.h"
 #include "sgs/runfolder/run.h"
 #include "sgs/slam/session.h"
-#include "sgs/alignment/known_view.h"
 
 namespace sgs::run {
 

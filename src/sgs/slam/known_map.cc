@@ -60,7 +60,8 @@ std::size_t known_views(const Session& session) {
 }
 
 // The last revision may have come after the nodes were last told.
-alignment::KnownView known_view(const Session& session, const Trajectory& path, std::size_t number) {
+alignment::KnownView known_view(const Session& session, const Trajectory& path,
+                                std::size_t number) {
   const auto nodes = nodes_with_views(session.skeleton());
   SGS_CHECK(number < nodes.size(), "no such view");
   const loops::Node& node = *nodes[number];

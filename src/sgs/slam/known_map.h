@@ -8,13 +8,13 @@
 #include <optional>
 #include <vector>
 
+#include "sgs/alignment/known_view.h"
 #include "sgs/camera/depth_calibration.h"
 #include "sgs/core/error.h"
 #include "sgs/core/thread_pool.h"
 #include "sgs/geometry/trajectory.h"
 #include "sgs/graph/pose_graph.h"
 #include "sgs/map/gaussian.h"
-#include "sgs/alignment/known_view.h"
 
 namespace sgs::slam {
 

@@ -142,12 +142,12 @@ Status Session::go_on_with(const KnownMap& map) {
   loops::LoopCloser& closer = loop_back_end_->closer();
   for (std::size_t i = 0; i < map.views; ++i) {
     SGS_ASSIGN_OR_RETURN(const alignment::KnownView view, map.view(i));
-    know(i, tracker::known_view_time_s(i), view);
+    know(i, alignment::known_view_time_s(i), view);
     earlier_.views.push_back({map.session_of[i], view.timestamp_s});
     times_s.push_back(view.timestamp_s);
     RgbdFrame frame = resampled(view.frame, camera_);
     frame.index = alignment::known_view_index(i);
-    frame.timestamp_s = tracker::known_view_time_s(i);
+    frame.timestamp_s = alignment::known_view_time_s(i);
     std::optional<graph::UncertainPose> way;
     if (ways[i] != nullptr) way = {ways[i]->T_from_to, ways[i]->information.inverse()};
     closer.know(view, frame, revision_, way);

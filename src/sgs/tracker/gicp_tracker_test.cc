@@ -8,9 +8,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "sgs/alignment/targets/target_map.h"
 #include "sgs/registration/cloud_sampler.h"
 #include "sgs/tracker/motion_model.h"
-#include "sgs/alignment/targets/target_map.h"
 #include "sgs/tracker/test_tracker.h"
 #include "sgs/tracker/tracker.h"
 #include "sgs/tracker/tracker_config.h"
@@ -257,7 +257,8 @@ std::shared_ptr<map::Snapshot> snapshot_of(const SE3& T, const SE3& T_world_room
   return snapshot;
 }
 
-class SnapshotTargetsTest : public testing::TestWithParam<std::tuple<alignment::TargetSource, bool>> {
+class SnapshotTargetsTest
+    : public testing::TestWithParam<std::tuple<alignment::TargetSource, bool>> {
  protected:
   TrackerConfig config() const {
     TrackerConfig c = std::get<1>(GetParam()) ? paper_on_own_points() : gicp_config();
@@ -508,7 +509,8 @@ TEST(MotionModel, RefusesImpossibleMotions) {
   const auto shifted = [](double x) { return SE3(Eigen::Matrix3d::Identity(), {x, 0, 0}); };
   EXPECT_EQ(motion.judge(shifted(0.2)), alignment::LostReason::kNone);
   EXPECT_EQ(motion.judge(shifted(0.3)), alignment::LostReason::kImplausibleMotion);
-  EXPECT_EQ(motion.judge(SE3(so3_exp({0, 0.6, 0}), {0, 0, 0})), alignment::LostReason::kImplausibleMotion);
+  EXPECT_EQ(motion.judge(SE3(so3_exp({0, 0.6, 0}), {0, 0, 0})),
+            alignment::LostReason::kImplausibleMotion);
   EXPECT_EQ(motion.judge(shifted(std::nan(""))), alignment::LostReason::kNotFinite);
   motion.hold();  // twice the time, twice the way
   EXPECT_EQ(motion.judge(shifted(0.3)), alignment::LostReason::kNone);

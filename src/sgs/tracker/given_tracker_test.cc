@@ -35,7 +35,8 @@ TEST(GivenTracker, TakesPosesAsTheyAreHoweverFarApart) {
 
 TEST(GivenTracker, AFrameWithoutAUsablePoseIsLostAndTheNextOneIsNot) {
   GivenTracker tracker(GivenConfig{});
-  EXPECT_EQ(tracker.track(frame_at(std::nullopt), {}, nullptr).lost_reason, alignment::LostReason::kNoPose);
+  EXPECT_EQ(tracker.track(frame_at(std::nullopt), {}, nullptr).lost_reason,
+            alignment::LostReason::kNoPose);
   ASSERT_EQ(tracker.track(frame_at(moved(1)), {}, nullptr).status, TrackingStatus::kOk);
   const auto bad =
       tracker.track(frame_at(moved(std::numeric_limits<double>::quiet_NaN())), {}, nullptr);

@@ -7,8 +7,8 @@
 #include <limits>
 #include <set>
 
-#include "sgs/tracker/test_tracker.h"
 #include "sgs/alignment/test_textured_wall.h"
+#include "sgs/tracker/test_tracker.h"
 #include "sgs/tracker/tracker.h"
 #include "sgs/tracker/tracker_config.h"
 
@@ -28,7 +28,8 @@ TrackResult track_all(const TrackerConfig& config, const std::vector<RgbdFrame>&
   TrackResult last;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     last = tracker->track(frames[i], nullptr);
-    EXPECT_EQ(last.status == TrackingStatus::kLost, last.lost_reason != alignment::LostReason::kNone);
+    EXPECT_EQ(last.status == TrackingStatus::kLost,
+              last.lost_reason != alignment::LostReason::kNone);
     if (i + 1 < frames.size()) {
       EXPECT_EQ(last.lost_reason, alignment::LostReason::kNone) << to_string(last.lost_reason);
     }
@@ -68,18 +69,21 @@ RgbdFrame striped(int index) {
 class ByRegistration : public testing::TestWithParam<TrackerType> {};
 
 TEST_P(ByRegistration, NoDepth) {
-  EXPECT_EQ(track_all(config_of(GetParam()), {without_depth(alignment::see_wall(SE3{}, 0))}).lost_reason,
-            alignment::LostReason::kNoDepth);
+  EXPECT_EQ(
+      track_all(config_of(GetParam()), {without_depth(alignment::see_wall(SE3{}, 0))}).lost_reason,
+      alignment::LostReason::kNoDepth);
 }
 
 TEST_P(ByRegistration, TooFewPoints) {
-  EXPECT_EQ(track_all(config_of(GetParam()), {with_little_depth(alignment::see_wall(SE3{}, 0))}).lost_reason,
+  EXPECT_EQ(track_all(config_of(GetParam()), {with_little_depth(alignment::see_wall(SE3{}, 0))})
+                .lost_reason,
             alignment::LostReason::kTooFewPoints);
 }
 
 TEST_P(ByRegistration, TooFewMatches) {
   // Half a metre nearer from one frame to the next: beyond the gate of the search.
-  EXPECT_EQ(track_all(config_of(GetParam()), {alignment::see_wall(SE3{}, 0), alignment::see_wall(shifted(0, 0.5), 1)})
+  EXPECT_EQ(track_all(config_of(GetParam()),
+                      {alignment::see_wall(SE3{}, 0), alignment::see_wall(shifted(0, 0.5), 1)})
                 .lost_reason,
             alignment::LostReason::kTooFewMatches);
 }
@@ -87,8 +91,10 @@ TEST_P(ByRegistration, TooFewMatches) {
 TEST_P(ByRegistration, ImplausibleMotion) {
   TrackerConfig config = config_of(GetParam());
   config.motion.max_translation_m = 0.01;
-  EXPECT_EQ(track_all(config, {alignment::see_wall(SE3{}, 0), alignment::see_wall(shifted(0, 0.015), 1)}).lost_reason,
-            alignment::LostReason::kImplausibleMotion);
+  EXPECT_EQ(
+      track_all(config, {alignment::see_wall(SE3{}, 0), alignment::see_wall(shifted(0, 0.015), 1)})
+          .lost_reason,
+      alignment::LostReason::kImplausibleMotion);
 }
 
 INSTANTIATE_TEST_SUITE_P(alignment::LostReason, ByRegistration,
@@ -106,10 +112,10 @@ TEST(alignment::LostReason, TooFewPixels) {
 
 TEST(alignment::LostReason, PoorPictureFit) {
   // The same wall with another paper on it.
-  EXPECT_EQ(
-      track_all(config_of(TrackerType::kSpectral), {alignment::see_wall(SE3{}, 0), alignment::see_wall(shifted(50), 1)})
-          .lost_reason,
-      alignment::LostReason::kPoorPictureFit);
+  EXPECT_EQ(track_all(config_of(TrackerType::kSpectral),
+                      {alignment::see_wall(SE3{}, 0), alignment::see_wall(shifted(50), 1)})
+                .lost_reason,
+            alignment::LostReason::kPoorPictureFit);
 }
 
 TEST(alignment::LostReason, UnseenAxis) {
@@ -118,7 +124,8 @@ TEST(alignment::LostReason, UnseenAxis) {
 }
 
 TEST(alignment::LostReason, TooFewFeatures) {
-  EXPECT_EQ(track_all(config_of(TrackerType::kOrb), {alignment::see_wall(SE3{}, 0), alignment::see_wall(SE3{}, 1, false)})
+  EXPECT_EQ(track_all(config_of(TrackerType::kOrb),
+                      {alignment::see_wall(SE3{}, 0), alignment::see_wall(SE3{}, 1, false)})
                 .lost_reason,
             alignment::LostReason::kTooFewFeatures);
 }
@@ -126,13 +133,15 @@ TEST(alignment::LostReason, TooFewFeatures) {
 TEST(alignment::LostReason, TooFewFeatureMatches) {
   TrackerConfig config = config_of(TrackerType::kOrb);
   config.visual_pose.max_depth_m = 1;  // the wall is farther: no point of it may be matched to
-  EXPECT_EQ(track_all(config, {alignment::see_wall(SE3{}, 0), alignment::see_wall(SE3{}, 1)}).lost_reason,
-            alignment::LostReason::kTooFewFeatureMatches);
+  EXPECT_EQ(
+      track_all(config, {alignment::see_wall(SE3{}, 0), alignment::see_wall(SE3{}, 1)}).lost_reason,
+      alignment::LostReason::kTooFewFeatureMatches);
 }
 
 TEST(alignment::LostReason, TooFewFeatureInliers) {
   // Descriptors on another paper find partners, but these agree on nothing.
-  EXPECT_EQ(track_all(config_of(TrackerType::kOrb), {alignment::see_wall(SE3{}, 0), alignment::see_wall(shifted(50), 1)})
+  EXPECT_EQ(track_all(config_of(TrackerType::kOrb),
+                      {alignment::see_wall(SE3{}, 0), alignment::see_wall(shifted(50), 1)})
                 .lost_reason,
             alignment::LostReason::kTooFewFeatureInliers);
 }
@@ -140,13 +149,16 @@ TEST(alignment::LostReason, TooFewFeatureInliers) {
 TEST(alignment::LostReason, ImplausibleMotionOfFeatures) {
   TrackerConfig config = config_of(TrackerType::kOrb);
   config.motion.max_translation_m = config.visual_pose.max_translation_m = 0.01;
-  EXPECT_EQ(track_all(config, {alignment::see_wall(SE3{}, 0), alignment::see_wall(shifted(0.04), 1)}).lost_reason,
-            alignment::LostReason::kImplausibleMotion);
+  EXPECT_EQ(
+      track_all(config, {alignment::see_wall(SE3{}, 0), alignment::see_wall(shifted(0.04), 1)})
+          .lost_reason,
+      alignment::LostReason::kImplausibleMotion);
 }
 
 TEST(alignment::LostReason, NotFinite) {
   for (const TrackerType type : {TrackerType::kGicp, TrackerType::kCvm}) {
-    std::vector<RgbdFrame> frames = {alignment::see_wall(SE3{}, 0), alignment::see_wall(SE3{}, 1), alignment::see_wall(SE3{}, 2)};
+    std::vector<RgbdFrame> frames = {alignment::see_wall(SE3{}, 0), alignment::see_wall(SE3{}, 1),
+                                     alignment::see_wall(SE3{}, 2)};
     frames[2].timestamp_s = std::numeric_limits<double>::quiet_NaN();
     const TrackResult r = track_all(config_of(type), frames);
     EXPECT_EQ(r.lost_reason, alignment::LostReason::kNotFinite) << to_string(type);

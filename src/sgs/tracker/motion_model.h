@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "sgs/geometry/se3.h"
 #include "sgs/alignment/lost_reason.h"
+#include "sgs/geometry/se3.h"
 #include "sgs/tracker/tracker_config.h"
 
 namespace sgs::tracker {

@@ -23,8 +23,8 @@ class Odometry {
   }
   /// Tracker::know(); before the first frame.
   void know(const alignment::KnownView& view) {
-    revision_.path.append(
-        {alignment::known_view_index(revision_.path.size()), view.timestamp_s, view.T_world_camera});
+    revision_.path.append({alignment::known_view_index(revision_.path.size()), view.timestamp_s,
+                           view.T_world_camera});
     tracker_->know(view, revision_);
   }
   const PlaceSearch* place_search() const { return tracker_->place_search(); }

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sgs/tracker/test_tracker.h"
 #include "sgs/alignment/test_textured_wall.h"
+#include "sgs/tracker/test_tracker.h"
 
 namespace sgs::tracker {
 namespace {
@@ -17,7 +17,9 @@ TrackerConfig orb_config() {
   return config;
 }
 
-double error_m(const TrackResult& r, int i) { return (r.T_odom_camera.t - alignment::wall_pose(i).t).norm(); }
+double error_m(const TrackResult& r, int i) {
+  return (r.T_odom_camera.t - alignment::wall_pose(i).t).norm();
+}
 
 TEST(OrbTracker, StaysWithinAMillimetreOrTwoAlongATexturedWall) {
   const auto tracker = must_make(orb_config(), alignment::kWallCamera, alignment::wall_pose(0));
@@ -37,9 +39,11 @@ TEST(OrbTracker, StaysWithinAMillimetreOrTwoAlongATexturedWall) {
 TEST(OrbTracker, DiesAtAWhiteWallAndFindsItselfWhenTextureReturns) {
   const auto tracker = must_make(orb_config(), alignment::kWallCamera, alignment::wall_pose(0));
   TrackResult last;
-  for (int i = 0; i < 10; ++i) last = tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr);
+  for (int i = 0; i < 10; ++i)
+    last = tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr);
   for (int i = 10; i < 20; ++i) {
-    const TrackResult r = tracker->track(alignment::see_wall(alignment::wall_pose(i), i, false), nullptr);
+    const TrackResult r =
+        tracker->track(alignment::see_wall(alignment::wall_pose(i), i, false), nullptr);
     EXPECT_EQ(r.status, TrackingStatus::kLost);
     EXPECT_FALSE(r.keyframe);
     EXPECT_EQ(r.T_odom_camera.t, last.T_odom_camera.t);
@@ -59,7 +63,8 @@ TEST(OrbTracker, DiesAtAWhiteWallAndFindsItselfWhenTextureReturns) {
 
 TEST(OrbTracker, StartsWithTheFirstFrameThatHasFeatures) {
   const auto tracker = must_make(orb_config(), alignment::kWallCamera, alignment::wall_pose(0));
-  const TrackResult blank = tracker->track(alignment::see_wall(alignment::wall_pose(0), 0, false), nullptr);
+  const TrackResult blank =
+      tracker->track(alignment::see_wall(alignment::wall_pose(0), 0, false), nullptr);
   EXPECT_EQ(blank.status, TrackingStatus::kLost);
   EXPECT_EQ(blank.T_odom_camera.t, alignment::wall_pose(0).t);
   const TrackResult r = tracker->track(alignment::see_wall(alignment::wall_pose(0), 1), nullptr);

@@ -6,8 +6,8 @@
 
 #include <bit>
 
-#include "sgs/tracker/test_tracker.h"
 #include "sgs/alignment/test_textured_wall.h"
+#include "sgs/tracker/test_tracker.h"
 
 namespace sgs::tracker {
 namespace {
@@ -23,9 +23,11 @@ PaperRun run_paper(const TrackerConfig& config, bool papered = true) {
   PaperRun run;
   const auto tracker = must_make(config, alignment::kWallCamera, alignment::wall_pose(0));
   for (int i = 0; i < kWallFrames; ++i) {
-    run.results.push_back(tracker->track(alignment::see_wall(alignment::wall_pose(i), i, papered), nullptr));
+    run.results.push_back(
+        tracker->track(alignment::see_wall(alignment::wall_pose(i), i, papered), nullptr));
   }
-  run.end_error_m = (run.results.back().T_odom_camera.t - alignment::wall_pose(kWallFrames - 1).t).norm();
+  run.end_error_m =
+      (run.results.back().T_odom_camera.t - alignment::wall_pose(kWallFrames - 1).t).norm();
   return run;
 }
 
@@ -71,7 +73,8 @@ TEST(PaperTracker, RejectedPriorStandsForNoMotion) {
   EXPECT_EQ(run.results.back().diagnostics.prior_source, PriorSource::kZero);
   // Along the wall the pose is locked; off it the wall itself is still seen.
   EXPECT_NEAR(run.results.back().T_odom_camera.t.x(), 0, 0.02);
-  EXPECT_NEAR(run.results.back().T_odom_camera.t.z(), alignment::wall_pose(kWallFrames - 1).t.z(), 0.01);
+  EXPECT_NEAR(run.results.back().T_odom_camera.t.z(), alignment::wall_pose(kWallFrames - 1).t.z(),
+              0.01);
 }
 
 TEST(PaperTracker, PlanarityAloneCallsForThePrior) {
@@ -138,7 +141,8 @@ TEST(PaperTracker, HoldsThePoseWithoutDepth) {
   EXPECT_EQ(held.status, TrackingStatus::kLost);
   EXPECT_FALSE(held.keyframe);
   EXPECT_EQ(held.T_odom_camera.t, last.t);
-  EXPECT_NE(tracker->track(alignment::see_wall(alignment::wall_pose(7), 7), nullptr).status, TrackingStatus::kLost);
+  EXPECT_NE(tracker->track(alignment::see_wall(alignment::wall_pose(7), 7), nullptr).status,
+            TrackingStatus::kLost);
 }
 
 TEST(PaperTracker, SameInputGivesTheSameBits) {

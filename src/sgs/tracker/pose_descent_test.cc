@@ -81,7 +81,8 @@ TEST_P(PoseDescentTest, StaysWhereNoDepthWasMeasured) {
 TEST_P(PoseDescentTest, IsFiniteWithAMapThatIsNot) {
   map::Snapshot broken = *wall_map();
   for (std::size_t i = 0; i < broken.gaussians.size(); i += 7) broken.gaussians[i].rgb[0] = NAN;
-  const SE3 T = descend(broken, alignment::see_wall(alignment::wall_pose(0), 0), moved(alignment::wall_pose(0)));
+  const SE3 T = descend(broken, alignment::see_wall(alignment::wall_pose(0), 0),
+                        moved(alignment::wall_pose(0)));
   EXPECT_TRUE(T.all_finite());
 }
 

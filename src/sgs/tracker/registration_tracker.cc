@@ -59,7 +59,8 @@ TrackResult RegistrationTracker::track(const RgbdFrame& frame, const history::Re
 alignment::LostReason RegistrationTracker::judge(const Registration& r) const {
   if (!r.T_local_camera.all_finite()) return alignment::LostReason::kNotFinite;
   const auto points = static_cast<int>(geometry_.source().points.size());
-  const alignment::LostReason matches = alignment::check_matches(r.at_end.inliers, points, config_.loss);
+  const alignment::LostReason matches =
+      alignment::check_matches(r.at_end.inliers, points, config_.loss);
   return matches != alignment::LostReason::kNone ? matches : motion_.judge(r.T_local_camera);
 }
 

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "sgs/registration/pose_solver.h"
-#include "sgs/tracker/motion_model.h"
 #include "sgs/alignment/step_times.h"
 #include "sgs/alignment/terms/geometric_term.h"
+#include "sgs/registration/pose_solver.h"
+#include "sgs/tracker/motion_model.h"
 #include "sgs/tracker/tracker.h"
 
 namespace sgs::tracker {
@@ -47,8 +47,8 @@ class RegistrationTracker : public Tracker {
 
   GicpConfig config_;
   alignment::GeometricTerm geometry_;
-  MotionModel motion_;  // camera to local
-  alignment::StepTimes times_;     // of the current frame
+  MotionModel motion_;          // camera to local
+  alignment::StepTimes times_;  // of the current frame
 
  private:
   alignment::LostReason judge(const Registration& r) const;

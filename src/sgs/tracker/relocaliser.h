@@ -9,11 +9,11 @@
 #include <optional>
 #include <vector>
 
+#include "sgs/alignment/known_view.h"
+#include "sgs/alignment/local_past.h"
 #include "sgs/features/ferns.h"
 #include "sgs/features/orb.h"
 #include "sgs/history/view_store.h"
-#include "sgs/alignment/known_view.h"
-#include "sgs/alignment/local_past.h"
 #include "sgs/tracker/tracker_config.h"
 
 namespace sgs::tracker {

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/tracker/render_tracker.h"
 
-#include "sgs/render/rendered_images.h"
 #include "sgs/alignment/loss_checks.h"
+#include "sgs/render/rendered_images.h"
 
 namespace sgs::tracker {
 namespace {
@@ -39,9 +39,9 @@ TrackResult RenderTracker::track(const RgbdFrame& frame, const history::Revision
   const bool has_map = snapshot && !snapshot->gaussians.empty();
   const SE3 T_start = motion_.predict(frame.timestamp_s);
   alignment::Alignment a = !has_map ? align(frame, T_start)
-                : config_.rendering.method == RenderMethod::kAligned
-                    ? align_to_drawings(frame, *snapshot, T_start)
-                    : descend(frame, *snapshot, T_start);
+                           : config_.rendering.method == RenderMethod::kAligned
+                               ? align_to_drawings(frame, *snapshot, T_start)
+                               : descend(frame, *snapshot, T_start);
   if (a.trusted()) a.lost_reason = motion_.judge(a.T_local_camera);
   if (!a.trusted()) return lost(a);
   motion_.accept(a.T_local_camera, frame.timestamp_s);
@@ -49,8 +49,9 @@ TrackResult RenderTracker::track(const RgbdFrame& frame, const history::Revision
   return tracked(a);
 }
 
-alignment::Alignment RenderTracker::align_to_drawings(const RgbdFrame& frame, const map::Snapshot& snapshot,
-                                           const SE3& T_world_start) {
+alignment::Alignment RenderTracker::align_to_drawings(const RgbdFrame& frame,
+                                                      const map::Snapshot& snapshot,
+                                                      const SE3& T_world_start) {
   alignment::Alignment a;
   SE3 T_start = T_world_start;
   for (int round = 0; round < config_.rendering.rounds; ++round) {
@@ -63,7 +64,7 @@ alignment::Alignment RenderTracker::align_to_drawings(const RgbdFrame& frame, co
 }
 
 alignment::Alignment RenderTracker::descend(const RgbdFrame& frame, const map::Snapshot& snapshot,
-                                 const SE3& T_world_start) {
+                                            const SE3& T_world_start) {
   const auto descend_from = [&](const SE3& T_start) {
     const SE3 T = descent_.descend(snapshot.gaussians, frame, T_start);
     draw(snapshot, T);
@@ -104,7 +105,8 @@ void RenderTracker::draw(const map::Snapshot& snapshot, const SE3& T_world_camer
 
 // The aligner's local frame is the camera that the reference was seen from; what comes back is in
 // the world.
-alignment::Alignment RenderTracker::align(const RgbdFrame& frame, const SE3& T_world_start, Move move) {
+alignment::Alignment RenderTracker::align(const RgbdFrame& frame, const SE3& T_world_start,
+                                          Move move) {
   const SE3& T_world_local = reference_->T_world_camera;
   aligner_.emplace(config_.aligner, camera_, SE3{});
   aligner_->look_at(reference_->frame, {}, nullptr);

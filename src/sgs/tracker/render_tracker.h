@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "sgs/render/rasterizer.h"
 #include "sgs/alignment/joint_aligner.h"
+#include "sgs/render/rasterizer.h"
 #include "sgs/tracker/motion_model.h"
 #include "sgs/tracker/pose_descent.h"
 #include "sgs/tracker/tracker.h"
@@ -41,13 +41,14 @@ class RenderTracker : public Tracker {
   void draw(const map::Snapshot& snapshot, const SE3& T_world_camera);
   /// By alignment to drawings, each from where the last one led to.
   alignment::Alignment align_to_drawings(const RgbdFrame& frame, const map::Snapshot& snapshot,
-                              const SE3& T_world_start);
+                                         const SE3& T_world_start);
   alignment::Alignment descend(const RgbdFrame& frame, const map::Snapshot& snapshot,
-                    const SE3& T_world_start);
+                               const SE3& T_world_start);
   enum class Move { kFree, kNot };
   /// Aligns a frame to the reference, or judges the start; the aligner is kept for what it tells
   /// about the frame.
-  alignment::Alignment align(const RgbdFrame& frame, const SE3& T_world_start, Move move = Move::kFree);
+  alignment::Alignment align(const RgbdFrame& frame, const SE3& T_world_start,
+                             Move move = Move::kFree);
   TrackResult tracked(const alignment::Alignment& a) const;
   TrackResult lost(const alignment::Alignment& a);
 
@@ -58,7 +59,7 @@ class RenderTracker : public Tracker {
   PoseDescent descent_;
   std::optional<Reference> reference_;
   std::optional<alignment::JointAligner> aligner_;  // of the last alignment
-  MotionModel motion_;                   // camera to world
+  MotionModel motion_;                              // camera to world
 };
 
 }  // namespace sgs::tracker

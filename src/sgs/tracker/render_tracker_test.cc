@@ -27,7 +27,8 @@ TEST_P(RenderTracker, HoldsOnToTheDrawingOfAPaperedWall) {
   const auto map = wall_map();
   EXPECT_TRUE(tracker->follows_map());
   for (int i = 0; i < 12; ++i) {
-    const TrackResult result = tracker->track(alignment::see_wall(alignment::wall_pose(i), i), i < 2 ? nullptr : map);
+    const TrackResult result =
+        tracker->track(alignment::see_wall(alignment::wall_pose(i), i), i < 2 ? nullptr : map);
     ASSERT_NE(result.status, TrackingStatus::kLost) << i;
     EXPECT_LT((result.T_odom_camera.t - alignment::wall_pose(i).t).norm(), 0.01) << i;
     if (i == 0) continue;
@@ -41,7 +42,8 @@ TEST_P(RenderTracker, SaysLostBeforeABareWallInsteadOfSliding) {
   const auto tracker = make_render_tracker(GetParam());
   tracker->track(alignment::see_wall(alignment::wall_pose(0), 0), nullptr);
   for (int i = 1; i < 4; ++i) {
-    const TrackResult result = tracker->track(alignment::see_wall(alignment::wall_pose(i), i, false), wall_map(false));
+    const TrackResult result =
+        tracker->track(alignment::see_wall(alignment::wall_pose(i), i, false), wall_map(false));
     EXPECT_EQ(result.status, TrackingStatus::kLost) << i;
     EXPECT_NE(result.lost_reason, alignment::LostReason::kNone) << i;
   }
@@ -52,7 +54,8 @@ TEST_P(RenderTracker, AMapThatIsElsewhereIsALoss) {
   tracker->track(alignment::see_wall(alignment::wall_pose(0), 0), nullptr);
   auto elsewhere = std::make_shared<map::Snapshot>(*wall_map());
   for (map::Gaussian& g : elsewhere->gaussians) g.mean[2] -= 50;
-  EXPECT_EQ(tracker->track(alignment::see_wall(alignment::wall_pose(1), 1), elsewhere).status, TrackingStatus::kLost);
+  EXPECT_EQ(tracker->track(alignment::see_wall(alignment::wall_pose(1), 1), elsewhere).status,
+            TrackingStatus::kLost);
 }
 
 TEST_P(RenderTracker, GivesTheSameBitsAgain) {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "sgs/camera/resample.h"
 #include "sgs/alignment/loss_checks.h"
+#include "sgs/camera/resample.h"
 
 namespace sgs::tracker {
 namespace {
@@ -49,10 +49,11 @@ TrackResult SpectralTracker::track(const RgbdFrame& frame, const history::Revisi
   aligner_.look_at(frame, revision, snapshot);
   if (before.number() != revision.number()) follow(before.calibration);
   depth_delay_s_ = frame.depth_delay_s + delay_.delay_s();
-  const alignment::Alignment alignment = !is_in_map()                ? look_for_place(frame)
-                              : !aligner_.has_map()       ? start_map()
-                              : motion_.frames_held() > 0 ? find_camera(frame)
-                                                          : follow_unless_elsewhere(frame);
+  const alignment::Alignment alignment = !is_in_map()          ? look_for_place(frame)
+                                         : !aligner_.has_map() ? start_map()
+                                         : motion_.frames_held() > 0
+                                             ? find_camera(frame)
+                                             : follow_unless_elsewhere(frame);
   if (!alignment.trusted()) return lost(alignment, t);
   const Vector6d rate = motion_.rate_to(alignment.T_local_camera, t);
   if (motion_.frames_held() == 0 && !policy_.in_doubt()) learn_from(alignment, rate);
@@ -119,7 +120,8 @@ alignment::Alignment SpectralTracker::follow_unless_elsewhere(const RgbdFrame& f
 // The frames after a loss: from the pose carried on, and now and then from where the camera is
 // found among the keyframes.
 alignment::Alignment SpectralTracker::find_camera(const RgbdFrame& frame) {
-  alignment::Alignment carried_on = align(T_bridge_, frame.timestamp_s, motion_, alignment::JointAligner::From::kAfar);
+  alignment::Alignment carried_on =
+      align(T_bridge_, frame.timestamp_s, motion_, alignment::JointAligner::From::kAfar);
   switch (policy_.find(evidence_of(carried_on))) {
     case LossPolicy::Finding::kAccept:
       return carried_on;
@@ -167,7 +169,9 @@ void SpectralTracker::know(const alignment::KnownView& view, const history::Revi
 alignment::Alignment SpectralTracker::look_for_place(const RgbdFrame& frame) {
   if (aligner_.check_frame() == alignment::LostReason::kNone) {
     const double t = frame.timestamp_s;
-    const auto is_right = [&](const alignment::Alignment& place) { return is_first_place(place, t); };
+    const auto is_right = [&](const alignment::Alignment& place) {
+      return is_first_place(place, t);
+    };
     const auto found = relocalised(frame, is_right);
     note_look(t);
     if (found) {
@@ -232,8 +236,8 @@ Evidence SpectralTracker::evidence_of(const alignment::Alignment& a) const {
 }
 
 // Where the picture alone fits, as pictures usually do, near a pose that surfaces have agreed to.
-std::optional<alignment::Alignment> SpectralTracker::picture_of_this_place(const alignment::Alignment& a,
-                                                                double timestamp_s) {
+std::optional<alignment::Alignment> SpectralTracker::picture_of_this_place(
+    const alignment::Alignment& a, double timestamp_s) {
   constexpr double kNear_m = 0.1, kNear_rad = 0.1;
   alignment::Alignment picture = align_picture(a.T_local_camera, timestamp_s);
   const SE3 T = a.T_local_camera.inverse() * picture.T_local_camera;
@@ -257,7 +261,8 @@ std::optional<alignment::Alignment> SpectralTracker::relocalised(
   motion.jump_to(*found);
   const std::size_t last = aligner_.vision().newest_keyframe();
   aligner_.carry_to(aligner_.vision().nearest_keyframe(*found));
-  alignment::Alignment a = align(*found, frame.timestamp_s, motion, alignment::JointAligner::From::kAfar);
+  alignment::Alignment a =
+      align(*found, frame.timestamp_s, motion, alignment::JointAligner::From::kAfar);
   if (!is_believed(a)) {
     aligner_.carry_to(last);
     return std::nullopt;
@@ -274,8 +279,9 @@ bool SpectralTracker::fits_badly(const alignment::Alignment& a) const {
 }
 
 // Aligns from one start pose; `motion` tells which poses are possible.
-alignment::Alignment SpectralTracker::align(const SE3& T_start, double timestamp_s, const MotionModel& motion,
-                                 alignment::JointAligner::From from) {
+alignment::Alignment SpectralTracker::align(const SE3& T_start, double timestamp_s,
+                                            const MotionModel& motion,
+                                            alignment::JointAligner::From from) {
   alignment::Alignment a = aligner_.align(T_start, readout_model(timestamp_s, motion), from);
   if (a.trusted()) a.lost_reason = motion.judge(a.T_local_camera);
   return a;
@@ -287,7 +293,8 @@ alignment::Alignment SpectralTracker::align_picture(const SE3& T_start, double t
   return a;
 }
 
-alignment::ReadoutModel SpectralTracker::readout_model(double timestamp_s, const MotionModel& motion) const {
+alignment::ReadoutModel SpectralTracker::readout_model(double timestamp_s,
+                                                       const MotionModel& motion) const {
   return {[this, timestamp_s, &motion](const SE3& T_local_camera) {
             return readout_.predict(motion.rate_to(T_local_camera, timestamp_s),
                                     aligner_.vision().newest_keyframe());
@@ -369,7 +376,8 @@ TrackResult SpectralTracker::lost(const alignment::Alignment& alignment, double 
   policy_.lost();
   const SE3 T_carried_on = motion_.predict(timestamp_s);
   if (T_carried_on.all_finite() &&
-      (timestamp_s - lost_since_s_ <= config_.aligner.alignment.bridge_s || motion_.frames_held() == 1)) {
+      (timestamp_s - lost_since_s_ <= config_.aligner.alignment.bridge_s ||
+       motion_.frames_held() == 1)) {
     T_bridge_ = T_carried_on;
   }
   // Surfaces that were not believed are still the best guess of how the camera went on.

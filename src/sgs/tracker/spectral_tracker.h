@@ -6,12 +6,12 @@
 #include <optional>
 #include <vector>
 
-#include "sgs/tracker/delay_estimator.h"
 #include "sgs/alignment/joint_aligner.h"
 #include "sgs/alignment/known_view.h"
+#include "sgs/alignment/readout_estimator.h"
+#include "sgs/tracker/delay_estimator.h"
 #include "sgs/tracker/loss_policy.h"
 #include "sgs/tracker/motion_model.h"
-#include "sgs/alignment/readout_estimator.h"
 #include "sgs/tracker/relocaliser.h"
 #include "sgs/tracker/tracker.h"
 
@@ -45,18 +45,20 @@ class SpectralTracker : public Tracker {
   alignment::Alignment follow_unless_elsewhere(const RgbdFrame& frame);
   alignment::Alignment find_camera(const RgbdFrame& frame);
   alignment::Alignment look_for_place(const RgbdFrame& frame);
-  std::optional<alignment::Alignment> relocalised(const RgbdFrame& frame,
-                                       const std::function<bool(const alignment::Alignment&)>& is_believed);
+  std::optional<alignment::Alignment> relocalised(
+      const RgbdFrame& frame, const std::function<bool(const alignment::Alignment&)>& is_believed);
   void learn_from(const alignment::Alignment& alignment, const Vector6d& rate);
-  bool extend_map(const RgbdFrame& frame, const alignment::Alignment& alignment, const Vector6d& readout,
-                  const Vector6d& rate);
+  bool extend_map(const RgbdFrame& frame, const alignment::Alignment& alignment,
+                  const Vector6d& readout, const Vector6d& rate);
   TrackResult tracked(const alignment::Alignment& alignment) const;
   TrackResult lost(const alignment::Alignment& alignment, double timestamp_s);
 
-  alignment::Alignment align(const SE3& T_start, double timestamp_s, const MotionModel& motion,
-                  alignment::JointAligner::From from = alignment::JointAligner::From::kNear);
+  alignment::Alignment align(
+      const SE3& T_start, double timestamp_s, const MotionModel& motion,
+      alignment::JointAligner::From from = alignment::JointAligner::From::kNear);
   alignment::Alignment align_picture(const SE3& T_start, double timestamp_s);
-  std::optional<alignment::Alignment> picture_of_this_place(const alignment::Alignment& a, double timestamp_s);
+  std::optional<alignment::Alignment> picture_of_this_place(const alignment::Alignment& a,
+                                                            double timestamp_s);
   alignment::ReadoutModel readout_model(double timestamp_s, const MotionModel& motion) const;
   bool fits_badly(const alignment::Alignment& a) const;
   Evidence evidence_of(const alignment::Alignment& a) const;

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sgs/tracker/test_tracker.h"
 #include "sgs/alignment/test_textured_wall.h"
+#include "sgs/tracker/test_tracker.h"
 
 namespace sgs::tracker {
 namespace {
@@ -24,7 +24,8 @@ WallRun run_wall(const TrackerConfig& config, int frames, const SE3& T_shift = {
   for (int i = 0; i < frames; ++i) {
     run.results.push_back(tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr));
     const TrackResult& r = run.results.back();
-    run.worst_m = std::max(run.worst_m, distance_m(r.T_odom_camera, T_shift * alignment::wall_pose(i)));
+    run.worst_m =
+        std::max(run.worst_m, distance_m(r.T_odom_camera, T_shift * alignment::wall_pose(i)));
     run.lost += r.status == TrackingStatus::kLost ? 1 : 0;
   }
   return run;
@@ -113,7 +114,8 @@ TEST(SpectralTracker, GivesTheSameBitsAgain) {
 
 TEST(SpectralTracker, SaysLostBeforeABarePlaneAndComesBack) {
   const auto tracker = must_make({}, alignment::kWallCamera, alignment::wall_pose(0));
-  for (int i = 0; i < 12; ++i) tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr);
+  for (int i = 0; i < 12; ++i)
+    tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr);
   // The camera stops before a wall without paper: neither source sees the two sideways directions.
   int lost = 0;
   SE3 last;
@@ -126,7 +128,8 @@ TEST(SpectralTracker, SaysLostBeforeABarePlaneAndComesBack) {
   EXPECT_GE(lost, 29);
   // Features return: tracking is back within half a second, where it was.
   TrackResult r;
-  for (int i = 42; i < 57; ++i) r = tracker->track(alignment::see_wall(alignment::wall_pose(i - 31), i), nullptr);
+  for (int i = 42; i < 57; ++i)
+    r = tracker->track(alignment::see_wall(alignment::wall_pose(i - 31), i), nullptr);
   EXPECT_NE(r.status, TrackingStatus::kLost);
   EXPECT_LT(distance_m(r.T_odom_camera, alignment::wall_pose(25)), 0.015);
 }
@@ -136,12 +139,14 @@ TEST(SpectralTracker, GoesOnWhereARevisionPutsIt) {
   const SE3 shift(so3_exp({0.02, 0.3, -0.1}), {1, -2, 0.5});
   for (const int frames : {1, 12}) {
     const auto tracker = must_make({}, alignment::kWallCamera, alignment::wall_pose(0));
-    for (int i = 0; i < frames; ++i) tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr);
+    for (int i = 0; i < frames; ++i)
+      tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr);
     const history::Path::Entry last = tracker->revision().path.back();
     const SE3& T = last.T_odom_camera;
     tracker->revise({PoseCorrection({{last.timestamp_s, T, shift * T}})});
     for (int i = frames; i < frames + 3; ++i) {
-      const TrackResult r = tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr);
+      const TrackResult r =
+          tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr);
       EXPECT_NE(r.status, TrackingStatus::kLost) << i;
       EXPECT_LT(distance_m(r.T_odom_camera, shift * alignment::wall_pose(i)), 0.01) << i;
     }
@@ -150,7 +155,8 @@ TEST(SpectralTracker, GoesOnWhereARevisionPutsIt) {
 
 TEST(SpectralTracker, NeverJumps) {
   const auto tracker = must_make({}, alignment::kWallCamera, alignment::wall_pose(0));
-  for (int i = 0; i < 5; ++i) tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr);
+  for (int i = 0; i < 5; ++i)
+    tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr);
   SE3 elsewhere = alignment::wall_pose(5);
   elsewhere.t.x() += 3;
   const auto r = tracker->track(alignment::see_wall(elsewhere, 5), nullptr);
@@ -163,14 +169,17 @@ TEST(SpectralTracker, WaitsForDepth) {
   RgbdFrame blind = alignment::see_wall(alignment::wall_pose(0), 0);
   blind.depth.fill(0);
   EXPECT_EQ(tracker->track(blind, nullptr).status, TrackingStatus::kLost);
-  EXPECT_NE(tracker->track(alignment::see_wall(alignment::wall_pose(0), 1), nullptr).status, TrackingStatus::kLost);
-  EXPECT_NE(tracker->track(alignment::see_wall(alignment::wall_pose(1), 2), nullptr).status, TrackingStatus::kLost);
+  EXPECT_NE(tracker->track(alignment::see_wall(alignment::wall_pose(0), 1), nullptr).status,
+            TrackingStatus::kLost);
+  EXPECT_NE(tracker->track(alignment::see_wall(alignment::wall_pose(1), 2), nullptr).status,
+            TrackingStatus::kLost);
 }
 
 // Neither a picture nor depth: nothing was observed, and nothing may be said to be.
 TEST(SpectralTracker, ABlackFrameIsLost) {
   const auto tracker = must_make({}, alignment::kWallCamera, alignment::wall_pose(0));
-  for (int i = 0; i < 5; ++i) tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr);
+  for (int i = 0; i < 5; ++i)
+    tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr);
   RgbdFrame black = alignment::see_wall(alignment::wall_pose(5), 5);
   black.depth.fill(0);
   black.color.fill({});
@@ -193,15 +202,18 @@ TEST(SpectralTracker, FollowsThePictureWhereDepthFails) {
 // Carried along a wall whose surface is everywhere the same: only the picture tells.
 TEST(SpectralTracker, SurfacesAreNotBelievedAgainstThePicture) {
   const auto tracker = must_make({}, alignment::kWallCamera, alignment::wall_pose(0));
-  for (int i = 0; i < 10; ++i) tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr);
+  for (int i = 0; i < 10; ++i)
+    tracker->track(alignment::see_wall(alignment::wall_pose(i), i), nullptr);
   SE3 elsewhere = alignment::wall_pose(10);
   elsewhere.t.x() += 50;
   int lost = 0;
   for (int i = 10; i < 40; ++i) {
-    lost += tracker->track(alignment::see_wall(elsewhere, i), nullptr).status == TrackingStatus::kLost;
+    lost +=
+        tracker->track(alignment::see_wall(elsewhere, i), nullptr).status == TrackingStatus::kLost;
   }
   EXPECT_EQ(lost, 30);
-  const TrackResult back = tracker->track(alignment::see_wall(alignment::wall_pose(9), 40), nullptr);
+  const TrackResult back =
+      tracker->track(alignment::see_wall(alignment::wall_pose(9), 40), nullptr);
   EXPECT_NE(back.status, TrackingStatus::kLost);
   EXPECT_LT(distance_m(back.T_odom_camera, alignment::wall_pose(9)), 0.01);
 }
@@ -215,7 +227,9 @@ TEST(SpectralTracker, ReadsTheDiskOnlyOnceItIsLost) {
   (*made)->remember_in(views);
   Odometry tracker(std::move(*made));
   for (int i = 0; i < 60; ++i) {
-    EXPECT_NE(tracker.track(alignment::see_wall(alignment::wall_pose(i), i), nullptr).status, TrackingStatus::kLost) << i;
+    EXPECT_NE(tracker.track(alignment::see_wall(alignment::wall_pose(i), i), nullptr).status,
+              TrackingStatus::kLost)
+        << i;
     views->settle();
   }
   EXPECT_EQ(views->reads(), 0u);
@@ -301,7 +315,8 @@ TEST(SpectralTracker, RatherStaysLostThanTakesAnotherPlaceForTheMaps) {
   const auto tracker = tracker_that_knows_the_wall();
   const SE3 elsewhere(Eigen::Matrix3d::Identity(), {7, 3, 0});  // papered otherwise
   for (int i = 0; i < 10; ++i) {
-    const TrackResult r = tracker->track(alignment::see_wall(elsewhere * alignment::wall_pose(i), i), nullptr);
+    const TrackResult r =
+        tracker->track(alignment::see_wall(elsewhere * alignment::wall_pose(i), i), nullptr);
     EXPECT_EQ(r.lost_reason, alignment::LostReason::kNotInMap) << i;
   }
   const PlaceSearch& search = *tracker->place_search();
@@ -318,7 +333,8 @@ TEST(SpectralTracker, FindsItselfInAMapThatItSeesFromFartherAway) {
     const auto tracker = must_make(TrackerConfig(), alignment::kWallCamera, SE3{});
     tracker->know(view_of_wall(nearer));
     for (int i = 0; i < 10; ++i) {
-      const TrackResult r = tracker->track(alignment::see_wall(place * alignment::wall_pose(i), i), nullptr);
+      const TrackResult r =
+          tracker->track(alignment::see_wall(place * alignment::wall_pose(i), i), nullptr);
       if (r.status == TrackingStatus::kLost) continue;
       EXPECT_LT(distance_m(r.T_odom_camera, alignment::wall_pose(i)), 0.01) << i;
     }

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <memory>
 
-#include "sgs/map/gaussian.h"
 #include "sgs/alignment/test_textured_wall.h"
+#include "sgs/map/gaussian.h"
 
 namespace sgs::tracker {
 

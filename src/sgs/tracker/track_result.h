@@ -8,11 +8,11 @@
 #include <memory>
 #include <optional>
 
+#include "sgs/alignment/lost_reason.h"
 #include "sgs/core/enum_names.h"
 #include "sgs/core/image.h"
 #include "sgs/geometry/se3.h"
 #include "sgs/registration/rolling_shutter.h"
-#include "sgs/alignment/lost_reason.h"
 
 namespace sgs::tracker {
 
@@ -83,8 +83,9 @@ struct TrackResult {
   /// constant velocity (`spectral`).
   SE3 T_odom_camera;
   TrackingStatus status = TrackingStatus::kOk;
-  alignment::LostReason lost_reason = alignment::LostReason::kNone;  ///< anything else exactly where status is kLost
-  bool keyframe = false;  ///< the tracker extended its own target map with this frame
+  alignment::LostReason lost_reason =
+      alignment::LostReason::kNone;  ///< anything else exactly where status is kLost
+  bool keyframe = false;             ///< the tracker extended its own target map with this frame
   /// What the alignment saw of the pose: its normal equations, on twists of the camera. Pixels and
   /// points are counted as if they were independent. Empty where the tracker does not know.
   std::optional<Matrix6d> information;

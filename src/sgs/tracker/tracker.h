@@ -5,12 +5,12 @@
 #include <memory>
 #include <string>
 
+#include "sgs/alignment/known_view.h"
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/core/error.h"
 #include "sgs/history/revision.h"
 #include "sgs/history/view_store.h"
 #include "sgs/map/gaussian.h"
-#include "sgs/alignment/known_view.h"
 #include "sgs/tracker/place_search.h"
 #include "sgs/tracker/track_result.h"
 

@@ -75,8 +75,12 @@ alignment::GeometryConfig geometry_config(const TrackerConfig& all) {
 }  // namespace
 
 alignment::AlignerConfig aligner_config(const TrackerConfig& all) {
-  return {all.fusion,     all.alignment,        all.solver,
-          all.degeneracy, all.loss,             geometry_config(all),
+  return {all.fusion,
+          all.alignment,
+          all.solver,
+          all.degeneracy,
+          all.loss,
+          geometry_config(all),
           {all.photometric, all.visual_keyframes}};
 }
 

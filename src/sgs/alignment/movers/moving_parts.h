@@ -5,9 +5,9 @@
 #include <deque>
 #include <vector>
 
-#include "sgs/registration/cell_mask.h"
 #include "sgs/alignment/local_past.h"
 #include "sgs/alignment/movers/coarse_depth.h"
+#include "sgs/registration/cell_mask.h"
 
 namespace sgs::alignment {
 

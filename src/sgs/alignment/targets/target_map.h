@@ -4,10 +4,10 @@
 
 #include <memory>
 
+#include "sgs/alignment/alignment_config.h"
+#include "sgs/alignment/targets/trackable_points.h"
 #include "sgs/map/gaussian.h"
 #include "sgs/registration/correspondence_search.h"
-#include "sgs/alignment/targets/trackable_points.h"
-#include "sgs/alignment/alignment_config.h"
 
 namespace sgs::alignment {
 

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "sgs/alignment/local_past.h"
 #include "sgs/registration/correspondence_search.h"
 #include "sgs/registration/free_space.h"
 #include "sgs/registration/rolling_shutter.h"
 #include "sgs/registration/target_blocks.h"
-#include "sgs/alignment/local_past.h"
 
 namespace sgs::alignment {
 

@@ -5,15 +5,15 @@
 #include <memory>
 #include <optional>
 
+#include "sgs/alignment/alignment_config.h"
+#include "sgs/alignment/targets/target_map.h"
+#include "sgs/alignment/terms/trial.h"
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/degeneracy/observability.h"
 #include "sgs/registration/cloud_sampler.h"
 #include "sgs/registration/correspondence_search.h"
 #include "sgs/registration/geometric_cost.h"
 #include "sgs/registration/rolling_shutter.h"
-#include "sgs/alignment/targets/target_map.h"
-#include "sgs/alignment/terms/trial.h"
-#include "sgs/alignment/alignment_config.h"
 
 namespace sgs::alignment {
 

@@ -5,13 +5,13 @@
 #include <memory>
 #include <vector>
 
+#include "sgs/alignment/alignment_config.h"
+#include "sgs/alignment/local_past.h"
+#include "sgs/alignment/readout_estimator.h"
 #include "sgs/camera/pyramid.h"
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/degeneracy/fusion.h"
 #include "sgs/registration/photometric.h"
-#include "sgs/alignment/local_past.h"
-#include "sgs/alignment/readout_estimator.h"
-#include "sgs/alignment/alignment_config.h"
 
 namespace sgs::alignment {
 
