@@ -67,8 +67,8 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
   const auto loops = session->loop_counts().value_or(loops::LoopCounts{});
   fmt::print("| {} | {} | {:.2f} | {:.2f} | {} | {} | {} | {} |\n",
              benchmarks::short_name(input_name), run.frames.size(), ate_cm(run.online, run.truth),
-             ate_cm(run.trajectory, run.truth), loops.accepted, loops.mended, loops.corrections,
-             run.gaussians.size());
+             ate_cm(run.trajectory, run.truth), loops.accepted, loops.re_estimated,
+             loops.corrections, run.gaussians.size());
   std::fflush(stdout);
   return run::save_run(run, options.folder + "/" + benchmarks::short_name(input_name));
 }

@@ -62,7 +62,7 @@ struct Revisits {
 
 /// `seen_again[n]`: whether node n sees what a node of `config.min_gap_s` ago saw, which the camera
 /// had left since; empty where truth is missing.
-std::vector<bool> seen_again(const loops::Skeleton& s, const Trajectory& truth,
+std::vector<bool> seen_again(const loops::PoseGraph& s, const Trajectory& truth,
                              const PinholeCamera& camera, const loops::LoopConfig& config) {
   std::vector<std::optional<SE3>> poses;
   for (int k = 0; k < s.size(); ++k) poses.push_back(truth.at(s.node(k).timestamp_s, 0.1));
@@ -86,7 +86,7 @@ std::vector<bool> seen_again(const loops::Skeleton& s, const Trajectory& truth,
 }
 
 /// A stretch that is interrupted for a node or two goes on; one of a single node is a glance.
-Revisits revisits(const loops::Skeleton& s, const std::vector<bool>& again) {
+Revisits revisits(const loops::PoseGraph& s, const std::vector<bool>& again) {
   constexpr int kInterruption = 2;
   Revisits out;
   for (int begin = 0, end = 0; begin < s.size(); begin = end + 1) {
@@ -165,11 +165,11 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
     if (!correction) continue;
     odometry.revise({*correction});
     log().debug("frame {}: {} loops, moves by {:.3f} m; error so far {:.2f} cm", frame.index,
-                closer.skeleton().loops().size(), correction->largest_translation_m(),
+                closer.pose_graph().loops().size(), correction->largest_translation_m(),
                 ate_cm(poses_of(odometry.revision().path), truth));
   }
   // Edges against the truth.
-  const loops::Skeleton& s = closer.skeleton();
+  const loops::PoseGraph& s = closer.pose_graph();
   const auto true_pose = [&](int node) { return truth.at(s.node(node).timestamp_s, 0.1); };
   Nees loop_nees, way_nees;
   int wrong = 0;
@@ -207,7 +207,7 @@ Status judge(const std::string& input_name, const slam::SessionConfig& config,
       "{:.1f} / {:.1f} | {:.2f} | {:.0f} |\n",
       benchmarks::short_name(input_name), online.size(), lost, ate_cm(online, truth),
       ate_cm(poses_of(odometry.revision().path), truth), s.size(), c.compared, c.verified, c.gated,
-      c.accepted, c.taken_back, seen.found, seen.stretches, wrong, c.mended, c.corrections,
+      c.accepted, c.taken_back, seen.found, seen.stretches, wrong, c.re_estimated, c.corrections,
       loop_nees.mean(), way_nees.mean(), p95(0, track_ms.size() / 2),
       p95(track_ms.size() / 2, track_ms.size()),
       closing_ms / static_cast<double>(std::max<std::size_t>(1, online.size())), longest_ms);

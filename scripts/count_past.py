@@ -24,7 +24,7 @@ import pathlib
 import re
 import sys
 
-MODULES = ("backend", "history", "loops", "mapper", "slam", "tracker")
+MODULES = ("alignment", "backend", "history", "loops", "mapper", "slam", "tracker")
 ALSO = ("camera/past_correction.h", "registration/photometric.h")
 
 TRACKED = r"\bSE3\s+T_(?:odom|local|world)_camera\b|\bPhotometricReference\s+\w+"

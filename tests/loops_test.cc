@@ -169,7 +169,7 @@ Mending mend(double stretch, double turn_rad, double step_m = 0, double doubt_sh
   const auto error_m = [](const std::vector<StampedPose>& poses) {
     return ate_m(Trajectory(poses), desk().truth);
   };
-  return {closer.counts().mended, closer.skeleton().size(), error_m(said), error_m(online),
+  return {closer.counts().re_estimated, closer.pose_graph().size(), error_m(said), error_m(online),
           error_m(corrected)};
 }
 
@@ -213,7 +213,7 @@ int loops_across(const std::function<SE3(const RgbdFrame&, std::size_t)>& pose_o
     if (const auto c = closer.add(*frame, slam::tracked_frame(result), now))
       now = history::revised(now, {*c});
   }
-  const loops::Skeleton& s = closer.skeleton();
+  const loops::PoseGraph& s = closer.pose_graph();
   const double half_s = desk().frames[desk().frames.size() / 2]->timestamp_s;
   return static_cast<int>(
       std::count_if(s.loops().begin(), s.loops().end(), [&](const graph::Edge& e) {
@@ -243,7 +243,7 @@ TEST(Loops, TrackersThatSayNothingOfTheirCertaintyAreLeftAlone) {
     now.path.append({frame->index, frame->timestamp_s, {}});
     EXPECT_FALSE(closer.add(*frame, {}, now));
   }
-  EXPECT_EQ(closer.skeleton().size(), 0);
+  EXPECT_EQ(closer.pose_graph().size(), 0);
 }
 
 }  // namespace

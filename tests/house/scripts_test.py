@@ -326,5 +326,45 @@ class CountPast(Case):
         self.assertNotIn("Traceback", done.stderr)
 
 
+class RunTable(Case):
+    """benchmarks/run_table.py with a stand-in for the program, whose runs all end alike."""
+
+    METRICS = (
+        '{"ate_rmse_m": 0.012, "ate_online_rmse_m": 0.02, "frames_lost": 0, "frames_dropped": 1,'
+        ' "scale_error_percent": null, "psnr_db_full": 24.04, "cpu": "a CPU", "frames": 10,'
+        ' "mapping_iterations": 25}'
+    )
+
+    def table(self, *arguments, code=0):
+        sgs = self.folder / "sgs"
+        if not sgs.exists():
+            self.write(
+                "sgs",
+                "#!/bin/sh",
+                'echo "$@" >> ' + str(self.folder / "calls"),
+                'test "$2" != broken || exit 1',
+                "mkdir -p $4",
+                f"echo '{self.METRICS}' > $4/metrics.json",
+            ).chmod(0o755)
+        return self.script("../benchmarks/run_table.py", *arguments, "--sgs", sgs, code=code).stdout
+
+    def test_a_row_for_each_real_recording(self):
+        out = self.table("real", "a/one", "two=b/2", "--runs", self.folder / "runs")
+        self.assertIn("| one | **1.20** (2.00) | 0 | n/a |", out)
+        self.assertIn("| two |", out)
+        self.assertIn("a CPU", out)
+        calls = (self.folder / "calls").read_text().splitlines()
+        self.assertEqual(len(calls), 10)
+        self.table("real", "a/one", "two=b/2", "--runs", self.folder / "runs")
+        self.assertEqual(len((self.folder / "calls").read_text().splitlines()), 10, "made once")
+
+    def test_a_column_for_each_live_or_offline_run(self):
+        self.assertIn("| mapping steps per frame | 2.5 | 2.5 |", self.table("live", "one", "two"))
+        self.assertIn("| frames/s | n/a |", self.table("offline", "one"))
+
+    def test_a_run_that_fails_leaves_no_table(self):
+        self.assertEqual(self.table("live", "one", "broken", code=1), "")
+
+
 if __name__ == "__main__":
     unittest.main(verbosity=2)

@@ -14,8 +14,8 @@
 #include "sgs/history/view_store.h"
 #include "sgs/loops/loop_config.h"
 #include "sgs/loops/loop_verifier.h"
-#include "sgs/loops/skeleton.h"
-#include "sgs/loops/way_check.h"
+#include "sgs/loops/odometry_check.h"
+#include "sgs/loops/pose_graph.h"
 
 namespace sgs::loops {
 
@@ -26,7 +26,7 @@ struct LoopCounts {
   int gated = 0;     ///< of these: contradicted the drift there can have been
   int accepted = 0;  ///< of these: in the graph
   int taken_back = 0;
-  int mended = 0;  ///< tracked ways that contradicted the views
+  int re_estimated = 0;  ///< odometry edges that contradicted the views
   int corrections = 0;
 };
 
@@ -51,10 +51,10 @@ class LoopCloser {
 
   /// Before the first frame: a view of a map that is gone on with becomes a node, under the last
   /// index of the path of `revision`. `frame` is what a camera like that of the frames to come saw
-  /// there, `way` the measured way from the view before; empty: as tracked poses usually drift. The
-  /// first frame that is tracked then hangs on the node whose view is nearest.
+  /// there, `odometry` the measured way from the view before; empty: as tracked poses usually
+  /// drift. The first frame that is tracked then hangs on the node whose view is nearest.
   void know(const alignment::KnownView& view, const RgbdFrame& frame,
-            const history::Revision& revision, const std::optional<graph::UncertainPose>& way);
+            const history::Revision& revision, const std::optional<graph::UncertainPose>& odometry);
   /// After all views: a loop between two of them, by their numbers.
   void know(const graph::Edge& loop);
   /// Seed of the questions that the codes of nodes answer: that of the map's first view, if there
@@ -66,7 +66,7 @@ class LoopCloser {
   std::optional<PoseCorrection> add(const RgbdFrame& frame, const TrackedFrame& tracked,
                                     const history::Revision& revision);
 
-  const Skeleton& skeleton() const { return skeleton_; }
+  const PoseGraph& pose_graph() const { return pose_graph_; }
   const LoopCounts& counts() const { return counts_; }
 
  private:
@@ -74,7 +74,7 @@ class LoopCloser {
   bool wants_node(const RgbdFrame& frame) const;
   void add_node(const RgbdFrame& frame, const TrackedFrame& tracked);
   std::vector<int> candidates(const std::vector<graph::UncertainPose>& predicted) const;
-  void mend_way();
+  void check_odometry();
   void tie_to_known_place(const Matrix6d& normal_equations);
   void look_for_loops();
   void accept_supported();
@@ -85,15 +85,15 @@ class LoopCloser {
 
   LoopConfig config_;
   LoopVerifier verifier_;
-  WayCheck way_check_;
+  OdometryCheck odometry_check_;
   std::uint64_t fern_seed_;
   features::Ferns ferns_;
   std::shared_ptr<history::ViewStore> views_;
   PinholeCamera camera_;
-  Skeleton skeleton_;
+  PoseGraph pose_graph_;
   std::vector<graph::Edge> pending_;        // verified, without enough support so far
   bool is_apart_ = false;                   // what is known and what is tracked
-  bool ways_are_mended_ = false;            // and the graph not solved since
+  bool odometry_re_estimated_ = false;      // and the graph not solved since
   std::optional<std::int64_t> last_frame_;  // that was trusted
   double last_s_ = 0;
   double path_m_ = 0, gap_s_ = 0;  // since the last node

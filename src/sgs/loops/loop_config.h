@@ -58,8 +58,8 @@ struct LoopConfig {
   double apply_m = 0.004;
   double apply_deg = 0.1;
   double rhythm = 0.1;
-  double way_doubt = 0.1;
-  double way_ratio = 10;
+  double odometry_doubt = 0.1;
+  double odometry_ratio = 10;
   double doubt_share = 0.33;
   DriftConfig drift;
 
@@ -117,17 +117,21 @@ struct LoopConfig {
           "session has grown by this share since the last time: a place that is well known is not "
           "moved again and again.",
           "", {0, 1});
-    p.add("way_doubt", way_doubt,
-          "Tracked ways from node to node that deviate from what the two views say by less are "
+    p.add("odometry_doubt", odometry_doubt,
+          "Odometry edges that deviate from what the two views say by less are "
           "believed (squared, per direction, in units of drift.floor_m; median of ten nodes).",
           "", {0, 1e6});
-    p.add("way_ratio", way_ratio,
-          "Beyond, the views mend the way if they contradict each other so many times less.", "",
-          {1, 1e6});
+    p.add(
+        "odometry_ratio", odometry_ratio,
+        "Beyond, the views re-estimate the edge if they contradict each other so many times less.",
+        "", {1, 1e6});
     p.add("doubt_share", doubt_share,
-          "While ways are mended nodes are so much closer together: what drifts in between stays.",
+          "While odometry edges are re-estimated nodes are so much closer together: what drifts in "
+          "between stays.",
           "", {0.05, 1});
     p.add_group("drift", drift);
+    p.renamed("way_doubt", "odometry_doubt");
+    p.renamed("way_ratio", "odometry_ratio");
     p.for_users({"enabled", "most_loops", "rhythm"});
     p.removed("memory_mb", "history.memory_mb bounds all frames that are remembered");
   }

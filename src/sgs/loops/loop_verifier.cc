@@ -12,10 +12,10 @@
 
 namespace sgs::loops {
 
-std::optional<LoopVerifier::Sight> LoopVerifier::sight(const Skeleton& skeleton, int node) {
-  auto frame = skeleton.seen(node);
+std::optional<LoopVerifier::Sight> LoopVerifier::sight(const PoseGraph& pose_graph, int node) {
+  auto frame = pose_graph.seen(node);
   if (!frame) return std::nullopt;
-  return Sight{&skeleton.node(node), std::move(*frame)};
+  return Sight{&pose_graph.node(node), std::move(*frame)};
 }
 
 std::optional<LoopVerifier::Found> LoopVerifier::align(const Sight& older, const Sight& newer,
@@ -28,9 +28,9 @@ std::optional<LoopVerifier::Found> LoopVerifier::align(const Sight& older, const
   return Found{a->T_reference_camera, *information};
 }
 
-std::optional<LoopVerifier::Found> LoopVerifier::measure(const Skeleton& skeleton, int older,
+std::optional<LoopVerifier::Found> LoopVerifier::measure(const PoseGraph& pose_graph, int older,
                                                          int newer, const SE3& T_start) const {
-  const auto from = sight(skeleton, older), to = sight(skeleton, newer);
+  const auto from = sight(pose_graph, older), to = sight(pose_graph, newer);
   if (!from || !to) return std::nullopt;
   return align(*from, *to, T_start);
 }
@@ -58,9 +58,9 @@ bool LoopVerifier::agree(const Found& found, const SE3& other) const {
          seen.tail<3>().norm() <= config_.agree_m;
 }
 
-std::optional<graph::Edge> LoopVerifier::verify(const Skeleton& skeleton, int older, int newer,
+std::optional<graph::Edge> LoopVerifier::verify(const PoseGraph& pose_graph, int older, int newer,
                                                 const SE3& T_older_newer) const {
-  const auto from = sight(skeleton, older), to = sight(skeleton, newer);
+  const auto from = sight(pose_graph, older), to = sight(pose_graph, newer);
   if (!from || !to) return std::nullopt;
   auto found = align(*from, *to, T_older_newer);
   if (!found) {
@@ -79,13 +79,13 @@ std::optional<graph::Edge> LoopVerifier::verify(const Skeleton& skeleton, int ol
   for (const int step : {-1, 1}) {
     int neighbour = older + step;
     const auto exists = [&] { return neighbour >= 0 && neighbour < newer - 1; };
-    while (exists() && !skeleton.node(neighbour).view) neighbour += step;
+    while (exists() && !pose_graph.node(neighbour).view) neighbour += step;
     if (!exists()) continue;
-    const SE3 T_older_neighbour = skeleton.tracked(older, neighbour).T;
+    const SE3 T_older_neighbour = pose_graph.tracked(older, neighbour).T;
     const SE3 expected = T_older_neighbour.inverse() * found->T_older_newer;
-    const double depth_m = skeleton.node(neighbour).mean_depth_m;
+    const double depth_m = pose_graph.node(neighbour).mean_depth_m;
     if (registration::view_distance(camera, depth_m, expected) > kFarthestNeighbour) continue;
-    const auto beside = sight(skeleton, neighbour);
+    const auto beside = sight(pose_graph, neighbour);
     const auto other = beside ? align(*beside, *to, expected) : std::nullopt;
     if (!other) continue;
     if (!agree(*found, T_older_neighbour * other->T_older_newer)) return std::nullopt;

@@ -7,7 +7,7 @@
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/loops/loop_config.h"
 #include "sgs/loops/pair_config.h"
-#include "sgs/loops/skeleton.h"
+#include "sgs/loops/pose_graph.h"
 
 namespace sgs::loops {
 
@@ -19,7 +19,7 @@ class LoopVerifier {
   /// Aligns the view of node `newer` to that of node `older` and, on its own, to the neighbours of
   /// `older`: an edge of the graph where the alignments hold and agree. They begin at
   /// `T_older_newer`, and where that fails at what matched features say.
-  std::optional<graph::Edge> verify(const Skeleton& skeleton, int older, int newer,
+  std::optional<graph::Edge> verify(const PoseGraph& pose_graph, int older, int newer,
                                     const SE3& T_older_newer) const;
 
   struct Found {
@@ -28,7 +28,7 @@ class LoopVerifier {
   };
   /// The view of `newer` aligned to that of `older`, and nothing else asked. Empty where it cannot
   /// be, and where one of the views is forgotten or gone.
-  std::optional<Found> measure(const Skeleton& skeleton, int older, int newer,
+  std::optional<Found> measure(const PoseGraph& pose_graph, int older, int newer,
                                const SE3& T_start) const;
 
  private:
@@ -37,7 +37,7 @@ class LoopVerifier {
     const Node* node;
     RgbdFrame frame;
   };
-  static std::optional<Sight> sight(const Skeleton& skeleton, int node);
+  static std::optional<Sight> sight(const PoseGraph& pose_graph, int node);
   std::optional<Found> align(const Sight& older, const Sight& newer, const SE3& T_start) const;
   std::optional<SE3> match_features(const RgbdFrame& older, const RgbdFrame& newer) const;
   bool agree(const Found& found, const SE3& other) const;

@@ -22,26 +22,26 @@ class LoopVerifierTest : public testing::Test {
   }
   /// `T_seen`: where its picture is taken.
   void add(const SE3& T_said, const SE3& T_seen) {
-    const RgbdFrame frame = alignment::see_wall(T_seen, skeleton_.size());
+    const RgbdFrame frame = alignment::see_wall(T_seen, pose_graph_.size());
     Node node;
-    node.frame = skeleton_.size();
-    node.timestamp_s = 10 * skeleton_.size();
+    node.frame = pose_graph_.size();
+    node.timestamp_s = 10 * pose_graph_.size();
     node.mean_depth_m = registration::mean_depth(frame.depth, 10);
     node.view = std::make_shared<const history::StoredView>(frame);
     revision_.path.append({node.frame, node.timestamp_s, T_said});
-    skeleton_.follow(revision_);
-    skeleton_.add(std::move(node), 1e-4 * Matrix6d::Identity());
+    pose_graph_.follow(revision_);
+    pose_graph_.add(std::move(node), 1e-4 * Matrix6d::Identity());
   }
   /// Of the newest node to the one in the middle, which is expected where the nodes say.
   std::optional<graph::Edge> verify() const {
     const LoopVerifier verifier(LoopConfig{}, PairConfig{});
-    const int newest = skeleton_.size() - 1;
-    return verifier.verify(skeleton_, 1, newest,
-                           skeleton_.pose(1).inverse() * skeleton_.pose(newest));
+    const int newest = pose_graph_.size() - 1;
+    return verifier.verify(pose_graph_, 1, newest,
+                           pose_graph_.pose(1).inverse() * pose_graph_.pose(newest));
   }
 
   history::Revision revision_;
-  Skeleton skeleton_;
+  PoseGraph pose_graph_;
 };
 
 // A quarter of what the older node saw fills the newer one's image.

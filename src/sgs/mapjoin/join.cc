@@ -105,11 +105,11 @@ Outcome join(Part& base, const Part& other, ThreadPool& pool) {
   if (!is_sure(agreement)) return outcome;
 
   OneGraph graph =
-      one_graph(both, first, finder.skeleton(), agreement.ties, agreement.T_base_other);
+      one_graph(both, first, finder.pose_graph(), agreement.ties, agreement.T_base_other);
   if (!graph.solved || graph.ties < kNeeded) return outcome;
   ties = all_ties(finder, graph.T_world_camera, first, pool, outcome);
   if (outcome.confirmed < kLeastConfirmed * outcome.expected) return outcome;
-  graph = one_graph(both, first, finder.skeleton(), ties,
+  graph = one_graph(both, first, finder.pose_graph(), ties,
                     graph.T_world_camera[first] * both.T_world_camera[first].inverse());
   outcome.ties = graph.ties;
   if (!graph.solved || graph.ties < kNeeded) return outcome;

@@ -14,7 +14,7 @@ bool is_way(const graph::Edge& e) { return !e.doubtful && e.to == e.from + 1; }
 
 }  // namespace
 
-OneGraph one_graph(const Part& both, std::size_t first, const loops::Skeleton& skeleton,
+OneGraph one_graph(const Part& both, std::size_t first, const loops::PoseGraph& pose_graph,
                    const std::vector<graph::Edge>& ties, const SE3& T_base_other) {
   std::vector<SE3> poses = both.T_world_camera;
   for (std::size_t i = first; i < poses.size(); ++i) {
@@ -27,7 +27,7 @@ OneGraph one_graph(const Part& both, std::size_t first, const loops::Skeleton& s
     const bool between = at + 1 == first;
     edges.push_back(
         {k, k + 1, T,
-         between ? hardly_any() : Matrix6d(skeleton.tracked(k, k + 1).covariance.inverse()),
+         between ? hardly_any() : Matrix6d(pose_graph.tracked(k, k + 1).covariance.inverse()),
          false});
   }
   for (const graph::Edge& e : both.graph.edges) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sgs/graph/pose_graph.h"
-#include "sgs/loops/skeleton.h"
+#include "sgs/loops/pose_graph.h"
 #include "sgs/mapjoin/part.h"
 
 namespace sgs::mapjoin {
@@ -20,8 +20,8 @@ struct OneGraph {
 
 /// Poses that agree best with the ways and loops of both maps and the ties between them; ties and
 /// loops may turn out to be wrong. The first view is held. `both`: side_by_side(), from number
-/// `first` on the other map; `skeleton`: of its views; `T_base_other`: where to begin.
-OneGraph one_graph(const Part& both, std::size_t first, const loops::Skeleton& skeleton,
+/// `first` on the other map; `pose_graph`: of its views; `T_base_other`: where to begin.
+OneGraph one_graph(const Part& both, std::size_t first, const loops::PoseGraph& pose_graph,
                    const std::vector<graph::Edge>& ties, const SE3& T_base_other);
 
 /// Edges that say with their own certainty what the poses say.

@@ -84,7 +84,7 @@ std::vector<std::pair<double, int>> TieFinder::nearest(const SE3& T_base_camera)
   std::vector<std::pair<double, int>> out;
   for (int k = 0; k < static_cast<int>(first_); ++k) {
     const SE3 T = both_.T_world_camera[static_cast<std::size_t>(k)].inverse() * T_base_camera;
-    const double depth_m = skeleton().node(k).mean_depth_m;
+    const double depth_m = pose_graph().node(k).mean_depth_m;
     out.emplace_back(registration::view_distance(camera_, depth_m, T), k);
   }
   std::sort(out.begin(), out.end());
@@ -99,7 +99,7 @@ std::optional<graph::Edge> TieFinder::look_at(std::size_t number, const SE3& T_b
     // What is measured may be nearer than what was expected.
     if (distance > config_.revisit_distance + kInSight) break;
     const SE3 T = both_.T_world_camera[static_cast<std::size_t>(k)].inverse() * T_base_camera;
-    if (auto tie = verifier_.verify(skeleton(), k, static_cast<int>(number), T)) return tie;
+    if (auto tie = verifier_.verify(pose_graph(), k, static_cast<int>(number), T)) return tie;
   }
   return std::nullopt;
 }

@@ -48,7 +48,7 @@ class TieFinder {
   /// too little is known. @sa slam::MetreCheck
   std::optional<double> metre(const std::vector<graph::Edge>& ties) const;
 
-  const loops::Skeleton& skeleton() const { return closer_.skeleton(); }
+  const loops::PoseGraph& pose_graph() const { return closer_.pose_graph(); }
 
  private:
   RgbdFrame frame(const alignment::KnownView& view, std::size_t number) const;

@@ -14,10 +14,10 @@ namespace sgs::slam {
 namespace {
 
 /// The nodes that still have a view.
-std::vector<const loops::Node*> nodes_with_views(const loops::Skeleton* skeleton) {
+std::vector<const loops::Node*> nodes_with_views(const loops::PoseGraph* pose_graph) {
   std::vector<const loops::Node*> nodes;
-  for (int i = 0; skeleton != nullptr && i < skeleton->size(); ++i) {
-    if (skeleton->node(i).view) nodes.push_back(&skeleton->node(i));
+  for (int i = 0; pose_graph != nullptr && i < pose_graph->size(); ++i) {
+    if (pose_graph->node(i).view) nodes.push_back(&pose_graph->node(i));
   }
   return nodes;
 }
@@ -56,13 +56,13 @@ std::vector<Birth> births_of(const Session& session, const map::Snapshot& snapsh
 }
 
 std::size_t known_views(const Session& session) {
-  return nodes_with_views(session.skeleton()).size();
+  return nodes_with_views(session.pose_graph()).size();
 }
 
 // The last revision may have come after the nodes were last told.
 alignment::KnownView known_view(const Session& session, const Trajectory& path,
                                 std::size_t number) {
-  const auto nodes = nodes_with_views(session.skeleton());
+  const auto nodes = nodes_with_views(session.pose_graph());
   SGS_CHECK(number < nodes.size(), "no such view");
   const loops::Node& node = *nodes[number];
   alignment::KnownView view;
@@ -74,7 +74,7 @@ alignment::KnownView known_view(const Session& session, const Trajectory& path,
   view.frame = seen_from(node, session.revision().calibration);
   view.ferns = node.ferns;
   view.fern_seed = session.fern_seed();
-  if (const auto change = history::depth_change(session.skeleton()->revision().calibration,
+  if (const auto change = history::depth_change(session.pose_graph()->revision().calibration,
                                                 session.revision().calibration)) {
     view.motion.recalibrate(change->delay_s());
   }
@@ -90,7 +90,7 @@ std::vector<SE3> agreeing_poses(const Session& session, const Trajectory& path, 
 std::vector<SE3> places_in_map(const Session& session) {
   const PoseCorrection to_map = session.odom_to_map();
   std::vector<SE3> out;
-  for (const loops::Node* node : nodes_with_views(session.skeleton())) {
+  for (const loops::Node* node : nodes_with_views(session.pose_graph())) {
     const SE3& T = session.revision().path.at(node->frame);
     out.push_back(to_map.empty() ? T : to_map.corrected(T, node->timestamp_s));
   }
@@ -99,7 +99,7 @@ std::vector<SE3> places_in_map(const Session& session) {
 
 std::vector<std::uint16_t> sessions_of_views(const Session& session) {
   std::vector<std::uint16_t> out;
-  for (const loops::Node* node : nodes_with_views(session.skeleton())) {
+  for (const loops::Node* node : nodes_with_views(session.pose_graph())) {
     const auto* earlier = session.earlier().view(node->frame);
     out.push_back(earlier != nullptr ? earlier->session : session.earlier().sessions);
   }
@@ -111,22 +111,22 @@ std::vector<std::uint16_t> sessions_of_views(const Session& session) {
 // later.
 std::vector<graph::Edge> edges_of_views(const Session& session, const std::vector<SE3>& poses) {
   std::vector<graph::Edge> out;
-  const loops::Skeleton* skeleton = session.skeleton();
-  if (skeleton == nullptr) return out;
-  std::vector<int> number(static_cast<std::size_t>(skeleton->size()), -1);
+  const loops::PoseGraph* pose_graph = session.pose_graph();
+  if (pose_graph == nullptr) return out;
+  std::vector<int> number(static_cast<std::size_t>(pose_graph->size()), -1);
   const auto add = [&](int from, int to, const Matrix6d& information, bool doubtful) {
     const int a = number[static_cast<std::size_t>(from)], b = number[static_cast<std::size_t>(to)];
     const SE3 T = poses[static_cast<std::size_t>(a)].inverse() * poses[static_cast<std::size_t>(b)];
     out.push_back({a, b, T, information, doubtful});
   };
   int views = 0;
-  for (int k = 0, last = -1; k < skeleton->size(); ++k) {
-    if (!skeleton->node(k).view) continue;
+  for (int k = 0, last = -1; k < pose_graph->size(); ++k) {
+    if (!pose_graph->node(k).view) continue;
     number[static_cast<std::size_t>(k)] = views++;
-    if (last >= 0) add(last, k, skeleton->tracked(last, k).covariance.inverse(), false);
+    if (last >= 0) add(last, k, pose_graph->tracked(last, k).covariance.inverse(), false);
     last = k;
   }
-  for (const graph::Edge& loop : skeleton->loops()) {
+  for (const graph::Edge& loop : pose_graph->loops()) {
     const bool kept = number[static_cast<std::size_t>(loop.from)] >= 0 &&
                       number[static_cast<std::size_t>(loop.to)] >= 0;
     if (kept) add(loop.from, loop.to, loop.information, loop.doubtful);

@@ -27,7 +27,7 @@ class LoopBackEnd final : public BackEnd {
                                      const tracker::TrackResult& result,
                                      const history::Revision& revision) override;
   /// Loops in the graph.
-  int found() const override { return static_cast<int>(closer_.skeleton().loops().size()); }
+  int found() const override { return static_cast<int>(closer_.pose_graph().loops().size()); }
 
   const loops::LoopCloser& closer() const { return closer_; }
   /// To be told of a map before the first frame.

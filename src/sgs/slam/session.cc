@@ -445,8 +445,8 @@ std::optional<loops::LoopCounts> Session::loop_counts() const {
   return loop_back_end_ ? std::optional(loop_back_end_->closer().counts()) : std::nullopt;
 }
 
-const loops::Skeleton* Session::skeleton() const {
-  return loop_back_end_ ? &loop_back_end_->closer().skeleton() : nullptr;
+const loops::PoseGraph* Session::pose_graph() const {
+  return loop_back_end_ ? &loop_back_end_->closer().pose_graph() : nullptr;
 }
 
 map::SnapshotPtr Session::snapshot() { return known_ ? known_ : worker_->newest_snapshot(); }

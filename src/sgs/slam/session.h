@@ -164,7 +164,7 @@ class Session {
   /// What became of loops (after finish()); empty where none are looked for.
   std::optional<loops::LoopCounts> loop_counts() const;
   /// Edges of the pose graph that close loops, and its nodes (after finish()); null as above.
-  const loops::Skeleton* skeleton() const;
+  const loops::PoseGraph* pose_graph() const;
   /// What was learned about the depth camera (docs/calibration.md); empty where nothing was.
   std::optional<DepthCalibration> calibration() const {
     return revision_.calibration ? std::optional(*revision_.calibration) : std::nullopt;

@@ -282,7 +282,8 @@ TEST_P(SnapshotTargetsTest, TracksAgainstTheGaussiansOfASnapshot) {
 }
 
 TEST_P(SnapshotTargetsTest, SurvivorsKeepTheirIndexAndPrunedOnesDie) {
-  const auto targets = make_target_map(alignment::GeometryConfig(config()), SE3{}, kCamera.fx);
+  const auto targets =
+      alignment::make_target_map(aligner_config(config()).geometry, SE3{}, kCamera.fx);
   auto first = snapshot_of(pose_at(0), SE3{}, 16);
   const std::size_t n = first->anchors.size();
   targets->update(alignment::LocalPast(), first);
@@ -367,7 +368,7 @@ struct Points : alignment::TrackablePoints {
   history::Revision now;
 };
 
-TEST(alignment::TrackablePoints, AddsOnlyWhereNothingIsAndFollowsKeyframes) {
+TEST(TrackablePoints, AddsOnlyWhereNothingIsAndFollowsKeyframes) {
   registration::SourceCloud source;
   registration::make_sampler({}, kCamera, false)
       ->sample(render(room(), true, pose_at(0), 0).depth, source);
@@ -390,7 +391,7 @@ TEST(alignment::TrackablePoints, AddsOnlyWhereNothingIsAndFollowsKeyframes) {
 
 // Points lie where the delay that was learned by then says. A calibration knows it better: it takes
 // the place of what was learned, and comes on top of the stamps alone.
-TEST(alignment::TrackablePoints, ACalibratedDelayTakesThePlaceOfTheLearnedOne) {
+TEST(TrackablePoints, ACalibratedDelayTakesThePlaceOfTheLearnedOne) {
   constexpr double kStamped_s = -0.01, kLearned_s = -0.016, kSpeed_m_s = 0.5;
   registration::SourceCloud source;
   registration::make_sampler({}, kCamera, false)
@@ -417,7 +418,7 @@ TEST(alignment::TrackablePoints, ACalibratedDelayTakesThePlaceOfTheLearnedOne) {
 
 // A wall that was seen a long way ago and now lies before the one that is measured hides it:
 // nothing behind it is found, and every frame would add it anew.
-TEST(alignment::TrackablePoints, WhatAFrameLooksThroughGoesIfItIsOld) {
+TEST(TrackablePoints, WhatAFrameLooksThroughGoesIfItIsOld) {
   const registration::SamplingConfig sampling;
   registration::SourceCloud source;
   registration::make_sampler(sampling, kCamera, false)
@@ -441,7 +442,7 @@ TEST(alignment::TrackablePoints, WhatAFrameLooksThroughGoesIfItIsOld) {
   EXPECT_EQ(points.remove_in(space, pose_at(0)), 0);
 }
 
-TEST(alignment::TrackablePoints, WhatHasMovedAwayGoesThoughItIsNew) {
+TEST(TrackablePoints, WhatHasMovedAwayGoesThoughItIsNew) {
   const registration::SamplingConfig sampling;
   registration::SourceCloud source;
   registration::make_sampler(sampling, kCamera, false)
@@ -459,7 +460,7 @@ TEST(alignment::TrackablePoints, WhatHasMovedAwayGoesThoughItIsNew) {
   EXPECT_EQ(others.remove_in(space, pose_at(0), 0.2f), 0);
 }
 
-TEST(alignment::TrackablePoints, EndSomewhere) {
+TEST(TrackablePoints, EndSomewhere) {
   registration::SourceCloud source;
   registration::make_sampler({}, kCamera, false)
       ->sample(render(room(), true, pose_at(0), 0).depth, source);

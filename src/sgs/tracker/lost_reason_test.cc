@@ -97,12 +97,12 @@ TEST_P(ByRegistration, ImplausibleMotion) {
       alignment::LostReason::kImplausibleMotion);
 }
 
-INSTANTIATE_TEST_SUITE_P(alignment::LostReason, ByRegistration,
+INSTANTIATE_TEST_SUITE_P(LostReason, ByRegistration,
                          testing::Values(TrackerType::kSpectral, TrackerType::kPaper,
                                          TrackerType::kGicp),
                          [](const auto& param_info) { return to_string(param_info.param); });
 
-TEST(alignment::LostReason, TooFewPixels) {
+TEST(LostReason, TooFewPixels) {
   // A bare wall: geometry leaves three axes open, and nothing on the wall can be followed.
   EXPECT_EQ(track_all(config_of(TrackerType::kSpectral),
                       {alignment::see_wall(SE3{}, 0, false), alignment::see_wall(SE3{}, 1, false)})
@@ -110,7 +110,7 @@ TEST(alignment::LostReason, TooFewPixels) {
             alignment::LostReason::kTooFewPixels);
 }
 
-TEST(alignment::LostReason, PoorPictureFit) {
+TEST(LostReason, PoorPictureFit) {
   // The same wall with another paper on it.
   EXPECT_EQ(track_all(config_of(TrackerType::kSpectral),
                       {alignment::see_wall(SE3{}, 0), alignment::see_wall(shifted(50), 1)})
@@ -118,19 +118,19 @@ TEST(alignment::LostReason, PoorPictureFit) {
             alignment::LostReason::kPoorPictureFit);
 }
 
-TEST(alignment::LostReason, UnseenAxis) {
+TEST(LostReason, UnseenAxis) {
   EXPECT_EQ(track_all(config_of(TrackerType::kSpectral), {striped(0), striped(1)}).lost_reason,
             alignment::LostReason::kUnseenAxis);
 }
 
-TEST(alignment::LostReason, TooFewFeatures) {
+TEST(LostReason, TooFewFeatures) {
   EXPECT_EQ(track_all(config_of(TrackerType::kOrb),
                       {alignment::see_wall(SE3{}, 0), alignment::see_wall(SE3{}, 1, false)})
                 .lost_reason,
             alignment::LostReason::kTooFewFeatures);
 }
 
-TEST(alignment::LostReason, TooFewFeatureMatches) {
+TEST(LostReason, TooFewFeatureMatches) {
   TrackerConfig config = config_of(TrackerType::kOrb);
   config.visual_pose.max_depth_m = 1;  // the wall is farther: no point of it may be matched to
   EXPECT_EQ(
@@ -138,7 +138,7 @@ TEST(alignment::LostReason, TooFewFeatureMatches) {
       alignment::LostReason::kTooFewFeatureMatches);
 }
 
-TEST(alignment::LostReason, TooFewFeatureInliers) {
+TEST(LostReason, TooFewFeatureInliers) {
   // Descriptors on another paper find partners, but these agree on nothing.
   EXPECT_EQ(track_all(config_of(TrackerType::kOrb),
                       {alignment::see_wall(SE3{}, 0), alignment::see_wall(shifted(50), 1)})
@@ -146,7 +146,7 @@ TEST(alignment::LostReason, TooFewFeatureInliers) {
             alignment::LostReason::kTooFewFeatureInliers);
 }
 
-TEST(alignment::LostReason, ImplausibleMotionOfFeatures) {
+TEST(LostReason, ImplausibleMotionOfFeatures) {
   TrackerConfig config = config_of(TrackerType::kOrb);
   config.motion.max_translation_m = config.visual_pose.max_translation_m = 0.01;
   EXPECT_EQ(
@@ -155,7 +155,7 @@ TEST(alignment::LostReason, ImplausibleMotionOfFeatures) {
       alignment::LostReason::kImplausibleMotion);
 }
 
-TEST(alignment::LostReason, NotFinite) {
+TEST(LostReason, NotFinite) {
   for (const TrackerType type : {TrackerType::kGicp, TrackerType::kCvm}) {
     std::vector<RgbdFrame> frames = {alignment::see_wall(SE3{}, 0), alignment::see_wall(SE3{}, 1),
                                      alignment::see_wall(SE3{}, 2)};
@@ -166,7 +166,7 @@ TEST(alignment::LostReason, NotFinite) {
   }
 }
 
-TEST(alignment::LostReason, EachHasANameAndASentenceOfItsOwn) {
+TEST(LostReason, EachHasANameAndASentenceOfItsOwn) {
   std::set<std::string_view> names, sentences;
   for (const alignment::LostReasonEntry& entry : alignment::kLostReasons) {
     names.insert(entry.name);

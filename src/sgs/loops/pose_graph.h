@@ -26,9 +26,9 @@ struct Node {
   bool left = false;  ///< the camera has looked elsewhere since
 };
 
-/// The nodes of a run, the tracked way from each to the next, and the loops between them: what is
+/// The nodes of a run, the odometry edge from each to the next, and the loops between them: what is
 /// known of where they lie relative to each other, and how well.
-class Skeleton {
+class PoseGraph {
  public:
   /// What is believed of the past now, the frames of all nodes in its path; comes before the
   /// first node and with each frame. Where depth has changed, what was measured with the old one
@@ -43,12 +43,12 @@ class Skeleton {
   std::optional<RgbdFrame> seen(int index) const;
   /// Camera to odom.
   const SE3& pose(int index) const { return revision_.path.at(node(index).frame); }
-  /// Appends a node; `motion_covariance` is that of the way from the last one, on twists of the new
-  /// one (of no meaning for the first).
+  /// Appends a node; `motion_covariance` is that of the odometry edge from the last one, on twists
+  /// of the new one (of no meaning for the first).
   void add(Node node, const Matrix6d& motion_covariance);
-  /// Another way from the last node but one to the newest than the tracker said. Poses stay where
-  /// they are until the graph is solved.
-  void mend_last_way(const graph::UncertainPose& way);
+  /// Another odometry edge from the last node but one to the newest than the tracker said. Poses
+  /// stay where they are until the graph is solved.
+  void replace_last_odometry_edge(const graph::UncertainPose& odometry);
   /// Notes which nodes the newest one no longer sees.
   void note_left(const PinholeCamera& camera, double left_distance);
 
@@ -59,10 +59,10 @@ class Skeleton {
   /// there are more: always one of the two that show most alike, the newer one, as it has drifted
   /// more.
   void bound_views(const PinholeCamera& camera, std::size_t most);
-  /// Joins the ways to and from nodes whose views are forgotten and that no loop needs, so that
-  /// what there is to solve grows with the places and not with the time. `others` are edges that
-  /// are not in the graph yet; they and the loops are numbered anew.
-  void join_ways(std::vector<graph::Edge>& others);
+  /// Joins the odometry edges to and from nodes whose views are forgotten and that no loop needs,
+  /// so that what there is to solve grows with the places and not with the time. `others` are edges
+  /// that are not in the graph yet; they and the loops are numbered anew.
+  void join_odometry_edges(std::vector<graph::Edge>& others);
 
   const std::vector<graph::Edge>& loops() const { return loops_; }
   void add_loop(const graph::Edge& loop);
@@ -71,17 +71,17 @@ class Skeleton {
   /// they said is in the poses, and the others between the same stretches hold it there.
   void thin_loops(std::size_t most);
 
-  /// The tracked way between two nodes, without loops.
+  /// The odometry edge between two nodes, without loops.
   graph::UncertainPose tracked(int from, int to) const;
   /// Where every node lies relative to node `to`, by the surest way there is, loops included:
   /// T_node_to with covariance on twists of `to`.
   std::vector<graph::UncertainPose> relative_to(int to) const;
 
-  /// The tracked way to each node but the first, then the loops.
+  /// The odometry edge to each node but the first, then the loops.
   std::vector<graph::Edge> edges() const;
-  /// Poses that agree best with the tracked ways and the loops.
+  /// Poses that agree best with the odometry edges and the loops.
   graph::GraphSolution solve() const;
-  /// Number of edges of the tracked way in solve(): the first of its edges, one to each node but
+  /// Number of edges of the odometry edge in solve(): the first of its edges, one to each node but
   /// the first.
   int tracked_edges() const { return size() - 1; }
 

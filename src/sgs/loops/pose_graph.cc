@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/loops/skeleton.h"
+#include "sgs/loops/pose_graph.h"
 
 #include <algorithm>
 #include <queue>
@@ -10,7 +10,7 @@
 #include "sgs/registration/view_distance.h"
 
 namespace sgs::loops {
-void Skeleton::add(Node node, const Matrix6d& motion_covariance) {
+void PoseGraph::add(Node node, const Matrix6d& motion_covariance) {
   if (!nodes_.empty()) {
     const SE3 T = pose(size() - 1).inverse() * revision_.path.at(node.frame);
     motions_.push_back({T, motion_covariance, motion_covariance.inverse()});
@@ -19,11 +19,11 @@ void Skeleton::add(Node node, const Matrix6d& motion_covariance) {
   nodes_.push_back(std::move(node));
 }
 
-void Skeleton::mend_last_way(const graph::UncertainPose& way) {
-  motions_.back() = {way.T, way.covariance, way.covariance.inverse()};
+void PoseGraph::replace_last_odometry_edge(const graph::UncertainPose& odometry) {
+  motions_.back() = {odometry.T, odometry.covariance, odometry.covariance.inverse()};
 }
 
-void Skeleton::note_left(const PinholeCamera& camera, double left_distance) {
+void PoseGraph::note_left(const PinholeCamera& camera, double left_distance) {
   const SE3& newest = pose(size() - 1);
   for (Node& n : nodes_) {
     n.left = n.left || registration::view_distance(camera, n.mean_depth_m,
@@ -32,12 +32,12 @@ void Skeleton::note_left(const PinholeCamera& camera, double left_distance) {
   }
 }
 
-std::optional<RgbdFrame> Skeleton::seen(int index) const {
+std::optional<RgbdFrame> PoseGraph::seen(int index) const {
   const auto& view = node(index).view;
   return view ? view->frame(revision_.calibration) : std::nullopt;
 }
 
-void Skeleton::bound_views(const PinholeCamera& camera, std::size_t most) {
+void PoseGraph::bound_views(const PinholeCamera& camera, std::size_t most) {
   std::vector<int> kept;
   for (int k = 0; k < size(); ++k) {
     if (node(k).view) kept.push_back(k);
@@ -70,7 +70,7 @@ void Skeleton::bound_views(const PinholeCamera& camera, std::size_t most) {
   }
 }
 
-void Skeleton::join_ways(std::vector<graph::Edge>& others) {
+void PoseGraph::join_odometry_edges(std::vector<graph::Edge>& others) {
   std::vector<bool> needed(nodes_.size(), false);
   needed.front() = needed.back() = true;
   for (const auto* edges : {&loops_, &others}) {
@@ -80,17 +80,17 @@ void Skeleton::join_ways(std::vector<graph::Edge>& others) {
   }
   std::vector<int> new_index(nodes_.size(), -1);
   std::size_t kept = 0;
-  Motion way;  // from the last kept node
+  Motion odometry;  // from the last kept node
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     if (k > 0) {
       const Motion& m = motions_[k - 1];
-      way = way.covariance.isZero(0) ? m : joined(way, m);
+      odometry = odometry.covariance.isZero(0) ? m : joined(odometry, m);
     }
     if (!needed[k] && !nodes_[k].view) continue;
     new_index[k] = static_cast<int>(kept);
-    if (kept > 0) motions_[kept - 1] = way;
+    if (kept > 0) motions_[kept - 1] = odometry;
     if (kept != k) nodes_[kept] = std::move(nodes_[k]);
-    way = Motion();
+    odometry = Motion();
     ++kept;
   }
   nodes_.resize(kept);
@@ -103,17 +103,17 @@ void Skeleton::join_ways(std::vector<graph::Edge>& others) {
   }
 }
 
-Skeleton::Motion Skeleton::joined(const Motion& first, const Motion& then) {
+PoseGraph::Motion PoseGraph::joined(const Motion& first, const Motion& then) {
   const auto both = graph::UncertainPose{first.T_from_to, first.covariance} *
                     graph::UncertainPose{then.T_from_to, then.covariance};
   return {both.T, both.covariance, both.covariance.inverse()};
 }
 
-void Skeleton::add_loop(const graph::Edge& loop) { loops_.push_back(loop); }
+void PoseGraph::add_loop(const graph::Edge& loop) { loops_.push_back(loop); }
 
-void Skeleton::remove_last_loops(std::size_t count) { loops_.resize(loops_.size() - count); }
+void PoseGraph::remove_last_loops(std::size_t count) { loops_.resize(loops_.size() - count); }
 
-void Skeleton::thin_loops(std::size_t most) {
+void PoseGraph::thin_loops(std::size_t most) {
   if (loops_.size() <= most) return;
   const std::size_t old = loops_.size() - loops_.size() / 4;
   std::size_t kept = 0;
@@ -123,7 +123,7 @@ void Skeleton::thin_loops(std::size_t most) {
   loops_.resize(kept);
 }
 
-graph::UncertainPose Skeleton::tracked(int from, int to) const {
+graph::UncertainPose PoseGraph::tracked(int from, int to) const {
   if (from > to) return inverse(tracked(to, from));
   graph::UncertainPose out;
   for (int k = from; k < to; ++k) {
@@ -135,7 +135,7 @@ graph::UncertainPose Skeleton::tracked(int from, int to) const {
 
 // Dijkstra over the sum of squared standard deviations of position, turns counted at an arm's
 // length; covariances are carried to the end node's camera.
-std::vector<graph::UncertainPose> Skeleton::relative_to(int to) const {
+std::vector<graph::UncertainPose> PoseGraph::relative_to(int to) const {
   struct Step {
     int node;
     Matrix6d covariance;  // in world coordinates
@@ -181,7 +181,7 @@ std::vector<graph::UncertainPose> Skeleton::relative_to(int to) const {
   return out;
 }
 
-std::vector<graph::Edge> Skeleton::edges() const {
+std::vector<graph::Edge> PoseGraph::edges() const {
   std::vector<graph::Edge> out;
   for (int k = 0; k + 1 < size(); ++k) {
     const Motion& m = motions_[static_cast<std::size_t>(k)];
@@ -191,24 +191,24 @@ std::vector<graph::Edge> Skeleton::edges() const {
   return out;
 }
 
-std::vector<SE3> Skeleton::poses() const {
+std::vector<SE3> PoseGraph::poses() const {
   std::vector<SE3> out;
   out.reserve(nodes_.size());
   for (int k = 0; k < size(); ++k) out.push_back(pose(k));
   return out;
 }
 
-graph::GraphSolution Skeleton::solve() const { return graph::optimise(poses(), edges()); }
+graph::GraphSolution PoseGraph::solve() const { return graph::optimise(poses(), edges()); }
 
-void Skeleton::follow(const history::Revision& revision) {
+void PoseGraph::follow(const history::Revision& revision) {
   const auto change = history::depth_change(revision_.calibration, revision.calibration);
   const std::vector<SE3> T_before = change ? poses() : std::vector<SE3>();
   revision_ = revision;
   if (change) change_depth(*change, T_before, poses());
 }
 
-void Skeleton::change_depth(const DepthChange& change, const std::vector<SE3>& T_before,
-                            const std::vector<SE3>& T_now) {
+void PoseGraph::change_depth(const DepthChange& change, const std::vector<SE3>& T_before,
+                             const std::vector<SE3>& T_now) {
   for (Node& n : nodes_) n.motion.recalibrate(change.delay_s());
   const auto measured_anew = [&](const SE3& T_from_to, int from, int to) {
     const auto a = static_cast<std::size_t>(from), b = static_cast<std::size_t>(to);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/loops/skeleton.h"
+#include "sgs/loops/pose_graph.h"
 
 #include <gtest/gtest.h>
 
@@ -24,12 +24,12 @@ Node node(int k) {
   return n;
 }
 
-/// A skeleton that is told where each of its nodes is.
-struct Walk : Skeleton {
+/// A pose_graph that is told where each of its nodes is.
+struct Walk : PoseGraph {
   void add(Node node, const SE3& T, const Matrix6d& covariance) {
     now.path.append({node.frame, node.timestamp_s, T});
     follow(now);
-    Skeleton::add(std::move(node), covariance);
+    PoseGraph::add(std::move(node), covariance);
   }
   history::Revision now;
 };
@@ -61,7 +61,7 @@ TEST(MotionCovariance, GrowsWithTheWayAndWithTheTimeLost) {
   EXPECT_TRUE(motion_covariance(Matrix6d::Zero(), 2, 0, 0, config).allFinite());
 }
 
-TEST(Skeleton, KnowsTheWayThroughALoopToBeSurer) {
+TEST(PoseGraph, KnowsTheWayThroughALoopToBeSurer) {
   Walk s;
   const Matrix6d step = Matrix6d::Identity() * 1e-4;
   for (int k = 0; k < 20; ++k) s.add(node(k), at(0.1 * k), step);
@@ -74,7 +74,7 @@ TEST(Skeleton, KnowsTheWayThroughALoopToBeSurer) {
   EXPECT_NEAR(relative[10].covariance.trace(), s.tracked(10, 19).covariance.trace(), 1e-3);
 }
 
-TEST(Skeleton, NodesThatAreOutOfSightAreLeft) {
+TEST(PoseGraph, NodesThatAreOutOfSightAreLeft) {
   Walk s;
   const Matrix6d step = Matrix6d::Identity() * 1e-4;
   s.add(node(0), at(0), step);
@@ -89,7 +89,7 @@ TEST(Skeleton, NodesThatAreOutOfSightAreLeft) {
   EXPECT_FALSE(s.node(2).left);
 }
 
-TEST(Skeleton, ALoopSpreadsItsErrorOverTheWay) {
+TEST(PoseGraph, ALoopSpreadsItsErrorOverTheWay) {
   Walk s;
   for (int k = 0; k < 11; ++k) s.add(node(k), at(0.1 * k), Matrix6d::Identity() * 1e-4);
   s.add_loop({0, 10, at(1.1), Matrix6d::Identity() * 1e10, true});
@@ -100,7 +100,7 @@ TEST(Skeleton, ALoopSpreadsItsErrorOverTheWay) {
 }
 
 // To and fro past the same eight places: what is kept of them is what was seen first.
-TEST(Skeleton, ViewsOfPlacesThatAreKnownAreForgotten) {
+TEST(PoseGraph, ViewsOfPlacesThatAreKnownAreForgotten) {
   constexpr int kPlaces = 8, kRounds = 6;
   RgbdFrame frame;
   frame.camera = kCamera;
@@ -125,7 +125,7 @@ TEST(Skeleton, ViewsOfPlacesThatAreKnownAreForgotten) {
 
 // A way of thirty nodes in a bow, with a loop: those that nothing needs can go, and the others end
 // where they would have ended.
-TEST(Skeleton, WaysAreJoinedWithoutChangingWhatTheySay) {
+TEST(PoseGraph, WaysAreJoinedWithoutChangingWhatTheySay) {
   RgbdFrame frame;
   frame.camera = kCamera;
   frame.color = ColorImage(kCamera.width, kCamera.height);
@@ -145,7 +145,7 @@ TEST(Skeleton, WaysAreJoinedWithoutChangingWhatTheySay) {
   const Walk all = build();
   Walk few = build();
   std::vector<graph::Edge> pending = {{4, 28, at(2.4), Matrix6d::Identity(), true}};
-  few.join_ways(pending);
+  few.join_odometry_edges(pending);
   // First, last, the ends of both edges, and three views.
   ASSERT_EQ(few.size(), 9);
   EXPECT_EQ(few.nodes_added(), 30);
@@ -169,12 +169,12 @@ TEST(Skeleton, WaysAreJoinedWithoutChangingWhatTheySay) {
     EXPECT_LT((expected.t - found.t).norm(), 1e-3) << few.node(k).number;
   }
   EXPECT_EQ(b.weights.back(), 1);
-  few.join_ways(pending);
+  few.join_odometry_edges(pending);
   EXPECT_EQ(few.size(), 9) << "what is left is needed";
 }
 
 // Forty rounds of a circle whose way has drifted, each tied to the last one at every place.
-TEST(Skeleton, FewerLoopsHoldWhatTheyHaveFound) {
+TEST(PoseGraph, FewerLoopsHoldWhatTheyHaveFound) {
   Walk s;
   constexpr int kPlaces = 10, kRounds = 40;
   for (int k = 0; k < kPlaces * kRounds; ++k) {
@@ -190,7 +190,7 @@ TEST(Skeleton, FewerLoopsHoldWhatTheyHaveFound) {
   EXPECT_EQ(s.loops().size(), 244u);
   EXPECT_EQ(s.loops().back().to, 399);
   std::vector<graph::Edge> none;
-  s.join_ways(none);
+  s.join_odometry_edges(none);
   EXPECT_LT(s.size(), 400);
   const auto fewer = s.solve();
   for (int k = 0; k < s.size(); ++k) {
@@ -200,7 +200,7 @@ TEST(Skeleton, FewerLoopsHoldWhatTheyHaveFound) {
 }
 
 // Another calibration: loops and ways deviate from the new poses as they did from the old ones.
-TEST(Skeleton, WhatWasMeasuredFollowsAnotherDepth) {
+TEST(PoseGraph, WhatWasMeasuredFollowsAnotherDepth) {
   Walk s;
   for (int k = 0; k < 3; ++k) s.add(node(k), at(0.1 * k), Matrix6d::Identity() * 1e-4);
   s.add_loop({0, 2, at(0.25), Matrix6d::Identity() * 1e6, true});
