@@ -70,7 +70,7 @@ Status make_distance_field(const MeshCommand& command) {
   options.threads = command.threads;
   if (!command.up.empty())
     options.up = Eigen::Vector3d(command.up[0], command.up[1], command.up[2]);
-  SGS_ASSIGN_OR_RETURN(const auto seen, run::occupancy_of_run(command.run, options));
+  SGS_ASSIGN_OR_RETURN(const auto seen, run::occupancy_of(command.run, options));
   return mesh::save_distance_field(command.output, seen.volume, command.limit_m);
 }
 

@@ -1,7 +1,11 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <array>
 #include <memory>
+#include <string_view>
 
 #include "commands.h"
 #include "export_mesh.h"
@@ -9,6 +13,7 @@
 #include "log_setup.h"
 #include "sgs/core/print.h"
 #include "sgs/export/bag_export.h"
+#include "sgs/export/map_file_export.h"
 #include "sgs/export/scene_export.h"
 #include "sgs/export/turned_map.h"
 #include "sgs/io/atomic_file.h"
@@ -57,12 +62,6 @@ Status export_tum(const ExportCommand& command, const fs::path& out) {
   return io::write_file(out, text);
 }
 
-/// RUN is a run folder or a splat PLY.
-Result<map::SplatMap> load_map(const std::string& run) {
-  std::error_code error;
-  return fs::is_directory(run, error) ? run::load_run_map(run) : io::load_splats(run);
-}
-
 /// Views of a run for its page; a map alone has none.
 Result<report::MapPage> map_page_of(const ExportCommand& command) {
   const std::string& folder = command.run;
@@ -89,7 +88,7 @@ struct Format {
 
 template <class Save>
 Status with_map(const ExportCommand& command, const Save& save) {
-  SGS_ASSIGN_OR_RETURN(auto map, load_map(command.run));
+  SGS_ASSIGN_OR_RETURN(auto map, run::load_any_map(command.run));
   if (command.upright) run::move_into(command.T_out_world, map);
   return save(map);
 }
@@ -113,7 +112,7 @@ const std::array<Format, 15> kFormats = {{
      }},
     {"glb", "splats as binary glTF (KHR_gaussian_splatting)",
      [](const ExportCommand& c, const fs::path& out) -> Status {
-       SGS_ASSIGN_OR_RETURN(auto map, load_map(c.run));
+       SGS_ASSIGN_OR_RETURN(auto map, run::load_any_map(c.run));
        const SE3 T_gltf_out(c.upright ? io::gltf_from_upright_axes() : io::gltf_from_camera_axes(),
                             Eigen::Vector3d::Zero());
        run::move_into(T_gltf_out * c.T_out_world, map);
@@ -147,7 +146,8 @@ const std::array<Format, 15> kFormats = {{
      }},
     {"colmap", "folder with COLMAP text model and keyframe pictures",
      [](const ExportCommand& c, const fs::path& out) -> Status {
-       SGS_ASSIGN_OR_RETURN(const auto map, load_map(c.run));  // drawn where the run's poses are
+       SGS_ASSIGN_OR_RETURN(const auto map,
+                            run::load_any_map(c.run));  // drawn where the run's poses are
        return run::export_colmap(c.run, map, c.T_out_world, out);
      }},
     {"tum", "trajectory, TUM text",
@@ -159,21 +159,29 @@ const std::array<Format, 15> kFormats = {{
      }},
     {"bag", "poses, path, points and tf as a ROS 1 bag",
      [](const ExportCommand& c, const fs::path& out) -> Status {
-       SGS_ASSIGN_OR_RETURN(const auto map, load_map(c.run));  // tf has the frame that is upright
+       SGS_ASSIGN_OR_RETURN(const auto map,
+                            run::load_any_map(c.run));  // tf has the frame that is upright
        return run::export_bag(c.run, map.gaussians, *bag::make_rosbag1_writer(), out);
      }},
     {"mcap", "the same as MCAP with messages of ROS 2",
      [](const ExportCommand& c, const fs::path& out) -> Status {
-       SGS_ASSIGN_OR_RETURN(const auto map, load_map(c.run));
+       SGS_ASSIGN_OR_RETURN(const auto map, run::load_any_map(c.run));
        return run::export_bag(c.run, map.gaussians, *bag::make_mcap_writer(), out);
      }},
 }};
 
+/// Of paths and pictures, which a map file does not keep.
+bool needs_run(std::string_view format) {
+  constexpr std::string_view kOfRuns[] = {"mesh", "colmap", "tum", "kitti", "bag", "mcap"};
+  return std::ranges::find(kOfRuns, format) != std::end(kOfRuns);
+}
+
 int run_export(ExportCommand command) {
   setup_logging({}, false);
-  note_state(command.run);
+  const bool of_map = mapfile::looks_like_map(command.run);
+  if (!of_map) note_state(command.run);
   if (command.upright) {
-    const auto T_upright_world = run::load_run_upright(command.run);
+    const auto T_upright_world = run::load_any_upright(command.run);
     if (!T_upright_world) return report(T_upright_world.error());
     command.T_out_world = *T_upright_world;
     command.mesh.upright = true;
@@ -184,7 +192,13 @@ int run_export(ExportCommand command) {
     if (command.format == kFormats[i].name) command.outputs[i] = command.output;
     if (command.outputs[i].empty()) continue;
     any = true;
-    const Status status = kFormats[i].write(command, command.outputs[i]);
+    const Status status =
+        of_map && needs_run(kFormats[i].name)
+            ? fail(ErrorCode::kInvalidArgument,
+                   fmt::format("{}: {} is made of a run folder, not of a map file", command.run,
+                               kFormats[i].name),
+                   "give the run folder")
+            : kFormats[i].write(command, command.outputs[i]);
     if (!status) return report(status.error());
     print("{}\n", command.outputs[i]);
   }
@@ -197,8 +211,9 @@ int run_export(ExportCommand command) {
 
 void add_export(CLI::App& app, Action& action) {
   auto command = std::make_shared<ExportCommand>();
-  auto* sub = app.add_subcommand("export", "Write a run's map or trajectory in other formats");
-  sub->add_option("RUN", command->run, "Run folder, or a splat PLY")->required();
+  auto* sub = app.add_subcommand(
+      "export", "Write the map or trajectory of a run, or a map file, in other formats");
+  sub->add_option("RUN", command->run, "Run folder, map file, or a splat PLY")->required();
   std::vector<std::string> names;
   std::string list;
   for (const Format& format : kFormats) {

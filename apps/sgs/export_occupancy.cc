@@ -20,7 +20,7 @@ Result<run::RunOccupancy> occupancy_of(const std::string& run, const OccupancyCo
   if (!command.up.empty())
     options.up = Eigen::Vector3d(command.up[0], command.up[1], command.up[2]);
   if (command.camera_height_m > 0) options.camera_height_m = command.camera_height_m;
-  SGS_ASSIGN_OR_RETURN(auto occupancy, run::occupancy_of_run(run, options));
+  SGS_ASSIGN_OR_RETURN(auto occupancy, run::occupancy_of(run, options));
   log().info("{} views; {}", occupancy.views,
              occupancy.floor_m ? fmt::format("the floor is at z = {:.3f} m", *occupancy.floor_m)
                                : "no floor was seen");

@@ -228,6 +228,19 @@ class Maps(unittest.TestCase):
         self.assert_in_world_of_first(further, 25)
         self.assertEqual(len(self.info(further / "map.sgsmap")["sessions"]), 3)
 
+    def test_a_map_file_is_exported_without_its_recording(self):
+        for form in ("ply", "splat", "spz", "glb", "points", "html"):
+            target = self.folder / f"alone.{form}"
+            self.sgs("export", self.map, form, target)
+            self.assertTrue(target.stat().st_size > 100, form)
+        grid = self.folder / "alone"
+        self.sgs("export", self.map, "grid", grid, "--up", "0,-1,0", "--camera-height", "1.2")
+        self.assertIn("occupied_thresh", (grid / "map.yaml").read_text())
+        for form, target in (("mesh", "alone.mesh"), ("tum", "alone.txt"), ("colmap", "alone")):
+            failed = self.sgs("export", self.map, form, self.folder / target, code=1)
+            self.assertIn("first/map.sgsmap", failed.stderr, form)
+            self.assertIn("run folder", failed.stderr, form)
+
     def test_what_cannot_be_joined_is_not_written(self):
         out = self.folder / "not.sgsmap"
         office = self.folder / "office"

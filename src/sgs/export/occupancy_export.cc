@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "sgs/export/map_file_export.h"
 #include "sgs/export/scene_export.h"
 #include "sgs/occupancy/floor.h"
 
@@ -16,20 +17,22 @@ SE3 first_pose(const Run& run) {
   return run.trajectory.empty() ? SE3{} : run.trajectory.poses().front().T_world_camera;
 }
 
-/// Which way is up: as asked for, else as the run found out from more than its camera.
-Result<SE3> turn_of(const Run& run, const fs::path& folder, const OccupancyOptions& options) {
+/// Which way is up: as asked for, else as more than the camera tells. `found` is what the run found
+/// out, or what the map shows.
+Result<SE3> turn_of(const std::optional<Upright>& found, const SE3& first, const fs::path& path,
+                    const OccupancyOptions& options) {
   if (options.up) {
     if (!(options.up->norm() > 0) || !options.up->allFinite()) {
       return fail(ErrorCode::kInvalidArgument, "--up is no direction",
                   "three numbers that are not all zero, for example --up 0,-1,0");
     }
-    return upright_turn(options.up->normalized(), first_pose(run).R);
+    return upright_turn(options.up->normalized(), first.R);
   }
-  if (run.upright && run.upright->by != UprightBy::kCamera) return run.upright->T_upright_world;
+  if (found && found->by != UprightBy::kCamera) return found->T_upright_world;
   return fail(ErrorCode::kNotFound,
-              fmt::format("{}: which way is up is not known: {}", folder.string(),
-                          run.upright ? "there was no accelerometer, and no floor was seen"
-                                      : "the run has not ended, or is of an older version"),
+              fmt::format("{}: which way is up is not known: {}", path.string(),
+                          found ? "there was no accelerometer, and no floor was seen"
+                                : "the run has not ended, or is of an older version"),
               "say it: --up X,Y,Z in the axes of the first camera (x right, y down, z forward); "
               "--up 0,-1,0 if it stood level");
 }
@@ -88,10 +91,49 @@ Status see_recording(const Run& run, Collector& collector) {
 
 }  // namespace
 
+namespace {
+
+/// `first`: pose of the first camera.
+Result<RunOccupancy> completed(RunOccupancy occupancy, const Collector& collector,
+                               const OccupancyOptions& options, const SE3& first) {
+  occupancy.floor_m = collector.floor_m();
+  if (options.camera_height_m) {
+    occupancy.floor_m = (occupancy.T_upright_world * first.t).z() - *options.camera_height_m;
+  }
+  return occupancy;
+}
+
+Result<RunOccupancy> occupancy_of_map(const fs::path& path, const OccupancyOptions& options) {
+  if (options.from_map) {
+    return fail(
+        ErrorCode::kInvalidArgument,
+        fmt::format("{}: a map file keeps the depth that its views measured", path.string()),
+        "leave --from-map out");
+  }
+  SGS_ASSIGN_OR_RETURN(const auto map, mapfile::MapFile::open(path));
+  std::optional<Upright> found;
+  if (!options.up) {
+    SGS_ASSIGN_OR_RETURN(found, upright_of_map(map));
+  }
+  RunOccupancy occupancy({.voxel_m = options.voxel_m, .range_m = options.range_m});
+  Collector collector(occupancy, options);
+  SE3 first;
+  for (std::size_t i = 0; i < map.views(); ++i) {
+    SGS_ASSIGN_OR_RETURN(const auto view, map.view(i));
+    if (i == 0) {
+      first = view.T_world_camera;
+      SGS_ASSIGN_OR_RETURN(occupancy.T_upright_world, turn_of(found, first, path, options));
+    }
+    SGS_RETURN_IF_ERROR(collector.see(view.frame.camera, view.T_world_camera, view.frame.depth));
+  }
+  return completed(std::move(occupancy), collector, options, first);
+}
+
 Result<RunOccupancy> occupancy_of_run(const fs::path& folder, const OccupancyOptions& options) {
   SGS_ASSIGN_OR_RETURN(const Run run, load_run(folder, kCamera | kTrajectory));
   RunOccupancy occupancy({.voxel_m = options.voxel_m, .range_m = options.range_m});
-  SGS_ASSIGN_OR_RETURN(occupancy.T_upright_world, turn_of(run, folder, options));
+  SGS_ASSIGN_OR_RETURN(occupancy.T_upright_world,
+                       turn_of(run.upright, first_pose(run), folder, options));
   Collector collector(occupancy, options);
   if (options.from_map) {
     SGS_ASSIGN_OR_RETURN(const auto map, load_run_map(folder));
@@ -108,12 +150,14 @@ Result<RunOccupancy> occupancy_of_run(const fs::path& folder, const OccupancyOpt
                 fmt::format("{}: no frame of the input has a pose", folder.string()),
                 "has the input changed since the run?");
   }
-  occupancy.floor_m = collector.floor_m();
-  if (options.camera_height_m) {
-    occupancy.floor_m =
-        (occupancy.T_upright_world * first_pose(run).t).z() - *options.camera_height_m;
-  }
-  return occupancy;
+  return completed(std::move(occupancy), collector, options, first_pose(run));
+}
+
+}  // namespace
+
+Result<RunOccupancy> occupancy_of(const fs::path& run_or_map, const OccupancyOptions& options) {
+  return mapfile::looks_like_map(run_or_map) ? occupancy_of_map(run_or_map, options)
+                                             : occupancy_of_run(run_or_map, options);
 }
 
 Result<occupancy::OccupancyGrid> grid_of_run(const RunOccupancy& occupancy,

@@ -21,7 +21,7 @@ struct OccupancyOptions {
   int threads = 2;
 };
 
-/// What a run saw of space, in its upright world.
+/// What a run, or the runs of a map, saw of space, in its upright world.
 struct RunOccupancy {
   explicit RunOccupancy(const occupancy::VolumeConfig& config) : volume(config) {}
 
@@ -31,11 +31,11 @@ struct RunOccupancy {
   int views = 0;
 };
 
-/// Goes through the depth along a run's path, of the recording or drawn from the map. Errors: the
-/// recording is gone; nothing but the camera itself says which way is up; no view has a pose; more
-/// voxels than memory may hold.
-Result<RunOccupancy> occupancy_of_run(const std::filesystem::path& folder,
-                                      const OccupancyOptions& options);
+/// Goes through the depth along a run's path, of the recording or drawn from the map; of a map file
+/// through that of its views. Errors: the recording is gone; nothing but the camera itself says
+/// which way is up; no view has a pose; more voxels than memory may hold.
+Result<RunOccupancy> occupancy_of(const std::filesystem::path& run_or_map,
+                                  const OccupancyOptions& options);
 
 /// The grid between two heights over the floor; an error where no floor was seen.
 Result<occupancy::OccupancyGrid> grid_of_run(const RunOccupancy& occupancy,

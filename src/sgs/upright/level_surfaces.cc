@@ -134,6 +134,28 @@ std::vector<Patch> patches_of(const map::Snapshot& snapshot) {
   return patches;
 }
 
+void add_patches(const PinholeCamera& camera, const DepthImage& depth, const SE3& T_world_camera,
+                 std::vector<Patch>& patches) {
+  constexpr int kAcross = 40;           // patches in a row
+  constexpr float kEdge = 0.1f;         // a larger share of the depth between neighbours is one
+  constexpr double kLeastCosine = 0.2;  // noise decides the normal of what is seen more obliquely
+  const int step = std::max(2, camera.width / kAcross);
+  const auto point = [&](int u, int v) { return camera.back_project(u, v, depth(u, v)); };
+  for (int v = 0; v + step < depth.height(); v += step) {
+    for (int u = 0; u + step < depth.width(); u += step) {
+      const float z = depth(u, v), right = depth(u + step, v), below = depth(u, v + step);
+      if (!(std::min({z, right, below}) > 0)) continue;
+      if (std::max(std::abs(right - z), std::abs(below - z)) > kEdge * z) continue;
+      const Eigen::Vector3d p = point(u, v);
+      Eigen::Vector3d n = (point(u, v + step) - p).cross(point(u + step, v) - p);
+      const double area = n.norm();
+      if (n.dot(p) > 0) n = -n;
+      if (!(-n.dot(p) > kLeastCosine * area * p.norm())) continue;
+      patches.push_back({T_world_camera.R * (n / area), area, T_world_camera * p});
+    }
+  }
+}
+
 std::optional<LevelSurfaces> find_level_surfaces(const std::vector<Patch>& patches,
                                                  const Eigen::Vector3d& near, double cone_deg) {
   constexpr std::size_t kStarts = 200;

@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "sgs/camera/rgbd_frame.h"
+#include "sgs/geometry/se3.h"
 #include "sgs/map/gaussian.h"
 
 namespace sgs::run {
@@ -20,6 +22,10 @@ struct Patch {
 /// The patches of a map: measured normals, with the areas of their Gaussians. A few that are far
 /// larger than the others count as these, so that none decides alone.
 std::vector<Patch> patches_of(const map::Snapshot& snapshot);
+/// Adds those that a depth image shows, taken at `T_world_camera`: a few hundred, spread evenly
+/// over it, none across an edge or nearly edge-on.
+void add_patches(const PinholeCamera& camera, const DepthImage& depth, const SE3& T_world_camera,
+                 std::vector<Patch>& patches);
 
 /// Surfaces that lie level, seen from above: floors, tables, seats.
 struct LevelSurfaces {
