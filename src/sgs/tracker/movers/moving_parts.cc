@@ -18,6 +18,8 @@ constexpr double kAges_s[] = {0.1, 0.3, 0.6};
 constexpr double kKept_s = 0.7;
 // By how much depth and colour may differ in time.
 constexpr double kClock_s = 0.01;
+// By what a pose may be wrong, metres and radians together: no more is corrected by depth alone.
+constexpr double kFarthest = 0.03;
 // One cell of so many across and down is asked, as long as that shows nothing.
 constexpr int kGlance = 2;
 // Shares of the measured cells: the least part that moves by itself; what has to move at least
@@ -80,11 +82,12 @@ std::vector<const CoarseDepth*> MovingParts::compared_with() const {
   return out;
 }
 
-MovingParts::Off MovingParts::check(const std::vector<Compared>& with, int stride) const {
+MovingParts::Off MovingParts::check(const std::vector<Compared>& with, double clock_s,
+                                    int stride) const {
   Off out;
   for (const Compared& older : with) {
     const SurfaceCheck check =
-        check_surface(depth_, *older.then, older.T_then_now, {kClock_s, stride});
+        check_surface(depth_, *older.then, older.T_then_now, {clock_s, stride});
     out.support += check.support;
     out.cells.resize(check.off.size(), SurfaceCheck::kUnknown);
     std::transform(check.off.begin(), check.off.end(), out.cells.begin(), out.cells.begin(),
@@ -93,11 +96,21 @@ MovingParts::Off MovingParts::check(const std::vector<Compared>& with, int strid
   return out;
 }
 
-// A pose that is a little wrong, or depth that comes late, is another motion of the camera. What
-// moves beside it is left over by any one motion, whosever it is.
+// What the pose and the clocks of depth and colour are wrong by is another motion of the camera,
+// as depth tells it beside what moves.
+std::vector<MovingParts::Compared> MovingParts::fitted(std::vector<Compared> with,
+                                                       const registration::CellMask& moving) const {
+  for (Compared& older : with) {
+    const SE3 T = fit_rigid(depth_, *older.then, older.T_then_now, moving);
+    if ((T * older.T_then_now.inverse()).log().norm() < kFarthest) older.T_then_now = T;
+  }
+  return with;
+}
+
+// What moves beside the camera is left over by any one motion, whosever it is.
 bool MovingParts::one_motion_explains(std::vector<Compared> with) const {
   for (Compared& older : with) older.T_then_now = fit_rigid(depth_, *older.then, older.T_then_now);
-  const Off off = check(with, 1);
+  const Off off = check(with, kClock_s);
   if (hardly_any_off(off.cells)) return true;
   const std::vector<float> depths = cell_depths(depth_.depth, columns(), off.cells.size());
   return !coherent(score_still(segment_depth(depths, columns()), off.cells, {}), depths).any();
@@ -113,12 +126,16 @@ MovingParts::Judgement MovingParts::judge(const SE3& T_local_camera,
     const SE3 T_then_now = past.at(then->frame).inverse() * T_local_camera;
     with.push_back({then, between_depths(depth_, *then, T_then_now)});
   }
-  if (with.empty() || (!moved() && hardly_any_off(check(with, kGlance).cells))) return out;
-  const Off off = check(with, 1);
+  if (with.empty() || (!moved() && hardly_any_off(check(with, kClock_s, kGlance).cells)))
+    return out;
+  const Off off = check(with, kClock_s);
   out.support = off.support;
   if (!moved() && (hardly_any_off(off.cells) || one_motion_explains(with))) return out;
   const std::vector<float> depths = cell_depths(depth_.depth, columns(), off.cells.size());
-  std::vector<float> still = score_still(segment_depth(depths, columns()), off.cells, still_);
+  const DepthSegments segments = segment_depth(depths, columns());
+  out.mask = coherent(score_still(segments, off.cells, still_), depths);
+  if (!out.mask.any()) return out;
+  std::vector<float> still = score_still(segments, check(fitted(with, out.mask), 0).cells, still_);
   out.mask = coherent(still, depths);
   if (out.mask.any()) out.still = std::move(still);
   return out;

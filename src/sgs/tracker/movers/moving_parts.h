@@ -49,7 +49,9 @@ class MovingParts {
     double support = 0;
   };
   std::vector<const CoarseDepth*> compared_with() const;
-  Off check(const std::vector<Compared>& with, int stride) const;
+  Off check(const std::vector<Compared>& with, double clock_s, int stride = 1) const;
+  std::vector<Compared> fitted(std::vector<Compared> with,
+                               const registration::CellMask& moving) const;
   bool one_motion_explains(std::vector<Compared> with) const;
   registration::CellMask coherent(const std::vector<float>& still,
                                   const std::vector<float>& depths) const;

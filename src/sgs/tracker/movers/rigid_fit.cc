@@ -51,11 +51,13 @@ std::optional<Plane> plane_at(const CoarseDepth& d, int u, int v) {
   return Plane{point_at(d, u, v), across.cross(down).normalized()};
 }
 
-std::vector<Eigen::Vector3f> points_of(const CoarseDepth& d) {
+std::vector<Eigen::Vector3f> points_of(const CoarseDepth& d,
+                                       const registration::CellMask& without) {
   std::vector<Eigen::Vector3f> out;
   for (int v = Fit::kStride / 2; v < d.depth.height(); v += Fit::kStride) {
     for (int u = Fit::kStride / 2; u < d.depth.width(); u += Fit::kStride) {
-      if (d.depth(u, v) > 0) out.push_back(point_at(d, u, v));
+      if (d.depth(u, v) > 0 && !without.at(u * d.step_px, v * d.step_px))
+        out.push_back(point_at(d, u, v));
     }
   }
   return out;
@@ -101,8 +103,9 @@ Vector6d step(const std::vector<Eigen::Vector3f>& points, const CoarseDepth& the
 
 }  // namespace
 
-SE3 fit_rigid(const CoarseDepth& now, const CoarseDepth& then, const SE3& T_then_now) {
-  const std::vector<Eigen::Vector3f> points = points_of(now);
+SE3 fit_rigid(const CoarseDepth& now, const CoarseDepth& then, const SE3& T_then_now,
+              const registration::CellMask& without) {
+  const std::vector<Eigen::Vector3f> points = points_of(now, without);
   SE3 T = T_then_now;
   for (int i = 0; i < Fit::kSteps; ++i) T = SE3::exp(step(points, then, T)) * T;
   return T;
