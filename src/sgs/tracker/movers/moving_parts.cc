@@ -19,7 +19,7 @@ constexpr double kKept_s = 0.7;
 // By how much depth and colour may differ in time.
 constexpr double kClock_s = 0.01;
 // By what a pose may be wrong, metres and radians together: no more is corrected by depth alone.
-constexpr double kFarthest = 0.03;
+constexpr double kFarthest = 0.02;
 // One cell of so many across and down is asked, as long as that shows nothing.
 constexpr int kGlance = 2;
 // Shares of the measured cells: the least part that moves by itself; what has to move at least
