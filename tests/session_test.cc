@@ -106,6 +106,7 @@ TEST(Session, WhoWalksThroughAKnownRoomHardlyMovesTheCamera) {
   const auto frames = walked_through(20, 20);
   auto config = session_config();
   config.mapper.iterations_per_frame = 0;
+  config.tracker.movers.clusters = false;
   const double followed_m = largest_way_m(run(frames, config, 1));
   config.tracker.movers.ignore = config.tracker.visual_keyframes.patient = true;
   const double ignored_m = largest_way_m(run(frames, config, 1));
@@ -117,6 +118,7 @@ TEST(Session, WhoWalksFromTheFirstFrameOnHardlyMovesTheCamera) {
   const auto frames = walked_through(0, 40);
   auto config = session_config();
   config.mapper.iterations_per_frame = 0;
+  config.tracker.movers.clusters = false;
   const double followed_m = largest_way_m(run(frames, config, 1));
   config.tracker.movers.clusters = true;
   const double left_out_m = largest_way_m(run(frames, config, 1));

@@ -45,7 +45,7 @@ struct KeyframeConfig {
 
 /// What moves by itself: somebody who walks through, or what was put there.
 struct MoversConfig {
-  bool clusters = false;
+  bool clusters = true;
   bool ignore = false;
   double margin_m = 0.1;
   double margin_ratio = 0.03;
@@ -55,7 +55,7 @@ struct MoversConfig {
   void declare(ParameterList& p) {
     p.add("clusters", clusters,
           "Leave out what stands where the last half second's frames saw nothing, once that is a "
-          "quarter of what is measured.");
+          "quarter of what is measured and no one motion of the camera explains it.");
     p.add("ignore", ignore,
           "Leave out what stands before known surface until it has stood there for trial_s.");
     p.add("margin_m", margin_m, "It stands so far before it at least.", "m", {0.01, 10});

@@ -39,7 +39,8 @@ void StatusTeller::gap() {
 }
 
 void StatusTeller::watch(const RgbdFrame& frame, const slam::FrameRecord& record) {
-  for (const auto& change : watch_.add(frame, record.status, record.T_online_camera)) {
+  for (const auto& change :
+       watch_.add(frame, record.status, record.T_online_camera, record.diagnostics.movers)) {
     if (change.on) {
       log().warn("frame {} ({:.3f} s): {}", record.index, record.timestamp_s, change.text);
       status_.warnings.push_back({change.warning, change.text});

@@ -111,7 +111,8 @@ bool SceneWatch::came_near(const Look& look) const {
   return usual_middle_m_ && middle_m > 0 && middle_m < kNear * *usual_middle_m_;
 }
 
-std::string SceneWatch::text(SceneWarning warning, const Look& look, double motion) const {
+std::string SceneWatch::text(SceneWarning warning, const Look& look, double motion,
+                             double moving) const {
   switch (warning) {
     case SceneWarning::kTooFast:
       return fmt::format(
@@ -124,6 +125,11 @@ std::string SceneWatch::text(SceneWarning warning, const Look& look, double moti
       return fmt::format(
           "the camera sees no surface: {} % of the image have depth. Turn back to where it saw one",
           percent(look.measured));
+    case SceneWarning::kCrowded:
+      return fmt::format(
+          "the room is crowded: {} % of what is seen moves and is left out. Keep what stands still "
+          "in view",
+          percent(moving));
     case SceneWarning::kDark:
       break;
   }
@@ -132,7 +138,7 @@ std::string SceneWatch::text(SceneWarning warning, const Look& look, double moti
 
 std::vector<SceneWatch::Change> SceneWatch::add(const RgbdFrame& frame,
                                                 tracker::TrackingStatus status,
-                                                const SE3& T_world_camera) {
+                                                const SE3& T_world_camera, double moving) {
   constexpr double kBlack = 0.02;    // of white: dark also where it was so from the beginning
   constexpr double kNoDepth = 0.02;  // of the pixels: nothing, likewise
   const Look look = look_at(frame);
@@ -147,14 +153,14 @@ std::vector<SceneWatch::Change> SceneWatch::add(const RgbdFrame& frame,
   const bool says_nothing = active(SceneWarning::kNothingSeen);
   const std::array<double, kSceneWarnings> measures = {
       moved, says_near || (near && !says_nothing) ? missing : 0.0,
-      says_nothing || (!near && !says_near) ? nothing : 0.0, dark};
+      says_nothing || (!near && !says_near) ? nothing : 0.0, dark, moving};
   std::vector<Change> changes;
   for (std::size_t k = 0; k < kSceneWarnings; ++k) {
     const bool before = switches_[k].on();
     const bool now = switches_[k].add(measures[k], frame.timestamp_s);
     if (now == before) continue;
     const auto warning = static_cast<SceneWarning>(k);
-    changes.push_back({warning, now, now ? text(warning, look, moved) : std::string()});
+    changes.push_back({warning, now, now ? text(warning, look, moved, moving) : std::string()});
   }
   // What is a trouble is not what is usual, unless it lasts.
   constexpr double kTrouble = 0.3;

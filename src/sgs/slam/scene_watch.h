@@ -16,15 +16,16 @@
 namespace sgs::slam {
 
 /// What whoever holds the camera can do better.
-enum class SceneWarning { kTooFast, kTooNear, kNothingSeen, kDark };
+enum class SceneWarning { kTooFast, kTooNear, kNothingSeen, kDark, kCrowded };
 constexpr auto enum_names(SceneWarning) {
   using enum SceneWarning;
   return std::to_array<EnumName<SceneWarning>>({{kTooFast, "too_fast"},
                                                 {kTooNear, "too_near"},
                                                 {kNothingSeen, "nothing_seen"},
-                                                {kDark, "dark"}});
+                                                {kDark, "dark"},
+                                                {kCrowded, "crowded"}});
 }
-inline constexpr std::size_t kSceneWarnings = 4;
+inline constexpr std::size_t kSceneWarnings = 5;
 
 /// A switch that does not flicker: on once its measure has been at or above `on` for `frames_on`
 /// frames in a row, off once it has been below `off` for `calm_s`.
@@ -48,9 +49,9 @@ class Hysteresis {
 };
 
 /// Looks at tracked frames and says when the one who holds the camera should hear something: it
-/// moves too fast, is too near, sees no surface, sees nothing in the dark. All levels are shares:
-/// of the image, or of what this camera usually gives. Costs a few thousand pixels a frame. Never
-/// changes what is computed.
+/// moves too fast, is too near, sees no surface, sees nothing in the dark, or much that moves. All
+/// levels are shares: of the image, or of what this camera usually gives. Costs a few thousand
+/// pixels a frame. Never changes what is computed.
 class SceneWatch {
  public:
   explicit SceneWatch(const PinholeCamera& camera) : camera_(camera) {}
@@ -60,9 +61,10 @@ class SceneWatch {
     bool on;           ///< it begins; else it is over
     std::string text;  ///< what to tell, with what to do; empty where it is over
   };
-  /// What begins and what is over with this frame. `T_world_camera` is where it was tracked.
+  /// What begins and what is over with this frame. `T_world_camera` is where it was tracked,
+  /// `moving` the share of what it shows that moves by itself (NaN: not known).
   std::vector<Change> add(const RgbdFrame& frame, tracker::TrackingStatus status,
-                          const SE3& T_world_camera);
+                          const SE3& T_world_camera, double moving = 0);
   /// Frames were left out: the next one says nothing about motion.
   void forget_motion() { last_.reset(); }
   bool active(SceneWarning warning) const { return switch_of(warning).on(); }
@@ -84,7 +86,7 @@ class SceneWatch {
                 const SE3& T_world_camera);
   void learn(const Look& look);
   bool came_near(const Look& look) const;
-  std::string text(SceneWarning warning, const Look& look, double motion) const;
+  std::string text(SceneWarning warning, const Look& look, double motion, double moving) const;
 
   const Hysteresis& switch_of(SceneWarning w) const {
     return switches_[static_cast<std::size_t>(w)];
@@ -98,9 +100,11 @@ class SceneWatch {
   std::int64_t looks_ = 0, seen_ = 0;  // learned from; of those in trouble
   // In the order of the warnings. Motion: share of the image's width per frame. Near and nothing:
   // share of the usual depth that is missing. Dark: share of the usual brightness that is missing.
+  // Crowded: share that moves.
   std::array<Hysteresis, kSceneWarnings> switches_ = {
       Hysteresis({0.07, 0.045, 3, 0.5}), Hysteresis({0.5, 0.3, 5, 0.5}),
-      Hysteresis({0.85, 0.7, 5, 0.5}), Hysteresis({0.85, 0.7, 5, 0.5})};
+      Hysteresis({0.85, 0.7, 5, 0.5}), Hysteresis({0.85, 0.7, 5, 0.5}),
+      Hysteresis({0.4, 0.25, 5, 1})};
 };
 
 }  // namespace sgs::slam

@@ -32,7 +32,7 @@ class SceneWatchTest : public ::testing::Test {
       angle_ += turn;
       const SE3 T(Eigen::Quaterniond(Eigen::AngleAxisd(angle_, Eigen::Vector3d::UnitY())),
                   Eigen::Vector3d::Zero());
-      for (const auto& change : watch_.add(frame, status, T)) {
+      for (const auto& change : watch_.add(frame, status, T, moving_)) {
         EXPECT_EQ(change.on, on_.insert(change.warning).second) << change.text;
         EXPECT_EQ(change.on, !change.text.empty());
         if (!change.on) on_.erase(change.warning);
@@ -44,6 +44,7 @@ class SceneWatchTest : public ::testing::Test {
   static constexpr PinholeCamera kCamera{160, 120, 131, 131, 79.5, 59.5};
   SceneWatch watch_{kCamera};
   std::set<SceneWarning> on_;
+  double moving_ = 0;
   int changes_ = 0;
 
  private:
@@ -52,6 +53,19 @@ class SceneWatchTest : public ::testing::Test {
 };
 
 using Warnings = std::set<SceneWarning>;
+
+TEST_F(SceneWatchTest, SaysWhenMuchOfTheViewMoves) {
+  look(60, 2);
+  moving_ = 0.3;
+  look(60, 2);
+  EXPECT_EQ(on_, Warnings{});
+  moving_ = 0.5;
+  look(10, 2);
+  EXPECT_EQ(on_, Warnings{SceneWarning::kCrowded});
+  moving_ = 0;
+  look(45, 2);
+  EXPECT_EQ(on_, Warnings{});
+}
 
 TEST_F(SceneWatchTest, AQuietCameraHearsNothing) {
   look(300, 2, 0.1, 0.005);

@@ -31,4 +31,8 @@ CoarseDepth::CoarseDepth(const RgbdFrame& taken)
   }
 }
 
+SE3 between_depths(const CoarseDepth& now, const CoarseDepth& then, const SE3& T_then_now) {
+  return SE3::exp(Vector6d(-then.motion.lag())) * T_then_now * SE3::exp(now.motion.lag());
+}
+
 }  // namespace sgs::alignment

@@ -24,4 +24,8 @@ struct CoarseDepth {
   registration::FrameMotion motion;
 };
 
+/// From the camera of now's depth to that of then's, given the same of their pictures: depth is
+/// measured somewhat later than colour, whose pose is known.
+SE3 between_depths(const CoarseDepth& now, const CoarseDepth& then, const SE3& T_then_now);
+
 }  // namespace sgs::alignment

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "sgs/alignment/movers/depth_segments.h"
+#include "sgs/alignment/movers/rigid_fit.h"
 #include "sgs/alignment/movers/static_score.h"
-#include "sgs/alignment/movers/surface_check.h"
 
 namespace sgs::alignment {
 namespace {
@@ -18,6 +18,10 @@ constexpr double kAges_s[] = {0.1, 0.3, 0.6};
 constexpr double kKept_s = 0.7;
 // By how much depth and colour may differ in time.
 constexpr double kClock_s = 0.01;
+// By what a pose may be wrong, metres and radians together: no more is corrected by depth alone.
+constexpr double kFarthest = 0.02;
+// One cell of so many across and down is asked, as long as that shows nothing.
+constexpr int kGlance = 2;
 // Shares of the measured cells: the least part that moves by itself; what has to move at least
 // where nothing did, also cell by cell before anything is divided into parts.
 constexpr double kLeastPart = 0.02, kOnset = 0.25, kLeastOff = 0.1;
@@ -78,32 +82,68 @@ std::vector<const CoarseDepth*> MovingParts::compared_with() const {
   return out;
 }
 
+MovingParts::Off MovingParts::check(const std::vector<Compared>& with, double clock_s,
+                                    int stride) const {
+  Off out;
+  for (const Compared& older : with) {
+    const SurfaceCheck check =
+        check_surface(depth_, *older.then, older.T_then_now, {clock_s, stride});
+    out.support += check.support;
+    out.cells.resize(check.off.size(), SurfaceCheck::kUnknown);
+    std::transform(check.off.begin(), check.off.end(), out.cells.begin(), out.cells.begin(),
+                   [](float a, float b) { return std::max(a, b); });
+  }
+  return out;
+}
+
+// What the pose and the clocks of depth and colour are wrong by is another motion of the camera,
+// as depth tells it beside what moves.
+std::vector<MovingParts::Compared> MovingParts::fitted(std::vector<Compared> with,
+                                                       const registration::CellMask& moving) const {
+  for (Compared& older : with) {
+    const SE3 T = fit_rigid(depth_, *older.then, older.T_then_now, moving);
+    if ((T * older.T_then_now.inverse()).log().norm() < kFarthest) older.T_then_now = T;
+  }
+  return with;
+}
+
+// What moves beside the camera is left over by any one motion, whosever it is.
+bool MovingParts::one_motion_explains(std::vector<Compared> with) const {
+  for (Compared& older : with) older.T_then_now = fit_rigid(depth_, *older.then, older.T_then_now);
+  const Off off = check(with, kClock_s);
+  if (hardly_any_off(off.cells)) return true;
+  const std::vector<float> depths = cell_depths(depth_.depth, columns(), off.cells.size());
+  return !coherent(score_still(segment_depth(depths, columns()), off.cells, {}), depths).any();
+}
+
 MovingParts::Judgement MovingParts::judge(const SE3& T_local_camera,
                                           const registration::FrameMotion& motion,
                                           const LocalPast& past) {
   Judgement out;
   depth_.motion = motion;
-  std::vector<float> off;
-  int columns = 0;
+  std::vector<Compared> with;
   for (const CoarseDepth* then : compared_with()) {
-    const SurfaceCheck check =
-        check_surface(depth_, *then, past.at(then->frame).inverse() * T_local_camera, kClock_s);
-    out.support += check.support;
-    columns = check.columns;
-    off.resize(check.off.size(), SurfaceCheck::kUnknown);
-    for (std::size_t i = 0; i < off.size(); ++i) off[i] = std::max(off[i], check.off[i]);
+    const SE3 T_then_now = past.at(then->frame).inverse() * T_local_camera;
+    with.push_back({then, between_depths(depth_, *then, T_then_now)});
   }
-  if (off.empty() || (!moved() && hardly_any_off(off))) return out;
-  const std::vector<float> depths = cell_depths(depth_.depth, columns, off.size());
-  std::vector<float> still = score_still(segment_depth(depths, columns), off, still_);
-  out.mask = coherent(still, depths, columns);
+  if (with.empty() || (!moved() && hardly_any_off(check(with, kClock_s, kGlance).cells)))
+    return out;
+  const Off off = check(with, kClock_s);
+  out.support = off.support;
+  if (!moved() && (hardly_any_off(off.cells) || one_motion_explains(with))) return out;
+  const std::vector<float> depths = cell_depths(depth_.depth, columns(), off.cells.size());
+  const DepthSegments segments = segment_depth(depths, columns());
+  out.mask = coherent(score_still(segments, off.cells, still_), depths);
+  if (!out.mask.any()) return out;
+  std::vector<float> still = score_still(segments, check(fitted(with, out.mask), 0).cells, still_);
+  out.mask = coherent(still, depths);
   if (out.mask.any()) out.still = std::move(still);
   return out;
 }
 
 // Parts that are too small are let go, and all where nothing moved and too little does now.
 registration::CellMask MovingParts::coherent(const std::vector<float>& still,
-                                             const std::vector<float>& depths, int columns) const {
+                                             const std::vector<float>& depths) const {
   const auto measured = static_cast<double>(
       std::count_if(depths.begin(), depths.end(), [](float z) { return z > 0; }));
   std::vector<std::uint8_t> open(still.size()), moves(still.size(), 0);
@@ -112,13 +152,13 @@ registration::CellMask MovingParts::coherent(const std::vector<float>& still,
   double moving = 0;
   for (std::size_t first = 0; first < open.size(); ++first) {
     if (open[first] == 0) continue;
-    const std::vector<std::size_t> part = take_part(first, columns, open);
+    const std::vector<std::size_t> part = take_part(first, columns(), open);
     if (static_cast<double>(part.size()) < kLeastPart * measured) continue;
     for (const std::size_t cell : part) moves[cell] = 1;
     moving += static_cast<double>(part.size());
   }
   if (moving < (moved() ? kLeastPart : kOnset) * measured) return {};
-  return {depth_.step_px * SurfaceCheck::kCell, columns, std::move(moves)};
+  return {depth_.step_px * SurfaceCheck::kCell, columns(), std::move(moves)};
 }
 
 void MovingParts::remember(const Judgement& judgement, const registration::FrameMotion& motion) {

@@ -5,16 +5,17 @@
 #include <deque>
 #include <vector>
 
+#include "sgs/registration/cell_mask.h"
 #include "sgs/alignment/local_past.h"
 #include "sgs/alignment/movers/coarse_depth.h"
-#include "sgs/registration/cell_mask.h"
+#include "sgs/alignment/movers/surface_check.h"
 
 namespace sgs::alignment {
 
 /// Tells which parts of a frame move by themselves: those whose surface stands where the frames of
 /// the last half second saw none. Knows nothing of the map, which may have the movers in it. As
-/// long as nothing moves, much has to move at once before anything is said to: depth that is bent
-/// or late looks like small things that move.
+/// long as nothing moves, much has to move at once before anything is said to, and no one motion of
+/// the camera may explain it: depth that is bent or late looks like things that move.
 class MovingParts {
  public:
   /// What a pose says of the frame.
@@ -38,9 +39,23 @@ class MovingParts {
   bool has_past() const { return !past_depths_.empty(); }
 
  private:
+  // An older frame, and from the camera of the frame's depth to that of its own.
+  struct Compared {
+    const CoarseDepth* then;
+    SE3 T_then_now;
+  };
+  struct Off {
+    std::vector<float> cells;  // SurfaceCheck::off, the largest of each cell
+    double support = 0;
+  };
   std::vector<const CoarseDepth*> compared_with() const;
-  registration::CellMask coherent(const std::vector<float>& still, const std::vector<float>& depths,
-                                  int columns) const;
+  Off check(const std::vector<Compared>& with, double clock_s, int stride = 1) const;
+  std::vector<Compared> fitted(std::vector<Compared> with,
+                               const registration::CellMask& moving) const;
+  bool one_motion_explains(std::vector<Compared> with) const;
+  registration::CellMask coherent(const std::vector<float>& still,
+                                  const std::vector<float>& depths) const;
+  int columns() const { return depth_.depth.width() / SurfaceCheck::kCell; }
 
   CoarseDepth depth_;                    // of the frame that is looked at
   std::deque<CoarseDepth> past_depths_;  // oldest first

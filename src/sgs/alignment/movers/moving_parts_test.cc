@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sgs/alignment/movers/rigid_fit.h"
 #include "sgs/alignment/movers/surface_check.h"
 #include "sgs/alignment/test_textured_wall.h"
 
@@ -73,15 +74,24 @@ TEST(SurfaceCheck, FollowsTheCamera) {
   EXPECT_LT(wrong.support, 0.2 * check.support);
 }
 
-// Looks at frames up to the last, of which it gives the judgement; all from one place.
-MovingParts::Judgement judge_last(int last, double width_m) {
+TEST(RigidFit, FollowsTheRoomAndNotWhoMovesInIt) {
+  const SE3 truth(so3_exp({0.01, 0.01, 0.05}), {0.03, 0.02, -0.02});
+  const CoarseDepth then = coarse(0, {-0.3, 0.5, 0.8}), now = coarse(1, {-0.25, 0.5, 0.75}, truth);
+  const SE3 fitted = fit_rigid(now, then, truth * SE3(so3_exp({0, 0, 0}), {0, 0, 0.01}));
+  EXPECT_NEAR(fitted.t.z(), truth.t.z(), 1e-3);  // all else is free in front of a wall
+}
+
+// Looks at frames up to the last, of which it gives the judgement; all from one place. The last
+// pose is told wrong by so much.
+MovingParts::Judgement judge_last(int last, double width_m, double wrong_m = 0) {
   MovingParts parts;
   history::Revision revision;
   LocalPast past;
   MovingParts::Judgement judgement;
   for (int i = 0; i <= last; ++i) {
     parts.look_at(see({}, i, carried(i, width_m)));
-    judgement = parts.judge({}, {}, past);
+    const SE3 told(so3_exp({0, 0, 0}), {0, 0, i == last ? wrong_m : 0});
+    judgement = parts.judge(told, {}, past);
     revision.path.append({i, i / 30.0, SE3{}});
     past.set_revision(revision);
     parts.remember(judgement, {});
@@ -105,6 +115,12 @@ TEST(MovingParts, SaysWhatIsCarriedThroughTheView) {
 }
 
 TEST(MovingParts, SaysNothingOfSomethingSmall) { EXPECT_FALSE(judge_last(15, 0.1).mask.any()); }
+
+TEST(MovingParts, SaysNothingWhereThePoseIsWrong) {
+  constexpr double kWrong_m = 0.04;
+  EXPECT_FALSE(judge_last(15, 0.1, kWrong_m).mask.any());
+  EXPECT_FALSE(judge_last(15, 0.1, -kWrong_m).mask.any());
+}
 
 }  // namespace
 }  // namespace sgs::alignment

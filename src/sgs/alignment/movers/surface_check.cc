@@ -41,28 +41,28 @@ Range range_around(const DepthImage& depth, int u, int v, int reach) {
 }  // namespace
 
 SurfaceCheck check_surface(const CoarseDepth& now, const CoarseDepth& then, const SE3& T_then_now,
-                           double clock_s) {
+                           const CheckOptions& options) {
   SurfaceCheck out;
   out.columns = now.depth.width() / SurfaceCheck::kCell;
   const int rows = now.depth.height() / SurfaceCheck::kCell;
   out.off.assign(static_cast<std::size_t>(out.columns * rows), SurfaceCheck::kUnknown);
-  // Depth is measured somewhat later than colour, whose pose is known.
-  const SE3 T = SE3::exp(Vector6d(-then.motion.lag())) * T_then_now * SE3::exp(now.motion.lag());
-  const Eigen::Matrix3f R = T.R.cast<float>();
-  const Eigen::Vector3f t = T.t.cast<float>();
+  const Eigen::Matrix3f R = T_then_now.R.cast<float>();
+  const Eigen::Vector3f t = T_then_now.t.cast<float>();
   const auto f = [](double x) { return static_cast<float>(x); };
   const float fx = f(now.camera.fx), fy = f(now.camera.fy), cx = f(now.camera.cx),
               cy = f(now.camera.cy);
-  for (int row = 0; row < rows; ++row) {
-    for (int column = 0; column < out.columns; ++column) {
+  const int stride = options.stride;
+  for (int row = stride / 2; row < rows; row += stride) {
+    for (int column = stride / 2; column < out.columns; column += stride) {
       const int x = column * SurfaceCheck::kCell + 1, y = row * SurfaceCheck::kCell + 1;
       const float z = now.depth(x, y);
       if (!(z > 0)) continue;
       const Eigen::Vector3f p((f(x) - cx) / fx * z, (f(y) - cy) / fy * z, z);
       const Eigen::Vector3f q = R * p + t;
       if (!(q.z() > kNearest_m)) continue;
-      const Eigen::Vector3f drift = f(clock_s) * (speed_of(p, now.motion.velocity).cwiseAbs() +
-                                                  speed_of(q, then.motion.velocity).cwiseAbs());
+      const Eigen::Vector3f drift =
+          f(options.clock_s) * (speed_of(p, now.motion.velocity).cwiseAbs() +
+                                speed_of(q, then.motion.velocity).cwiseAbs());
       const float across_px = std::max(drift.x() * fx, drift.y() * fy) / q.z();
       const int reach = std::min(kMostReach, static_cast<int>(std::lround(across_px)));
       const float u = q.x() / q.z() * fx + cx, v = q.y() / q.z() * fy + cy;

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "sgs/alignment/movers/coarse_depth.h"
 #include "sgs/geometry/se3.h"
+#include "sgs/alignment/movers/coarse_depth.h"
 
 namespace sgs::alignment {
 
@@ -22,10 +22,15 @@ struct SurfaceCheck {
   double support = 0;
 };
 
-/// Checks `now` against `then`, for a camera that moved so between them (now's camera to then's).
-/// Both are measured while the camera moves as their motions say, give or take `clock_s`: by so
-/// much their clocks of depth and colour may differ, besides the delay that is known.
+struct CheckOptions {
+  /// Depth may be measured so much sooner or later than is known, while the camera moves.
+  double clock_s = 0;
+  int stride = 1;  ///< one cell is asked of so many, across and down; the others are unknown
+};
+
+/// Checks `now` against `then`, where the camera of now's depth stood so in then's
+/// (between_depths()).
 SurfaceCheck check_surface(const CoarseDepth& now, const CoarseDepth& then, const SE3& T_then_now,
-                           double clock_s = 0);
+                           const CheckOptions& options = {});
 
 }  // namespace sgs::alignment
