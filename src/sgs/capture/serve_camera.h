@@ -16,7 +16,6 @@ struct ServeOptions {
   CameraMode mode;
   int skip = 15;             ///< first pairs left out: exposure settles
   std::int64_t frames = 0;   ///< then it is over; 0 = never
-  bool every_frame = false;  ///< the camera waits rather than images are dropped
   bool listens = false;      ///< somebody sends lines
 };
 
