@@ -209,11 +209,17 @@ class ForeignNode:
     def withdraw(self, topic):
         self._tell(b"G", topic)
 
-    def wait(self, condition, seconds=120):
+    def happens(self, condition, seconds):
+        """Waits for it; whether it is so."""
         until = time.monotonic() + seconds
         with self.changed:
             while not condition():
-                assert self.changed.wait(until - time.monotonic()), "nothing came"
+                if not self.changed.wait(until - time.monotonic()):
+                    return False
+        return True
+
+    def wait(self, condition, seconds=120):
+        assert self.happens(condition, seconds), "nothing came"
 
     def close(self):
         """As a node that is killed."""

@@ -100,9 +100,7 @@ class Ros2Camera final : public FamilyDriver {
   Status list_into(stream::CameraFamily& family) override {
     family.library = fmt::format("Cyclone DDS {}", DDS_VERSION);
     SGS_ASSIGN_OR_RETURN(const auto node, ros2::DdsNode::open(options_->domain));
-    constexpr std::chrono::seconds kDiscovery(1);
-    std::this_thread::sleep_for(kDiscovery);
-    const auto offers = node->offers();
+    const auto offers = discovered(*node);
     for (const std::string& name : camera_names(offers)) {
       family.devices.push_back({"ROS 2 topics below " + name, name, "",
                                 fmt::format("domain {}", node->domain())});
@@ -112,6 +110,21 @@ class Ros2Camera final : public FamilyDriver {
           nothing_published(options_->topics, "", node->domain(), offers));
     }
     return {};
+  }
+
+  /// What is published once nothing more seems to come: others are found one after the other.
+  static std::vector<ros2::Offer> discovered(const ros2::DdsNode& node) {
+    constexpr std::chrono::milliseconds kMost(3500), kQuiet(500), kStep(50);
+    const auto begin = Clock::now();
+    auto offers = node.offers();
+    for (auto changed = begin; Clock::now() - begin < kMost;) {
+      std::this_thread::sleep_for(kStep);
+      auto now = node.offers();
+      if (now != offers) changed = Clock::now();
+      offers = std::move(now);
+      if (!camera_names(offers).empty() && Clock::now() - changed > kQuiet) break;
+    }
+    return offers;
   }
 
   Status find_topics(const std::string& name) {
