@@ -67,9 +67,10 @@ std::optional<occupancy::OccupancyGrid> LiveGrid::grid(const history::Path& path
       if (const auto* now = path.find(view.frame)) count(view, now->T_odom_camera);
     }
   }
-  const auto floor_m = floor_.height_m();
-  if (!floor_m) return {};
-  auto grid = occupancy::make_grid(volume_, *floor_m, options_.band);
+  // Walls and tables that are seen later may outweigh it, but it is still there.
+  if (const auto now_m = floor_.height_m()) floor_m_ = now_m;
+  if (!floor_m_) return {};
+  auto grid = occupancy::make_grid(volume_, *floor_m_, options_.band);
   return grid ? std::optional(std::move(*grid)) : std::nullopt;
 }
 

@@ -31,7 +31,7 @@ class LiveGrid {
 
   /// A view of a frame of the path; left out where the camera has hardly moved since the last one.
   void see(const RgbdFrame& frame, const history::Path& path);
-  /// The grid as the path is now; empty where no floor was seen.
+  /// The grid as the path is now; empty as long as no floor was seen.
   std::optional<occupancy::OccupancyGrid> grid(const history::Path& path);
 
  private:
@@ -53,6 +53,7 @@ class LiveGrid {
   std::deque<View> views_;
   occupancy::OccupancyVolume volume_;
   occupancy::FloorFinder floor_;
+  std::optional<double> floor_m_;  ///< as it was last found
 };
 
 }  // namespace sgs::robot
