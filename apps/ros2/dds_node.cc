@@ -122,8 +122,7 @@ Result<dds_entity_t> DdsNode::reader(const dds_topic_descriptor_t& type, const s
   const dds_entity_t on =
       dds_create_topic(participant_, &type, dds_topic(topic).c_str(), nullptr, nullptr);
   if (on < 0) return failed(fmt::format("no topic {}", topic), on);
-  const dds_entity_t reader =
-      dds_create_reader(participant_, on, qos_of(quality).get(), nullptr);
+  const dds_entity_t reader = dds_create_reader(participant_, on, qos_of(quality).get(), nullptr);
   if (reader < 0) return failed(fmt::format("{} cannot be read", topic), reader);
   return reader;
 }
@@ -133,8 +132,7 @@ Result<dds_entity_t> DdsNode::writer(const dds_topic_descriptor_t& type, const s
   const dds_entity_t on =
       dds_create_topic(participant_, &type, dds_topic(topic).c_str(), nullptr, nullptr);
   if (on < 0) return failed(fmt::format("no topic {}", topic), on);
-  const dds_entity_t writer =
-      dds_create_writer(participant_, on, qos_of(quality).get(), nullptr);
+  const dds_entity_t writer = dds_create_writer(participant_, on, qos_of(quality).get(), nullptr);
   if (writer < 0) return failed(fmt::format("{} cannot be written", topic), writer);
   return writer;
 }

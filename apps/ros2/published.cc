@@ -64,8 +64,8 @@ class Dds final : public Publisher {
     SGS_ASSIGN_OR_RETURN(path_, node_->writer(nav_msgs_msg_dds__Path__desc, on("/path"), newest));
     SGS_ASSIGN_OR_RETURN(
         cloud_, node_->writer(sensor_msgs_msg_dds__PointCloud2__desc, on("/cloud"), newest));
-    SGS_ASSIGN_OR_RETURN(
-        grid_, node_->writer(nav_msgs_msg_dds__OccupancyGrid__desc, on("/grid"), newest));
+    SGS_ASSIGN_OR_RETURN(grid_,
+                         node_->writer(nav_msgs_msg_dds__OccupancyGrid__desc, on("/grid"), newest));
     return {};
   }
 
@@ -167,7 +167,8 @@ class Dds final : public Publisher {
     grid.info.resolution = static_cast<float>(news.grid.resolution_m);
     grid.info.width = static_cast<std::uint32_t>(news.grid.width);
     grid.info.height = static_cast<std::uint32_t>(news.grid.height);
-    grid.info.origin = pose_of(SE3(Eigen::Matrix3d::Identity(), {news.grid.origin_m.x(), news.grid.origin_m.y(), 0}));
+    grid.info.origin = pose_of(
+        SE3(Eigen::Matrix3d::Identity(), {news.grid.origin_m.x(), news.grid.origin_m.y(), 0}));
     grid.data = sequence_of<decltype(grid.data)>(cells);
     return write(grid_, &grid);
   }

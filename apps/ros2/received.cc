@@ -46,13 +46,9 @@ std::optional<SE3> rigid(const geometry_msgs_msg_dds__Transform_& transform) {
 }  // namespace
 
 bag::ImageMessage received(const sensor_msgs_msg_dds__Image_& message) {
-  return {header_of(message.header),
-          message.height,
-          message.width,
-          text_of(message.encoding),
-          message.is_bigendian != 0,
-          message.step,
-          bytes_of(message.data)};
+  return {
+      header_of(message.header), message.height, message.width,         text_of(message.encoding),
+      message.is_bigendian != 0, message.step,   bytes_of(message.data)};
 }
 
 bag::CompressedImageMessage received(const sensor_msgs_msg_dds__CompressedImage_& message) {

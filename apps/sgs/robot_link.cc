@@ -117,12 +117,11 @@ class Teller {
 class Telling final : public RobotLink {
  public:
   Telling(HelperProgram program, const run::Input& input, std::optional<Eigen::Vector3d> up,
-       bool at_camera_rate)
+          bool at_camera_rate)
       : input_(input),
         asked_up_(std::move(up)),
         teller_(std::move(program)),
-        told_(kMostWaiting,
-              at_camera_rate ? FullPolicy::kDropOldest : FullPolicy::kBlock),
+        told_(kMostWaiting, at_camera_rate ? FullPolicy::kDropOldest : FullPolicy::kBlock),
         thread_([this] { work(); }) {}
 
   ~Telling() override {
@@ -149,7 +148,8 @@ class Telling final : public RobotLink {
 
   void finish(slam::Session& session) override {
     if (decided_) {
-      told_.push({nullptr, last_s_, false, session.revision().path, session.final_snapshot(), true});
+      told_.push(
+          {nullptr, last_s_, false, session.revision().path, session.final_snapshot(), true});
     }
     told_.close();
     thread_.join();
@@ -182,8 +182,9 @@ class Telling final : public RobotLink {
       if (up.known) up_in_camera = *felt;
     }
     if (!up.known) {
-      log().warn("which way is up is not known: the first picture is taken for a level one, and no "
-                 "free floor is published; say it by --ros2-up X,Y,Z");
+      log().warn(
+          "which way is up is not known: the first picture is taken for a level one, and no "
+          "free floor is published; say it by --ros2-up X,Y,Z");
     }
     up.T_upright_world = run::upright_turn(pose.R * up_in_camera, pose.R);
     teller_.set_up(up);  // before the thread is told anything
@@ -217,9 +218,10 @@ Result<std::optional<Eigen::Vector3d>> direction_of(const std::string& text) {
   const int read = std::sscanf(text.c_str(), "%lf,%lf,%lf%n", &up.x(), &up.y(), &up.z(), &end);
   if (read != 3 || static_cast<std::size_t>(end) != text.size() || !up.allFinite() ||
       !(up.norm() > 0)) {
-    return fail(ErrorCode::kInvalidArgument, fmt::format("--ros2-up {}: no direction", text),
-                "three numbers that are not all zero, in the axes of the camera (x right, y down, z "
-                "forward), for example --ros2-up 0,-1,0 if the first picture is level");
+    return fail(
+        ErrorCode::kInvalidArgument, fmt::format("--ros2-up {}: no direction", text),
+        "three numbers that are not all zero, in the axes of the camera (x right, y down, z "
+        "forward), for example --ros2-up 0,-1,0 if the first picture is level");
   }
   return std::optional(up.normalized().eval());
 }
@@ -236,9 +238,10 @@ void RobotRequest::add_run_options(CLI::App& sub) {
   sub.add_option("--ros2-camera-frame", camera_frame,
                  "Frame of the camera in tf (default sgs_camera_optical_frame)")
       ->needs(ros2);
-  sub.add_option("--ros2-up", up,
-                 "Where up is when the run begins, X,Y,Z in the axes of the camera (x right, y down, "
-                 "z forward), instead of what an accelerometer feels")
+  sub.add_option(
+         "--ros2-up", up,
+         "Where up is when the run begins, X,Y,Z in the axes of the camera (x right, y down, "
+         "z forward), instead of what an accelerometer feels")
       ->needs(ros2);
 }
 
@@ -252,12 +255,12 @@ Result<std::unique_ptr<RobotLink>> RobotLink::open(const RobotRequest& request,
     arguments.push_back("--camera-frame=" + request.camera_frame);
   }
   SGS_ASSIGN_OR_RETURN(
-      auto program,
-      HelperProgram::start({"sgs-ros2", "messages of ROS 2",
-                            "install the package sgs-ros2, or build it: it needs cyclonedds-dev and "
-                            "cyclonedds-tools (docs/ros.md)",
-                            "please report it"},
-                           arguments));
+      auto program, HelperProgram::start(
+                        {"sgs-ros2", "messages of ROS 2",
+                         "install the package sgs-ros2, or build it: it needs cyclonedds-dev and "
+                         "cyclonedds-tools (docs/ros.md)",
+                         "please report it"},
+                        arguments));
   return std::make_unique<Telling>(std::move(program), input, up, at_camera_rate);
 }
 

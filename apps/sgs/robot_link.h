@@ -23,8 +23,8 @@ struct RobotRequest {
   void add_run_options(CLI::App& sub);
 };
 
-/// What a run tells robots: a program beside `sgs` publishes it. Nothing here waits for anybody but,
-/// offline, for that program. One thread.
+/// What a run tells robots: a program beside `sgs` publishes it. Nothing here waits for anybody
+/// but, offline, for that program. One thread.
 class RobotLink {
  public:
   virtual ~RobotLink() = default;

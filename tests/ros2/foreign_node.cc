@@ -1,15 +1,18 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// A participant of another DDS (Fast DDS, the one that ROS 2 takes by default) which knows nothing of
-// sgs: it sends and takes messages as bytes, for a script (foreign.py) that packs and reads them.
+// A participant of another DDS (Fast DDS, the one that ROS 2 takes by default) which knows nothing
+// of sgs: it sends and takes messages as bytes, for a script (foreign.py) that packs and reads
+// them.
 //
 //   foreign_node DOMAIN
 //
-// Standard input, any number of records: a letter, then topic, type and data, each behind its 32-bit
-// length. W: publish there, R: read there (`data` has r: reliable, l: latched), P: publish this, G:
-// publish no longer. Standard output: the same records; D: this has come, M: so many (in `data`) on
-// the other side.
+// Standard input, any number of records: a letter, then topic, type and data, each behind its
+// 32-bit length. W: publish there, R: read there (`data` has r: reliable, l: latched), P: publish
+// this, G: publish no longer. Standard output: the same records; D: this has come, M: so many (in
+// `data`) on the other side.
+#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
+
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -26,7 +29,6 @@
 #include <fastdds/dds/topic/Topic.hpp>
 #include <fastdds/dds/topic/TopicDataType.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
-#include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <functional>
 #include <map>
 #include <memory>
@@ -131,7 +133,8 @@ class Node {
     eprosima::fastrtps::rtps::IPLocator::setIPv4(here, "127.0.0.1");
     qos.wire_protocol().builtin.initialPeersList.push_back(here);
     // Tests wait for it.
-    qos.wire_protocol().builtin.discovery_config.leaseDuration_announcementperiod = {0, 100'000'000};
+    qos.wire_protocol().builtin.discovery_config.leaseDuration_announcementperiod = {0,
+                                                                                     100'000'000};
     participant_ = DomainParticipantFactory::get_instance()->create_participant(
         static_cast<std::uint32_t>(domain), qos);
     if (participant_ == nullptr) std::exit(1);

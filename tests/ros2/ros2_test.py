@@ -17,7 +17,16 @@ import unittest
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "cameras"))
-from fake_cameras import FAKES, FRAMES, SGS, TIMEOUT, TRACK, CameraTest, parts_of, rows  # noqa: E402
+from fake_cameras import (
+    FAKES,
+    FRAMES,
+    SGS,
+    TIMEOUT,
+    TRACK,
+    CameraTest,
+    parts_of,
+    rows,
+)  # noqa: E402
 from foreign import ForeignNode, pack  # noqa: E402
 
 # This machine only, and nobody else on it: each test has a domain of its own.
@@ -138,7 +147,12 @@ class Input(Ros2Test):
         def play():
             topics = (COLOR, DEPTH, INFO, *(topic for topic, _ in more))
             node.wait(lambda: all(node.matched[topic] > 0 for topic in topics))
-            for topic, message in ((INFO, info or self.info()), *more, (COLOR, color), (DEPTH, depth)):
+            for topic, message in (
+                (INFO, info or self.info()),
+                *more,
+                (COLOR, color),
+                (DEPTH, depth),
+            ):
                 node.publish(topic, message)
 
         return play
@@ -174,7 +188,9 @@ class Input(Ros2Test):
                 self.advertise(node)
                 play = self.publish_once(node, image(color, "rgb8"), message)
                 greeting, frames, _, _ = self.sent_while(play, "--frames=1")
-                self.assertEqual((greeting["depth"], greeting.get("depth_scale", 1000)), (unit, 1000))
+                self.assertEqual(
+                    (greeting["depth"], greeting.get("depth_scale", 1000)), (unit, 1000)
+                )
                 self.assertEqual(frames[0]["depth"], expected.tobytes())
                 node.close()
 
@@ -224,7 +240,9 @@ class Input(Ros2Test):
 
         def play():
             self.play(node, range(2))
-            node.publish(COLOR, self.image(self.color.times[2], np.zeros((6, 8, 3), np.uint8), "rgb8"))
+            node.publish(
+                COLOR, self.image(self.color.times[2], np.zeros((6, 8, 3), np.uint8), "rgb8")
+            )
             node.publish(COLOR, {**self.color_image(2), "encoding": "none"})
             self.play(node, range(2, 4))
 
@@ -447,7 +465,9 @@ class Output(Ros2Test):
         last = None
         for t, message in zip(times, heard):
             self.assertAlmostEqual(seconds_of(message), t, delta=1e-6)
-            self.assertEqual((message["header"]["frame_id"], message["child_frame_id"]), ("odom", "eye"))
+            self.assertEqual(
+                (message["header"]["frame_id"], message["child_frame_id"]), ("odom", "eye")
+            )
             T = self.pose(message["pose"]["pose"])
             np.testing.assert_allclose(T, self.at(poses, message), atol=2e-6)
             if last is not None:
@@ -499,9 +519,9 @@ class Output(Ros2Test):
         self.assertEqual(cells[row, column], 0)
 
     def test_nobody_has_to_listen(self):
-        command = SGS, "run", self.color.folder, "-o", self.run_folder, "--ros2", *TRACK
+        command = SGS, "run", self.color.folder, "-o", self.run_folder, "--ros2", "--no-eval"
         self.done(*command)
-        self.assertEqual(self.tracked(), FRAMES)
+        self.assert_same_run(self.color.folder)
 
     def test_requests_that_make_no_sense(self):
         for options, words in (
@@ -518,9 +538,13 @@ class Output(Ros2Test):
 def read_points(path):
     head, data = path.read_bytes().split(b"end_header\n", 1)
     count = int(head.split(b"element vertex ")[1].split()[0])
-    return np.frombuffer(data[: count * (len(data) // count)], np.uint8).reshape(count, -1)[
-        :, :12
-    ].copy().view("<f4").astype(float)
+    return (
+        np.frombuffer(data[: count * (len(data) // count)], np.uint8)
+        .reshape(count, -1)[:, :12]
+        .copy()
+        .view("<f4")
+        .astype(float)
+    )
 
 
 class Trouble(Ros2Test):

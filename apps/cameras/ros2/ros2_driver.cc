@@ -81,8 +81,8 @@ class Ros2Camera final : public FamilyDriver {
   }
   Error silent(double seconds) const override {
     return {ErrorCode::kIo,
-            fmt::format("no image has come on {} and {} for {:.0f} s", color().topic,
-                        depth().topic, seconds),
+            fmt::format("no image has come on {} and {} for {:.0f} s", color().topic, depth().topic,
+                        seconds),
             "is the camera's node stopped? Large images get lost on their way, too, where "
             "net.core.rmem_max is small"};
   }
@@ -102,12 +102,11 @@ class Ros2Camera final : public FamilyDriver {
     SGS_ASSIGN_OR_RETURN(const auto node, ros2::DdsNode::open(options_->domain));
     const auto offers = discovered(*node);
     for (const std::string& name : camera_names(offers)) {
-      family.devices.push_back({"ROS 2 topics below " + name, name, "",
-                                fmt::format("domain {}", node->domain())});
+      family.devices.push_back(
+          {"ROS 2 topics below " + name, name, "", fmt::format("domain {}", node->domain())});
     }
     if (family.devices.empty()) {
-      return tl::unexpected<Error>(
-          nothing_published(options_->topics, "", node->domain(), offers));
+      return tl::unexpected<Error>(nothing_published(options_->topics, "", node->domain(), offers));
     }
     return {};
   }
@@ -171,12 +170,11 @@ class Ros2Camera final : public FamilyDriver {
     }
     if (mode.imu && !topics_.imu.empty()) {
       constexpr int kSamples = 1000;
-      SGS_ASSIGN_OR_RETURN(imu_reader_, opened(sensor_msgs_msg_dds__Imu__desc, topics_.imu,
-                                               {.depth = kSamples}));
+      SGS_ASSIGN_OR_RETURN(
+          imu_reader_, opened(sensor_msgs_msg_dds__Imu__desc, topics_.imu, {.depth = kSamples}));
     }
-    SGS_ASSIGN_OR_RETURN(tf_reader_,
-                         opened(tf2_msgs_msg_dds__TFMessage__desc, "/tf_static",
-                                {.reliable = true, .latched = true, .depth = 100}));
+    SGS_ASSIGN_OR_RETURN(tf_reader_, opened(tf2_msgs_msg_dds__TFMessage__desc, "/tf_static",
+                                            {.reliable = true, .latched = true, .depth = 100}));
     return {};
   }
 
@@ -195,8 +193,8 @@ class Ros2Camera final : public FamilyDriver {
       });
     }
     using Transforms = tf2_msgs_msg_dds__TFMessage_;
-    ros2::take_all<Transforms>(tf_reader_,
-                               [&](const Transforms& message) { frames_.add(ros2::received(message)); });
+    ros2::take_all<Transforms>(
+        tf_reader_, [&](const Transforms& message) { frames_.add(ros2::received(message)); });
     using Imu = sensor_msgs_msg_dds__Imu_;
     if (imu_reader_ > 0) {
       ros2::take_all<Imu>(imu_reader_, [&](const Imu& message) { take(ros2::received(message)); });
@@ -271,7 +269,8 @@ class Ros2Camera final : public FamilyDriver {
 
   bool registered() const {
     const std::string &a = color().first->header.frame_id, &b = depth().first->header.frame_id;
-    return options_->registered == "on" || named_registered(depth().topic) || (a == b && !a.empty());
+    return options_->registered == "on" || named_registered(depth().topic) ||
+           (a == b && !a.empty());
   }
 
   /// What is still missing of what has to be there.
@@ -281,13 +280,14 @@ class Ros2Camera final : public FamilyDriver {
     }
     if (!color_info_) return fmt::format("no camera info has come on {}", topics_.color_info);
     if (registered()) return {};
-    if (!depth_info_) return fmt::format("{} is not registered to colour", depth().topic) +
-                             ", and nobody publishes its camera info";
+    if (!depth_info_)
+      return fmt::format("{} is not registered to colour", depth().topic) +
+             ", and nobody publishes its camera info";
     if (!frames_.between(color().first->header.frame_id, depth().first->header.frame_id)) {
-      return fmt::format("{} is in the frame '{}', colour in '{}', and /tf_static does not say how "
-                         "they lie",
-                         depth().topic, depth().first->header.frame_id,
-                         color().first->header.frame_id);
+      return fmt::format(
+          "{} is in the frame '{}', colour in '{}', and /tf_static does not say how "
+          "they lie",
+          depth().topic, depth().first->header.frame_id, color().first->header.frame_id);
     }
     return {};
   }
@@ -296,9 +296,9 @@ class Ros2Camera final : public FamilyDriver {
   Error reason(const std::string& what) const {
     for (const Side& side : sides_) {
       dds_requested_incompatible_qos_status_t status{};
-      const bool refused =
-          !side.first && dds_get_requested_incompatible_qos_status(side.reader, &status) == 0 &&
-          status.total_count > 0;
+      const bool refused = !side.first &&
+                           dds_get_requested_incompatible_qos_status(side.reader, &status) == 0 &&
+                           status.total_count > 0;
       if (refused) {
         return {ErrorCode::kUnsupported,
                 fmt::format("{} is published as best effort only, and every=on asks for all of it",
@@ -351,8 +351,8 @@ class Ros2Camera final : public FamilyDriver {
       return {};
     }
     SGS_ASSIGN_OR_RETURN(hello.depth_camera, lens_of(*depth_info_, depth(), topics_.depth_info));
-    hello.T_color_depth = *frames_.between(color().first->header.frame_id,
-                                           depth().first->header.frame_id);
+    hello.T_color_depth =
+        *frames_.between(color().first->header.frame_id, depth().first->header.frame_id);
     leave_out_equal_cameras(hello);
     return {};
   }

@@ -13,7 +13,7 @@ namespace sgs::cameras {
 
 struct Ros2Options {
   CameraTopics topics;
-  std::optional<int> domain;      ///< empty: ROS_DOMAIN_ID, else 0
+  std::optional<int> domain;       ///< empty: ROS_DOMAIN_ID, else 0
   std::string registered = "off";  ///< "on": depth lies on colour, whatever its frame says
   double wait_s = 10;              ///< for publishers
 };

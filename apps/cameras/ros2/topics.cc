@@ -22,10 +22,12 @@ constexpr std::string_view kImu = "sensor_msgs/msg/Imu";
 // As drivers of depth cameras name them, behind the camera's name; depth that is registered first.
 constexpr std::array<std::string_view, 3> kColor = {"/color/image_raw", "/rgb/image_raw",
                                                     "/rgb/image_rect_color"};
-constexpr std::array<std::string_view, 6> kDepth = {
-    "/aligned_depth_to_color/image_raw", "/depth_registered/image_raw",
-    "/depth_registered/image_rect",      "/depth_to_rgb/image_raw",
-    "/depth/image_raw",                  "/depth/image_rect_raw"};
+constexpr std::array<std::string_view, 6> kDepth = {"/aligned_depth_to_color/image_raw",
+                                                    "/depth_registered/image_raw",
+                                                    "/depth_registered/image_rect",
+                                                    "/depth_to_rgb/image_raw",
+                                                    "/depth/image_raw",
+                                                    "/depth/image_rect_raw"};
 
 bool offered(const Offers& offers, const std::string& topic,
              std::initializer_list<std::string_view> types) {
@@ -102,10 +104,11 @@ bool is_compressed(const Offers& offers, const std::string& topic) {
 Error nothing_published(const CameraTopics& asked, const std::string& name, int domain,
                         const Offers& offers) {
   if (offers.empty()) {
-    return {ErrorCode::kNotFound,
-            fmt::format("nobody publishes anything in the ROS 2 domain {}", domain),
-            "start the camera's node; both need the same ROS_DOMAIN_ID (or ,domain=N) and a network "
-            "that DDS uses (CYCLONEDDS_URI, ROS_LOCALHOST_ONLY)"};
+    return {
+        ErrorCode::kNotFound,
+        fmt::format("nobody publishes anything in the ROS 2 domain {}", domain),
+        "start the camera's node; both need the same ROS_DOMAIN_ID (or ,domain=N) and a network "
+        "that DDS uses (CYCLONEDDS_URI, ROS_LOCALHOST_ONLY)"};
   }
   std::vector<std::string> images, infos;
   for (const ros2::Offer& offer : offers) {
@@ -117,11 +120,12 @@ Error nothing_published(const CameraTopics& asked, const std::string& name, int 
     if (!topic.empty()) wanted.push_back(topic);
   }
   if (!name.empty()) wanted.push_back(name);
-  const std::string what =
-      wanted.empty() ? "no colour and depth images with a camera info are published"
-                     : fmt::format("not all of {} is published: colour, depth and a camera info "
-                                   "are needed",
-                                   fmt::join(wanted, ", "));
+  const std::string what = wanted.empty()
+                               ? "no colour and depth images with a camera info are published"
+                               : fmt::format(
+                                     "not all of {} is published: colour, depth and a camera info "
+                                     "are needed",
+                                     fmt::join(wanted, ", "));
   const auto list = [](const std::vector<std::string>& topics) {
     return topics.empty() ? std::string("none") : fmt::format("{}", fmt::join(topics, ", "));
   };

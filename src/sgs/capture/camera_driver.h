@@ -17,10 +17,10 @@ namespace sgs::capture {
 /// What a camera is asked for.
 struct CameraMode {
   int width = 640, height = 480, fps = 30;
-  bool given = false;  ///< somebody chose it: it is tried even where it should not work
-  bool imu = true;     ///< wanted, if there is one
+  bool given = false;        ///< somebody chose it: it is tried even where it should not work
+  bool imu = true;           ///< wanted, if there is one
   bool every_frame = false;  ///< the camera waits rather than images are dropped
-  std::string serial;  ///< empty: the first camera that is there
+  std::string serial;        ///< empty: the first camera that is there
 };
 
 /// Takes what a camera delivers, on whatever thread.

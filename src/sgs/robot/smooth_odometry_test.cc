@@ -61,7 +61,8 @@ TEST(SmoothOdometry, ALoopMovesTheCorrectionAlone) {
     revised.append({k, path[static_cast<std::size_t>(k)].timestamp_s, learned * path.at(k)});
   }
   const Standing now = odometry.step(revised, 4);
-  expect_near(before.T_odom_camera.inverse() * now.T_odom_camera, path.at(3).inverse() * path.at(4));
+  expect_near(before.T_odom_camera.inverse() * now.T_odom_camera,
+              path.at(3).inverse() * path.at(4));
   expect_near(now.T_map_odom * now.T_odom_camera, revised.at(4));
   expect_near(now.T_map_odom, learned);
 }
