@@ -152,6 +152,8 @@ class Node {
     qos.resource_limits().max_samples_per_instance = latched ? 100 : 4;
     qos.resource_limits().allocated_samples = 1;
     qos.publish_mode().kind = ASYNCHRONOUS_PUBLISH_MODE;
+    // What was lost in a full buffer is asked for at once.
+    qos.reliable_writer_qos().times.heartbeatPeriod = {0, 100'000'000};
     auto listener = std::make_unique<Writing>();
     listener->topic = topic;
     writers_[topic] = publisher_->create_datawriter(topic_of(topic, type), qos, listener.get());
@@ -170,7 +172,15 @@ class Node {
     }
     reading_.push_back(std::move(listener));
   }
-  void publish(const std::string& topic, std::string data) { writers_.at(topic)->write(&data); }
+  void publish(const std::string& topic, std::string data) {
+    // Where the history is full, write() may refuse rather than wait.
+    constexpr int kMostTries = 200;
+    DataWriter* writer = writers_.at(topic);
+    for (int i = 0; !writer->write(&data); ++i) {
+      if (i == kMostTries) std::exit(6);
+      writer->wait_for_acknowledgments({1, 0});
+    }
+  }
   void go(const std::string& topic) {
     publisher_->delete_datawriter(writers_.at(topic));
     writers_.erase(topic);
