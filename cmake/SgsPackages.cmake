@@ -55,6 +55,15 @@ if(SGS_WITH_OPENVDB)
   set(CPACK_COMPONENT_SGS-MESH_DESCRIPTION
       "RGB-D SLAM on CPUs: meshes\n What `sgs export RUN mesh` and `esdf` start.")
 endif()
+if(SGS_WITH_DDS)
+  # Apart, because it brings DDS, which few need.
+  list(APPEND CPACK_COMPONENTS_ALL sgs-ros2)
+  set(CPACK_DEBIAN_SGS-ROS2_PACKAGE_NAME sgs-ros2)
+  set(CPACK_DEBIAN_SGS-ROS2_PACKAGE_SECTION science)
+  set(CPACK_DEBIAN_SGS-ROS2_PACKAGE_DEPENDS "sgs (= ${PROJECT_VERSION})")
+  set(CPACK_COMPONENT_SGS-ROS2_DESCRIPTION
+      "RGB-D SLAM on CPUs: ROS 2\n What `sgs run camera:ros2` and `--ros2` start; needs no ROS.")
+endif()
 if(SGS_BUILD_PYTHON)
   list(APPEND CPACK_COMPONENTS_ALL python3-sgs)
   set(CPACK_DEBIAN_PYTHON3-SGS_PACKAGE_NAME python3-sgs)

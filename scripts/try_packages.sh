@@ -36,7 +36,7 @@ session.save("fed")
 print(sgs.evaluate(room.ground_truth, trajectory)["ate_rmse_m"], len(trajectory.times))
 PYTHON
 echo "== the program"
-install "$folder"/{sgs,sgs-mesh,sgs-video,sgs-cameras}_*.deb
+install "$folder"/{sgs,sgs-mesh,sgs-video,sgs-cameras,sgs-ros2}_*.deb
 sgs --version
 sgs run synth:room_desk --frames 0:20 -o run --quiet
 same fed run
@@ -62,7 +62,7 @@ for built in by-cmake by-pkg-config; do
 done
 
 echo "== removal"
-names=(sgs sgs-mesh sgs-video sgs-cameras libsgs0 libsgs-dev python3-sgs)
+names=(sgs sgs-mesh sgs-video sgs-cameras sgs-ros2 libsgs0 libsgs-dev python3-sgs)
 dpkg -L "${names[@]}" | sort -u >installed.txt
 apt-get purge -q -y "${names[@]}"
 left=0

@@ -10,6 +10,7 @@
 #include "input_options.h"
 #include "interrupt.h"
 #include "log_setup.h"
+#include "robot_link.h"
 #include "scoring.h"
 #include "sgs/core/log.h"
 #include "sgs/core/print.h"
@@ -37,6 +38,7 @@ struct RunCommand {
   std::string extended;  ///< map to go on with
   bool no_eval = false, quiet = false, json = false;
   ViewerRequest viewer;
+  RobotRequest robot;
 };
 
 void print_result(const RunCommand& command, const eval::Metrics& metrics,
@@ -92,7 +94,9 @@ Result<Ending> run_input(const RunCommand& command, const run::RunConfig& config
   SGS_ASSIGN_OR_RETURN(const auto viewer,
                        ViewerLink::open(command.viewer, input, command.input, config.session,
                                         can_start_again(command)));
-  TerminalObserver observer(input.source->size(), command.quiet, viewer.get());
+  SGS_ASSIGN_OR_RETURN(const auto robot,
+                       RobotLink::open(command.robot, input, command.options.realtime));
+  TerminalObserver observer(input.source->size(), command.quiet, viewer.get(), robot.get());
   run::WholeRunOptions options{command.options, command.score, !command.no_eval};
   if (viewer) options.run.enough = viewer->enough();
   SGS_ASSIGN_OR_RETURN(const auto whole, run::run_whole(input, command.input, config, options,
@@ -251,6 +255,7 @@ void add_run(CLI::App& app, Action& action) {
   sub->add_option("--record", command->options.record,
                   "Keep the input in this folder (TUM layout)");
   command->viewer.add_run_options(*sub, command->input.input);
+  command->robot.add_run_options(*sub);
   sub->add_option("--trace", command->options.trace,
                   "Write a time line of both threads to this file (Chrome trace format)");
   sub->add_flag("--preload", command->options.preload,

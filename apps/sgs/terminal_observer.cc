@@ -32,11 +32,13 @@ void TerminalObserver::on_frame(slam::Session& session, const dataset::FeedItem&
                 ? std::string("bad frame")
                 : fmt::format("{:<10} {} Gaussians", to_string(record.status), record.gaussians));
   if (viewer_ != nullptr && !record.bad) viewer_->after_frame(session, item, record);
+  if (robot_ != nullptr && !record.bad) robot_->after_frame(session, item, record);
 }
 
 void TerminalObserver::on_map(slam::Session& session) {
   finish();
   if (viewer_ != nullptr) viewer_->finish(session);
+  if (robot_ != nullptr) robot_->finish(session);
 }
 
 void TerminalObserver::on_evaluation(const refine::Evaluation& now) {

@@ -7,17 +7,19 @@
 #include <string>
 
 #include "progress.h"
+#include "robot_link.h"
 #include "sgs/run/run_observer.h"
 #include "viewer_link.h"
 
 namespace sgs::app {
 
-/// Shows a run in the terminal, a bar for each of its stages, and in browsers.
+/// Shows a run in the terminal, a bar for each of its stages, in browsers and to robots.
 class TerminalObserver : public run::RunObserver {
  public:
-  /// `frames`: of the recording, where that is known. `viewer` may be null.
-  TerminalObserver(std::optional<std::int64_t> frames, bool quiet, ViewerLink* viewer = nullptr)
-      : frames_(frames), quiet_(quiet), viewer_(viewer) {}
+  /// `frames`: of the recording, where that is known. `viewer` and `robot` may be null.
+  TerminalObserver(std::optional<std::int64_t> frames, bool quiet, ViewerLink* viewer = nullptr,
+                   RobotLink* robot = nullptr)
+      : frames_(frames), quiet_(quiet), viewer_(viewer), robot_(robot) {}
 
   void on_calibration_frame() override;
   double before_frame(const std::function<void()>& held) override;
@@ -45,6 +47,7 @@ class TerminalObserver : public run::RunObserver {
   std::optional<std::int64_t> frames_;
   bool quiet_;
   ViewerLink* viewer_;
+  RobotLink* robot_;
   std::string stage_;  // of the bar
   std::optional<Progress> bar_;
   std::int64_t scored_ = 0;

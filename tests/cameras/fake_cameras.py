@@ -84,8 +84,9 @@ def parts_of(stream):
             continue
         assert mark == b"F", (mark, at)
         head = json.loads(text())
-        head["color"] = stream[at : at + head["color_bytes"]]
-        at += head["color_bytes"] + head["depth_bytes"]
+        for part in "color", "depth":
+            head[part] = stream[at : at + head[f"{part}_bytes"]]
+            at += head[f"{part}_bytes"]
         frames.append(head)
     return greeting, frames, np.array(samples)
 

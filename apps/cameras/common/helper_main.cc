@@ -109,12 +109,13 @@ void add_options(CLI::App& app, HelperOptions& options) {
 }  // namespace
 
 int helper_main(int argc, char** argv, const std::string& what,
-                std::unique_ptr<capture::CameraDriver> driver) try {
+                std::unique_ptr<capture::CameraDriver> driver, const OwnOptions& own) try {
   std::signal(SIGPIPE, SIG_IGN);
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, on_signal);
   CLI::App app{what};
   HelperOptions options;
   add_options(app, options);
+  if (own) own(app);
   capture::CameraMode& mode = options.serve.mode;
   try {
     app.parse(argc, argv);
@@ -125,7 +126,7 @@ int helper_main(int argc, char** argv, const std::string& what,
   }
   mode.given = !options.size.empty() || app.count("--fps") > 0;
   mode.imu = options.imu == "on";
-  options.serve.every_frame = options.every == "on";
+  mode.every_frame = options.every == "on";
   const int frames = take_standard_output();
   if (options.list) {
     print_list(driver->list(), frames);

@@ -153,12 +153,9 @@ Status check_silence(CameraDriver& driver, double silent_s, double& next_look_s)
   constexpr double kPeriod_s = 1, kMost_s = 6;
   if (silent_s < next_look_s) return {};
   next_look_s = silent_s + kPeriod_s;
-  if (!driver.present()) {
-    return fail(ErrorCode::kIo, "the camera was unplugged", "plug it in again");
-  }
+  if (!driver.present()) return tl::unexpected<Error>(driver.gone());
   if (silent_s < kMost_s) return {};
-  return fail(ErrorCode::kIo, fmt::format("the camera has given no image for {:.0f} s", silent_s),
-              "unplug it and plug it in again; a cable or port of USB 3 that is loose does this");
+  return tl::unexpected<Error>(driver.silent(silent_s));
 }
 
 }  // namespace
@@ -167,7 +164,7 @@ Status serve_camera(CameraDriver& driver, const ServeOptions& options, int descr
                     const ServeRequests& requests, const std::function<void(std::string)>& say) {
   constexpr std::chrono::milliseconds kLook(100);
   constexpr double kFirstLook_s = 1;
-  Inbox inbox(options.every_frame);
+  Inbox inbox(options.mode.every_frame);
   SGS_ASSIGN_OR_RETURN(stream::Hello hello, driver.start(options.mode, inbox));
   const Running running(driver, inbox);
   for (std::string& note : driver.notes()) say(std::move(note));

@@ -14,10 +14,9 @@ namespace sgs::capture {
 /// How a camera's frames are sent.
 struct ServeOptions {
   CameraMode mode;
-  int skip = 15;             ///< first pairs left out: exposure settles
-  std::int64_t frames = 0;   ///< then it is over; 0 = never
-  bool every_frame = false;  ///< the camera waits rather than images are dropped
-  bool listens = false;      ///< somebody sends lines
+  int skip = 15;            ///< first pairs left out: exposure settles
+  std::int64_t frames = 0;  ///< then it is over; 0 = never
+  bool listens = false;     ///< somebody sends lines
 };
 
 /// What is asked of a camera that is being served, from any thread.
