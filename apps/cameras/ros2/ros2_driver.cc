@@ -254,16 +254,18 @@ class Ros2Camera final : public FamilyDriver {
     }
   }
 
-  /// An image that cannot be used: before the greeting a reason to end, later it is left out.
+  /// An image that cannot be used is left out. Before the greeting the first one is a reason to
+  /// end, unless others come that will do.
   void trouble(const Side& side, Error error) {
-    error.message = fmt::format("{}: {}", side.topic, error.message);
-    if (!greeted_) {
-      if (!trouble_) trouble_ = std::move(error);
-      return;
-    }
     constexpr std::size_t kEnough = 20;
-    if (said_.size() < kEnough && said_.insert(error.message).second) {
-      std::fprintf(stderr, "note: images are left out: %s\n", error.message.c_str());
+    error.message = fmt::format("{}: {}", side.topic, error.message);
+    if (said_.size() >= kEnough || !said_.insert(error.message).second) return;
+    const std::string words = "images are left out: " + error.message;
+    if (greeted_) {
+      std::fprintf(stderr, "note: %s\n", words.c_str());
+    } else {
+      notes_.push_back(words);
+      if (!trouble_) trouble_ = std::move(error);
     }
   }
 
