@@ -6,8 +6,8 @@
 run_table.py real|live|offline [NAME=]INPUT... [--sgs sgs] [--runs FOLDER]
 
 `real`: each recording by tracking alone (trackers spectral, gicp, orb), by default, and live. `live` and
-`offline`: one run each, at the sensor's rate and as fast as it goes. Runs are kept in --runs and made
-once (remove one to make it again); without it they go away. A run that fails ends it with nothing
+`offline`: one run each, at the sensor's rate and as fast as it goes. Runs are kept in --runs,
+those of a commit made once (remove one to make it again); without it they go away. A run that fails ends it with nothing
 printed.
 """
 import argparse
@@ -24,13 +24,18 @@ LIVE = ["--realtime", "--preload", "--threads", "2"]
 
 def named(inputs):
     """(name, input) of each."""
-    pairs = [text.rpartition("=") for text in inputs]
-    return [(name or pathlib.Path(source).name, source) for name, _, source in pairs]
+    pairs = [text.partition("=") for text in inputs]
+    found = [
+        (name if eq else pathlib.Path(name).name, source or name) for name, eq, source in pairs
+    ]
+    if len(dict(found)) < len(found):
+        raise ValueError("two inputs have one name: write NAME=INPUT")
+    return found
 
 
 def measured(options, source, name, arguments):
     """metrics.json of `sgs run source arguments`, made once in each folder of runs."""
-    folder = pathlib.Path(options.runs) / name
+    folder = pathlib.Path(options.runs) / commit() / name
     if not (folder / "metrics.json").exists():
         command = [options.sgs, "run", source, "-o", folder, "--quiet", *arguments]
         print(" ".join(map(str, command)), file=sys.stderr, flush=True)
@@ -48,15 +53,19 @@ def ate_cm(metrics):
     return number(metrics, "ate_rmse_m", 100)
 
 
-def heading(command, metrics):
-    commit = subprocess.run(
+def commit():
+    said = subprocess.run(
         ["git", "describe", "--always", "--dirty"],
         cwd=pathlib.Path(__file__).parent,
         capture_output=True,
         text=True,
         check=False,
-    ).stdout.strip()
-    return f"`{command}`, {commit or 'no commit'}, {metrics['cpu']}, {datetime.date.today()}"
+    )
+    return said.stdout.strip() or "no commit"
+
+
+def heading(command, metrics):
+    return f"`{command}`, {commit()}, {metrics['cpu']}, {datetime.date.today()}"
 
 
 def table(columns, rows):
@@ -151,7 +160,7 @@ def main():
         options.runs = options.runs or folder
         try:
             print(make(options))
-        except (OSError, subprocess.CalledProcessError) as error:
+        except (OSError, ValueError, subprocess.CalledProcessError) as error:
             print(f"run_table.py: {error}", file=sys.stderr)
             return 1
     return 0

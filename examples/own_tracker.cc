@@ -21,7 +21,7 @@ class KnownPoses : public sgs::tracker::Tracker {
     const auto T_odom_camera = poses_.at(frame.timestamp_s, kMaxGap_s);
     if (!T_odom_camera) {
       result.status = sgs::tracker::TrackingStatus::kLost;
-      result.lost_reason = sgs::tracker::LostReason::kOther;
+      result.lost_reason = sgs::alignment::LostReason::kOther;
     }
     result.T_odom_camera = last_ = T_odom_camera.value_or(last_);
     return result;

@@ -186,6 +186,18 @@ def renew_readme(page, readme):
     readme.write_text("\n".join(text))
 
 
+def can_be_renewed(page, values):
+    """Names of the blocks whose commands have a value for each of their words in capitals."""
+    names = []
+    for name, command, *_ in blocks(page.read_text().split("\n")):
+        missing = [w for w in set(re.findall(r"\b[A-Z]{3,}\b", command)) if w not in values]
+        if missing:
+            print(f"{name}: left as it is, without --with {missing[0]}=...", file=sys.stderr)
+        else:
+            names.append(name)
+    return names
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("names", nargs="*", metavar="NAME")
@@ -206,15 +218,11 @@ def main():
             for name, command, *_ in blocks(arguments.page.read_text().split("\n")):
                 print(f"{name}: {command}")
         else:
-            known = [block[0] for block in blocks(arguments.page.read_text().split("\n"))]
-            renew(
-                arguments.page,
-                known
-                if arguments.names == ["all"]
-                else [n for n in arguments.names if n != "readme"],
-                arguments.programs.resolve(),
-                dict(value.split("=", 1) for value in arguments.values),
-            )
+            values = dict(value.split("=", 1) for value in arguments.values)
+            names = [name for name in arguments.names if name != "readme"]
+            if names == ["all"]:
+                names = can_be_renewed(arguments.page, values)
+            renew(arguments.page, names, arguments.programs.resolve(), values)
             if {"all", "readme"} & set(arguments.names):
                 renew_readme(arguments.page, arguments.readme)
     except (Wrong, OSError) as error:

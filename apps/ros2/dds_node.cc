@@ -20,7 +20,7 @@ using Qos = std::unique_ptr<dds_qos_t, void (*)(dds_qos_t*)>;
 
 Qos qos_of(const Quality& quality) {
   Qos qos(dds_create_qos(), dds_delete_qos);
-  constexpr dds_duration_t kWait = DDS_SECS(1);
+  constexpr dds_duration_t kWait = DDS_MSECS(100);
   dds_qset_reliability(
       qos.get(), quality.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, kWait);
   dds_qset_durability(qos.get(),

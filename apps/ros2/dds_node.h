@@ -63,12 +63,13 @@ class DdsNode {
   dds_entity_t participant_, publications_;
 };
 
-/// Takes the messages of a reader one after the other; `visit(const Message&)` may wait.
+/// Takes the messages of a reader one after the other, `most` at a time: a publisher that is faster
+/// than `visit(const Message&)`, which may wait, must not keep the thread.
 template <class Message, class Visit>
-void take_all(dds_entity_t reader, Visit&& visit) {
+void take_all(dds_entity_t reader, Visit&& visit, int most = 1000) {
   void* sample = nullptr;
   dds_sample_info_t info{};
-  while (dds_take(reader, &sample, &info, 1, 1) == 1) {
+  while (most-- > 0 && dds_take(reader, &sample, &info, 1, 1) == 1) {
     if (info.valid_data) visit(*static_cast<const Message*>(sample));
     dds_return_loan(reader, &sample, 1);
     sample = nullptr;

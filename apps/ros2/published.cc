@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <utility>
@@ -74,8 +75,9 @@ class Dds final : public Publisher {
   }
 
   void drain() override {
+    const dds_time_t until = dds_time() + DDS_SECS(2);
     for (const dds_entity_t writer : {tf_, odom_, path_, cloud_, grid_}) {
-      dds_wait_for_acks(writer, DDS_SECS(2));
+      dds_wait_for_acks(writer, std::max<dds_duration_t>(0, until - dds_time()));
     }
   }
 

@@ -68,6 +68,7 @@ Result<report::MapPage> map_page_of(const ExportCommand& command) {
   report::MapPage page;
   std::error_code error;
   page.title = fs::weakly_canonical(folder, error).stem().string();
+  if (command.upright) page.up = Eigen::Vector3d::UnitZ();
   if (!fs::is_directory(folder, error)) return page;
   SGS_ASSIGN_OR_RETURN(const auto run, run::load_run(folder, run::kCamera | run::kKeyframes));
   for (const StampedPose& pose : run.keyframes.poses()) {

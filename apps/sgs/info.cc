@@ -76,8 +76,8 @@ void print_family(const stream::CameraFamily& family) {
   print("{:<12} {}\n", family.program.family,
         family.library.empty() ? "no library" : "library " + family.library);
   for (const auto& device : family.devices) {
-    print("  camera:{}:{}  {}, firmware {}, {}\n", family.program.family, device.serial,
-          device.name, device.firmware, device.connection);
+    print("  camera:{}:{}  {}{}, {}\n", family.program.family, device.serial, device.name,
+          device.firmware.empty() ? "" : ", firmware " + device.firmware, device.connection);
   }
   if (family.problem) {
     print("  {}\n  {}\n", family.problem->message, family.problem->remedy);

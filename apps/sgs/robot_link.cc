@@ -88,7 +88,8 @@ class Teller {
     }
     send(robot::PathNews{told.timestamp_s, Trajectory(std::move(poses))});
     if (!grid_) return;
-    if (auto grid = grid_->grid(told.path)) {
+    auto grid = told.last ? grid_->whole_grid(told.path) : grid_->grid(told.path);
+    if (grid) {
       send(robot::GridNews{told.timestamp_s, std::move(*grid)});
     }
   }

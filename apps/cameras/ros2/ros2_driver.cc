@@ -113,7 +113,7 @@ class Ros2Camera final : public FamilyDriver {
 
   /// What is published once nothing more seems to come: others are found one after the other.
   static std::vector<ros2::Offer> discovered(const ros2::DdsNode& node) {
-    constexpr std::chrono::milliseconds kMost(3500), kQuiet(500), kStep(50);
+    constexpr std::chrono::milliseconds kMost(3500), kNobody(1500), kQuiet(500), kStep(50);
     const auto begin = Clock::now();
     auto offers = node.offers();
     for (auto changed = begin; Clock::now() - begin < kMost;) {
@@ -122,6 +122,8 @@ class Ros2Camera final : public FamilyDriver {
       if (now != offers) changed = Clock::now();
       offers = std::move(now);
       if (!camera_names(offers).empty() && Clock::now() - changed > kQuiet) break;
+      // Every node of ROS publishes something.
+      if (offers.empty() && Clock::now() - begin > kNobody) break;
     }
     return offers;
   }
@@ -216,6 +218,7 @@ class Ros2Camera final : public FamilyDriver {
   }
 
   void take_images(Side& side) {
+    constexpr int kImages = 10;  // then the other side's turn comes
     const bool is_color = side.kind == CameraImage::Kind::kColor;
     const auto take_one = [&](const auto& message) {
       const auto raw = ros2::received(message);
@@ -227,9 +230,9 @@ class Ros2Camera final : public FamilyDriver {
       }
     };
     if (side.packed) {
-      ros2::take_all<sensor_msgs_msg_dds__CompressedImage_>(side.reader, take_one);
+      ros2::take_all<sensor_msgs_msg_dds__CompressedImage_>(side.reader, take_one, kImages);
     } else {
-      ros2::take_all<sensor_msgs_msg_dds__Image_>(side.reader, take_one);
+      ros2::take_all<sensor_msgs_msg_dds__Image_>(side.reader, take_one, kImages);
     }
   }
 

@@ -33,10 +33,15 @@ Result<Upright> upright_of_map(const mapfile::MapFile& map) {
     poses.push_back({static_cast<double>(i), view.T_world_camera});
     add_patches(view.frame.camera, view.frame.depth, view.T_world_camera, patches);
   }
+  constexpr std::size_t kMost = 20000;
+  const std::size_t step = 1 + patches.size() / kMost;
+  for (std::size_t i = 0; i * step < patches.size(); ++i) patches[i] = patches[i * step];
+  patches.resize((patches.size() + step - 1) / step);
   std::vector<std::string> warnings;
   const auto upright = find_upright({}, Trajectory(std::move(poses)), patches, warnings);
   if (upright) return *upright;
-  return fail(ErrorCode::kNotFound, fmt::format("{} has no view", map.path().string()));
+  return fail(ErrorCode::kNotFound, fmt::format("{}: the map has no view", map.path().string()),
+              "without --upright, or with --up X,Y,Z");
 }
 
 Result<SE3> load_any_upright(const fs::path& path) {

@@ -89,10 +89,6 @@ Status see_recording(const Run& run, Collector& collector) {
   }
 }
 
-}  // namespace
-
-namespace {
-
 /// `first`: pose of the first camera.
 Result<RunOccupancy> completed(RunOccupancy occupancy, const Collector& collector,
                                const OccupancyOptions& options, const SE3& first) {
@@ -125,6 +121,10 @@ Result<RunOccupancy> occupancy_of_map(const fs::path& path, const OccupancyOptio
       SGS_ASSIGN_OR_RETURN(occupancy.T_upright_world, turn_of(found, first, path, options));
     }
     SGS_RETURN_IF_ERROR(collector.see(view.frame.camera, view.T_world_camera, view.frame.depth));
+  }
+  if (occupancy.views == 0) {
+    return fail(ErrorCode::kNotFound, fmt::format("{}: the map has no view", path.string()),
+                "give a map that a run with loops has written");
   }
   return completed(std::move(occupancy), collector, options, first);
 }

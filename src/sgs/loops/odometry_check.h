@@ -12,7 +12,7 @@
 namespace sgs::loops {
 
 /// Whether the odometry edge from node to node is what the two views say of it. Two variances are
-/// told apart by how they close: that of a odometry edge against the alignment of its two views,
+/// told apart by how they close: that of an odometry edge against the alignment of its two views,
 /// and that of alignments among themselves, over two whole steps (a -> b -> c against a -> c):
 /// closer ones share their errors. Both are squared deviations per direction, in units of what an
 /// edge claims.

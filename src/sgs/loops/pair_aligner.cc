@@ -13,6 +13,7 @@ alignment::AlignerConfig of_one_view(alignment::AlignerConfig config) {
   constexpr double kOneView = 0.5;
   config.geometry.target.source = alignment::TargetSource::kGrid;
   config.degeneracy.geometry_weight *= kOneView;
+  config.geometry.movers.clusters = false;  // told from one frame to the next
   return config;
 }
 

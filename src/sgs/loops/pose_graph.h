@@ -81,7 +81,7 @@ class PoseGraph {
   std::vector<graph::Edge> edges() const;
   /// Poses that agree best with the odometry edges and the loops.
   graph::GraphSolution solve() const;
-  /// Number of edges of the odometry edge in solve(): the first of its edges, one to each node but
+  /// Number of odometry edges in solve(): the first of its edges, one to each node but
   /// the first.
   int tracked_edges() const { return size() - 1; }
 

@@ -24,7 +24,7 @@ Node node(int k) {
   return n;
 }
 
-/// A pose_graph that is told where each of its nodes is.
+/// A pose graph that is told where each of its nodes is.
 struct Walk : PoseGraph {
   void add(Node node, const SE3& T, const Matrix6d& covariance) {
     now.path.append({node.frame, node.timestamp_s, T});

@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::string_view kPrefix = "sgs-camera-";
+constexpr std::string_view kPrefix = "sgs-camera-", kOfNetwork = "ros2";
 constexpr const char* kToInstall =
     "install the package sgs-cameras, or send frames yourself (docs/stream.md)";
 
@@ -77,6 +77,8 @@ Result<ChosenCamera> only_one(const std::vector<CameraProgram>& programs) {
   std::vector<std::string> problems, cameras;
   std::optional<ChosenCamera> chosen;
   for (const CameraProgram& program : programs) {
+    // Whoever publishes in the network has not plugged in a camera here: `camera:ros2` says so.
+    if (program.family == kOfNetwork) continue;
     const CameraFamily family = ask_camera_program(program);
     if (family.problem) {
       problems.push_back(fmt::format("{}: {}", program.family, family.problem->text()));
@@ -143,9 +145,11 @@ Result<ChosenCamera> choose_camera(const Address::Camera& camera) {
   if (found != programs.end()) return ChosenCamera{*found, camera.serial};
   std::vector<std::string> names;
   for (const CameraProgram& program : programs) names.push_back("camera:" + program.family);
-  return fail(ErrorCode::kInvalidArgument,
-              fmt::format("no program for cameras of the family '{}' is installed", camera.family),
-              fmt::format("there is {}; {}", lines_of(names), kToInstall));
+  return fail(
+      ErrorCode::kInvalidArgument,
+      fmt::format("no program for cameras of the family '{}' is installed", camera.family),
+      fmt::format("there is {}; {}", lines_of(names),
+                  camera.family == kOfNetwork ? "install the package sgs-ros2" : kToInstall));
 }
 
 }  // namespace sgs::stream

@@ -77,6 +77,7 @@ std::vector<const CoarseDepth*> MovingParts::compared_with() const {
         past_depths_.begin(), past_depths_.end(),
         [&](const CoarseDepth& a, const CoarseDepth& b) { return miss(a) < miss(b); });
     if (best == past_depths_.end()) break;
+    if (miss(*best) > kKept_s) continue;  // after a while without one
     if (std::find(out.begin(), out.end(), &*best) == out.end()) out.push_back(&*best);
   }
   return out;

@@ -5,10 +5,10 @@
 #include <deque>
 #include <vector>
 
-#include "sgs/registration/cell_mask.h"
 #include "sgs/alignment/local_past.h"
 #include "sgs/alignment/movers/coarse_depth.h"
 #include "sgs/alignment/movers/surface_check.h"
+#include "sgs/registration/cell_mask.h"
 
 namespace sgs::alignment {
 

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "sgs/alignment/movers/coarse_depth.h"
 #include "sgs/geometry/se3.h"
 #include "sgs/registration/cell_mask.h"
-#include "sgs/alignment/movers/coarse_depth.h"
 
 namespace sgs::alignment {
 

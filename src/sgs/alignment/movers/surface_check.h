@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "sgs/geometry/se3.h"
 #include "sgs/alignment/movers/coarse_depth.h"
+#include "sgs/geometry/se3.h"
 
 namespace sgs::alignment {
 
