@@ -85,7 +85,7 @@ def amount(what, value):
 def limits():
     """The table of everything that is marked as a limit in the sources."""
     known, found = {}, []
-    for path in sorted((ROOT / "src").rglob("*.*")):
+    for path in sorted(p for folder in ("apps", "src") for p in (ROOT / folder).rglob("*.*")):
         if path.suffix not in (".h", ".cc"):
             continue
         for what, name, expression in LIMIT.findall(path.read_text(encoding="utf-8")):

@@ -96,9 +96,9 @@ class Teller {
 
   void tell_cloud(const Told& told) {
     // limit: points of the cloud that `sgs run --ros2` publishes; of more, every so many
-    constexpr std::size_t kMostPoints = 300'000;
+    constexpr std::size_t kMostPublished = 300'000;
     const auto all = run::to_points(told.map->gaussians);
-    const std::size_t step = 1 + all.size() / kMostPoints;
+    const std::size_t step = 1 + all.size() / kMostPublished;
     robot::CloudNews news{told.timestamp_s, {}};
     for (std::size_t i = 0; i < all.size(); i += step) {
       news.points.push_back(all[i]);
