@@ -34,7 +34,9 @@ class Manual(unittest.TestCase):
         for command in commands():
             self.assertIn(f"sgs-{command} (1)", overview)
             page = run(SGS, "man", command).replace("\\-", "-")
-            for option in re.findall(r"^  (?:-\w,)?(--[a-z-]+)", run(SGS, command, "--help"), re.M):
+            for option in re.findall(
+                r"^  (?:-\w,)?(--[a-z0-9-]+)", run(SGS, command, "--help"), re.M
+            ):
                 self.assertRegex(page, rf"{option}\b", f"{command} {option}")
 
     def test_man_prints_the_pages_without_complaint(self):

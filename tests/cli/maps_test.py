@@ -237,7 +237,7 @@ class Maps(unittest.TestCase):
         self.sgs("export", self.map, "grid", grid, "--up", "0,-1,0", "--camera-height", "1.2")
         self.assertIn("occupied_thresh", (grid / "map.yaml").read_text())
         for form, target in (("mesh", "alone.mesh"), ("tum", "alone.txt"), ("colmap", "alone")):
-            failed = self.sgs("export", self.map, form, self.folder / target, code=1)
+            failed = self.sgs("export", self.map, form, self.folder / target, code=2)
             self.assertIn("first/map.sgsmap", failed.stderr, form)
             self.assertIn("run folder", failed.stderr, form)
 

@@ -206,7 +206,13 @@ class Ros2Camera final : public FamilyDriver {
 
   void take(const bag::ImuMessage& message) {
     imu_frame_ = message.header.frame_id;
-    if (!greeted_ || !T_color_imu_) return;
+    if (!greeted_) {  // those that come before the greeting belong to the first images
+      constexpr std::size_t kMostEarly = 1000;
+      early_samples_.push_back(message);
+      if (early_samples_.size() > kMostEarly) early_samples_.pop_front();
+      return;
+    }
+    if (!T_color_imu_) return;
     stream::InertialSample sample;
     sample.timestamp_s = dataset::seconds_of(message.header.stamp_ns);
     const auto put = [](const std::optional<Eigen::Vector3d>& from, std::array<double, 3>& to) {
@@ -379,6 +385,7 @@ class Ros2Camera final : public FamilyDriver {
 
   void listen(const std::stop_token& stop) try {
     greeted_ = true;
+    for (const bag::ImuMessage& sample : std::exchange(early_samples_, {})) take(sample);
     for (CameraImage& image : early_) sink_->take(std::move(image));
     early_.clear();
     while (!stop.stop_requested()) take();
@@ -406,6 +413,7 @@ class Ros2Camera final : public FamilyDriver {
   // From here on of the thread that listens, once there is one.
   bool greeted_ = false;
   std::deque<CameraImage> early_;
+  std::deque<bag::ImuMessage> early_samples_;
   std::set<std::string> said_;
   std::jthread listener_;
 };

@@ -120,9 +120,15 @@ void align(const Pairing& pairing, const TrajectoryOptions& options, TrajectoryM
   if (population > 0) {
     m.tracked_percent = 100.0 * static_cast<double>(tracked) / static_cast<double>(population);
   }
-  double spread = 0;
-  for (const Eigen::Vector3d& p : source) spread = std::max(spread, (p - source[0]).norm());
-  if (spread > 1e-9) m.scale = align_points(source, target, true)->scale;
+  const auto spread = [](const std::vector<Eigen::Vector3d>& points) {
+    double farthest = 0;
+    for (const Eigen::Vector3d& p : points) farthest = std::max(farthest, (p - points[0]).norm());
+    return farthest;
+  };
+  // A camera that stood still has no scale, only errors.
+  if (std::min(spread(source), spread(target)) > std::max(1e-9, m.ate ? m.ate->rmse : 0.0)) {
+    m.scale = align_points(source, target, true)->scale;
+  }
 }
 
 }  // namespace
