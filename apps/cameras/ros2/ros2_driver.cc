@@ -257,9 +257,13 @@ class Ros2Camera final : public FamilyDriver {
     } else if (greeted_) {
       sink_->take(std::move(image));
     } else {
-      constexpr std::size_t kMostEarly = 64;
+      constexpr std::size_t kMostEarly = 64, kMostEarlyBytes = std::size_t{512} << 20;
+      early_bytes_ += image.bytes.size();
       early_.push_back(std::move(image));
-      if (early_.size() > kMostEarly) early_.pop_front();
+      while (early_.size() > kMostEarly || early_bytes_ > kMostEarlyBytes) {
+        early_bytes_ -= early_.front().bytes.size();
+        early_.pop_front();
+      }
     }
   }
 
@@ -413,6 +417,7 @@ class Ros2Camera final : public FamilyDriver {
   // From here on of the thread that listens, once there is one.
   bool greeted_ = false;
   std::deque<CameraImage> early_;
+  std::size_t early_bytes_ = 0;
   std::deque<bag::ImuMessage> early_samples_;
   std::set<std::string> said_;
   std::jthread listener_;

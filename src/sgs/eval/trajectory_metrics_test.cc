@@ -165,6 +165,19 @@ TEST(Rpe, TurningOneDegreePerFrame) {
   EXPECT_FALSE(m.scale);
 }
 
+// What it seems to have moved by is error, and the truth over it no scale.
+TEST(Scale, ACameraThatStoodStillHasNone) {
+  std::vector<SE3> trembling;
+  for (int i = 0; i < 21; ++i) {
+    trembling.emplace_back(Eigen::Matrix3d::Identity(), Eigen::Vector3d(1e-3 * (i % 3), 0, 0));
+  }
+  std::vector<SE3> still(21);
+  for (int i = 0; i < 21; ++i) still[static_cast<std::size_t>(i)].t.x() = 1e-12 * i;
+  const auto m = evaluate_trajectory(to_estimates(make(trembling)), make(still));
+  ASSERT_TRUE(m.ate);
+  EXPECT_FALSE(m.scale);
+}
+
 TEST(Rpe, MissingFramesMakeNoFramePairs) {
   auto estimates = to_estimates(make(line(5, 0.1)));
   estimates.erase(estimates.begin() + 2);

@@ -27,9 +27,9 @@ void declare_former(ParameterList& p) {
     p.renamed(name, std::string("densify.") + name);
   }
   p.removed("pose_prior", "keyframes.pose_prior_rotation and pose_prior_translation say it");
-  p.removed("half_resolution_until", "it never made a map better");
-  p.removed("opacity_decay", "it never made a map better");
-  p.removed("harmonics_decay", "it never made a map better");
+  p.removed("half_resolution_until", "it was off, and nothing measured spoke for it");
+  p.removed("opacity_decay", "it was off, and nothing measured spoke for it");
+  p.removed("harmonics_decay", "a bound holds the coefficients, which costs less (decision 45)");
   p.removed("split_size_power", "it is the square root");
 }
 

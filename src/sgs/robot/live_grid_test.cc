@@ -38,9 +38,9 @@ SE3 upright() {
 
 struct Walked {
   history::Path path;
-  LiveGrid grid{GridOptions{}, upright()};
+  LiveGrid grid;
 
-  explicit Walked(int views) {
+  explicit Walked(int views, const GridOptions& options = {}) : grid(options, upright()) {
     for (int k = 0; k < views; ++k) {
       const double z = 0.15 * k;
       path.append({k, 0.1 * k, SE3(Eigen::Matrix3d::Identity(), {0, 0, z})});
@@ -67,15 +67,38 @@ TEST(LiveGrid, FindsFreeFloorAndTheWall) {
   EXPECT_EQ(cell_at(*grid, kWall_m + 0.5, 0.02), occupancy::Cell::kUnknown);
 }
 
-TEST(LiveGrid, CountsAnewWhereThePastHasMoved) {
-  Walked walked(6);
-  ASSERT_TRUE(walked.grid.grid(walked.path).has_value());
+/// The same path a metre farther on.
+history::Path moved_on(const history::Path& path) {
   history::Path moved;
-  for (std::size_t k = 0; k < walked.path.size(); ++k) {
-    auto entry = walked.path[k];
+  for (std::size_t k = 0; k < path.size(); ++k) {
+    auto entry = path[k];
     entry.T_odom_camera.t.z() += 1;
     moved.append(entry);
   }
+  return moved;
+}
+
+// Who asks waits for two views at a time; the grid is as it was until all are counted.
+TEST(LiveGrid, CountsAnewAFewAtATime) {
+  GridOptions options;
+  options.recounted_at_once = 2;
+  Walked walked(6, options), whole(6, options);
+  const history::Path moved = moved_on(walked.path);
+  for (int asked = 1; asked <= 3; ++asked) {
+    const auto grid = walked.grid.grid(moved);
+    ASSERT_TRUE(grid.has_value());
+    const bool there = cell_at(*grid, kWall_m + 1.01, 0.02) == occupancy::Cell::kOccupied;
+    EXPECT_EQ(there, asked == 3) << asked;
+  }
+  const auto at_once = whole.grid.whole_grid(moved), in_turn = walked.grid.grid(moved);
+  ASSERT_TRUE(at_once && in_turn);
+  EXPECT_EQ(at_once->cells, in_turn->cells);
+}
+
+TEST(LiveGrid, CountsAnewWhereThePastHasMoved) {
+  Walked walked(6);
+  ASSERT_TRUE(walked.grid.grid(walked.path).has_value());
+  const history::Path moved = moved_on(walked.path);
   const auto grid = walked.grid.grid(moved);
   ASSERT_TRUE(grid.has_value());
   EXPECT_EQ(cell_at(*grid, kWall_m + 1.01, 0.02), occupancy::Cell::kOccupied);
