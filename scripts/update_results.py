@@ -155,16 +155,18 @@ def cells(lines, block):
 
 
 def quoted(lines, references):
-    """The numbers that stand there, without bold type and what is in brackets."""
+    """The numbers that stand there, without bold type and what is in brackets; with the share of
+    frames where it is below 100 %."""
     numbers = []
     for block, row, column in references:
         cell = cells(lines, block).get((row, column))
         if cell is None:
             raise Wrong(f"no '{row}' under '{column}' in block '{block}', which README quotes")
-        if cell.endswith(" 0%"):  # hardly a frame has a pose
-            numbers.append("lost")
-            continue
-        numbers.append(re.split(r" \(| / ", cell.replace("*", ""))[0])
+        number = re.split(r" \(| / ", cell.replace("*", ""))[0]
+        share = re.search(r" (\d+)%$", cell)
+        if share:  # of frames with a place that is right: an error without it says too much
+            number = "lost" if share[1] == "0" else f"{number} ({share[1]} %)"
+        numbers.append(number)
     return " / ".join(numbers)
 
 

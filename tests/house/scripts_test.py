@@ -220,6 +220,21 @@ class UpdateResults(Case):
         self.write("page.md", *(line.replace("real", "unreal") for line in page))
         self.assertIn("which README quotes", self.update("readme", "--readme", readme, code=1))
 
+    def test_quotes_the_share_of_frames_that_have_a_place(self):
+        self.write(
+            "page.md",
+            "<!-- begin one: x -->",
+            "|  | whole | most | none |",
+            "|---|---|---|---|",
+            "| row | **1.5** (1.6) | 2.5 (2.6) 97% | 99.1 (99.2) 0% |",
+            "<!-- end one -->",
+        )
+        quoted = [
+            self.results().quoted(self.page.read_text().split("\n"), [("one", "row", column)])
+            for column in ("whole", "most", "none")
+        ]
+        self.assertEqual(quoted, ["1.5", "2.5 (97 %)", "lost"])
+
     def results(self):
         spec = importlib.util.spec_from_file_location("results", SCRIPTS / "update_results.py")
         module = importlib.util.module_from_spec(spec)
