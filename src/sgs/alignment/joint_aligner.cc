@@ -97,16 +97,16 @@ LostReason JointAligner::check_frame() const { return check_points(source_points
 // What moves is left out, and what moves is told by where the camera is: both in turn. Where
 // nothing moved lately, all of the frame is aligned first; and that pose stays if it explains more
 // of the last half second than one without what seems to move.
-Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout, bool with_geometry,
+Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout, const References& to,
                               From from) {
   const bool looks = config_.geometry.movers.clusters && from == From::kNear && parts_.has_past() &&
                      T_start.all_finite();
   std::optional<Alignment> whole;
   if (!looks || !parts_.moved()) {
-    whole = align_without({}, T_start, readout, with_geometry, from);
+    whole = align_without({}, T_start, readout, to, from);
     if (looks) whole->moving = judge_parts(whole->T_local_camera, readout);
     if (!whole->moving.mask.any()) {
-      finish(with_geometry, *whole);
+      finish(to.surfaces, *whole);
       return std::move(*whole);
     }
   }
@@ -114,18 +114,18 @@ Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout, b
   Alignment a;
   constexpr int kTurns = 2;
   for (int i = 0; i < kTurns; ++i) {
-    a = align_without(expected.mask, T_start, readout, with_geometry, from);
+    a = align_without(expected.mask, T_start, readout, to, from);
     a.moving = judge_parts(a.T_local_camera, readout);
     if (a.moving.mask.cells() == expected.mask.cells()) break;
     expected = a.moving;
   }
   if (whole && whole->moving.support > a.moving.support) {
-    a = align_without(whole->moving.mask, whole->T_local_camera, readout, with_geometry, from);
+    a = align_without(whole->moving.mask, whole->T_local_camera, readout, to, from);
     a.moving = judge_parts(a.T_local_camera, readout);
   }
   geometry_.set_moving(a.moving.mask);
   a.fit.set_moving(a.moving.mask);
-  finish(with_geometry, a);
+  finish(to.surfaces, a);
   return a;
 }
 
@@ -140,8 +140,9 @@ void JointAligner::remember(const Alignment& a) {
 
 // All but finish().
 Alignment JointAligner::align_without(const registration::CellMask& moving, const SE3& T_start,
-                                      const ReadoutModel& readout, bool with_geometry, From from) {
-  Alignment a = start(T_start, readout, with_geometry);
+                                      const ReadoutModel& readout, const References& to,
+                                      From from) {
+  Alignment a = start(T_start, readout, to);
   if (!T_start.all_finite()) return a;
   geometry_.set_moving(moving);
   a.fit.set_moving(moving);
@@ -150,14 +151,14 @@ Alignment JointAligner::align_without(const registration::CellMask& moving, cons
     if (level < coarsest) a.fit.update_belief(readout.belief(a.T_local_camera));
     a.points_motion = readout.of_frame(a.fit.readout(), a.T_local_camera);
     geometry_.set_motion(a.points_motion);
-    align_level(level, with_geometry, from, a);
+    align_level(level, to.surfaces, from, a);
   }
   return a;
 }
 
 Alignment JointAligner::measure(const SE3& T, const ReadoutModel& readout) {
   const bool with_geometry = can_be_registered();
-  Alignment a = start(T, readout, with_geometry);
+  Alignment a = start(T, readout, {.surfaces = with_geometry});
   if (!T.all_finite()) return a;
   a.points_motion = readout.of_frame(a.fit.readout(), T);
   geometry_.set_motion(a.points_motion);
@@ -173,14 +174,15 @@ Alignment JointAligner::measure(const SE3& T, const ReadoutModel& readout) {
   return a;
 }
 
-Alignment JointAligner::start(const SE3& T_start, const ReadoutModel& readout, bool with_geometry) {
+Alignment JointAligner::start(const SE3& T_start, const ReadoutModel& readout,
+                              const References& to) {
   Alignment a;
   a.T_local_camera = T_start;
   a.lost_reason = LostReason::kNotFinite;
   if (!T_start.all_finite()) return a;
   const CpuTimer timer(times_.index);
-  a.fit = vision_.start(T_start);
-  if (with_geometry) geometry_.prepare(T_start);
+  a.fit = vision_.start(T_start, to.pictures);
+  if (to.surfaces) geometry_.prepare(T_start);
   a.fit.set_readout(readout.belief(T_start));
   return a;
 }

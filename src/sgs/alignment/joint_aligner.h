@@ -83,11 +83,17 @@ class JointAligner {
   enum class From { kNear, kAfar };
   /// Coarse to fine from one start pose. Not trusted where an axis is observed by neither half.
   Alignment align(const SE3& T_start, const ReadoutModel& readout, From from = From::kNear) {
-    return align(T_start, readout, can_be_registered(), from);
+    return align(T_start, readout, {.surfaces = can_be_registered()}, from);
   }
   /// The same by the picture alone.
   Alignment align_picture(const SE3& T_start, const ReadoutModel& readout) {
-    return align(T_start, readout, false, From::kNear);
+    return align(T_start, readout, {.surfaces = false}, From::kNear);
+  }
+  /// The same to surfaces and the newest keyframe's picture, without the older ones'.
+  Alignment align_to_newest(const SE3& T_start, const ReadoutModel& readout) {
+    return align(T_start, readout,
+                 {.surfaces = can_be_registered(), .pictures = VisualTerm::References::kNewest},
+                 From::kNear);
   }
   /// What geometry and picture say of a pose that something else has found: nothing moves but the
   /// brightness of the picture.
@@ -104,6 +110,9 @@ class JointAligner {
   /// its picture.
   Extension extend(const Alignment& alignment, const Vector6d& readout);
 
+  /// What such an alignment has shown to contradict the newest keyframe is left out from now on
+  /// (VisualTerm::leave_out_older).
+  void leave_out_older(const Alignment& contradicted) { vision_.leave_out_older(contradicted.fit); }
   /// Learns how wide residuals of an accepted alignment's picture are.
   void learn_noise(const Alignment& a) { vision_.learn_noise(a.fit); }
   /// The frame was taken there, as is believed: what moves is told from it for a while.
@@ -127,11 +136,16 @@ class JointAligner {
   const StepTimes& times() const { return times_; }
 
  private:
-  Alignment align(const SE3& T_start, const ReadoutModel& readout, bool with_geometry, From from);
+  /// What the frame is aligned to.
+  struct References {
+    bool surfaces = true;
+    VisualTerm::References pictures = VisualTerm::References::kNewestAndOlder;
+  };
+  Alignment align(const SE3& T_start, const ReadoutModel& readout, const References& to, From from);
   Alignment align_without(const registration::CellMask& moving, const SE3& T_start,
-                          const ReadoutModel& readout, bool with_geometry, From from);
+                          const ReadoutModel& readout, const References& to, From from);
   MovingParts::Judgement judge_parts(const SE3& T, const ReadoutModel& readout);
-  Alignment start(const SE3& T_start, const ReadoutModel& readout, bool with_geometry);
+  Alignment start(const SE3& T_start, const ReadoutModel& readout, const References& to);
   void finish(bool with_geometry, Alignment& a);
   // While an alignment lasts, geometry_ holds its points and matches; what outlives it is the value
   // alone.

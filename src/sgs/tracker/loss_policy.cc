@@ -10,7 +10,6 @@ bool LossPolicy::fits(const Evidence& e, double times_usual) const {
   return e.picture_holds && e.cost <= std::max(limits_.explained_cost, times_usual * usual_cost_);
 }
 
-// Its picture does not fit as pictures lately did, so that surfaces may deceive.
 bool LossPolicy::is_doubtful(const Evidence& e) const {
   if (usual_cost_ <= 0) return false;
   if (fits(e, limits_.deceived)) return false;

@@ -51,6 +51,9 @@ class LossPolicy {
   /// What becomes of a frame that is followed: kTracking, it is accepted; kDoubting, that depends
   /// on accepts_doubted(), on searches() and, where neither helped, on loses().
   State follow(const Evidence& e);
+  /// Whether a frame would be doubted: its picture does not fit as pictures lately did, so that
+  /// surfaces may deceive.
+  bool is_doubtful(const Evidence& e) const;
   /// Whether a frame that is accepted is so strange that the camera is looked for elsewhere, now
   /// and then while that lasts: one that was carried off may find surfaces that fit by accident.
   bool wonders(const Evidence& e) const;
@@ -88,7 +91,6 @@ class LossPolicy {
 
  private:
   bool fits(const Evidence& e, double times_usual) const;
-  bool is_doubtful(const Evidence& e) const;
   bool is_strange(const Evidence& e) const;
   bool sees_enough(const Evidence& e) const;
 

@@ -93,11 +93,26 @@ alignment::Alignment SpectralTracker::follow_camera(double timestamp_s) {
   return align(predicted.T_local_camera, timestamp_s, motion_);
 }
 
+// A camera that has drifted on its way back sees an old keyframe where that is not, and a frame
+// that has to fit both it and the newest one fits neither. Where the newest one alone still fits,
+// the camera is not lost: the drift is for a loop to close.
+alignment::Alignment SpectralTracker::without_contradictions(const alignment::Alignment& a,
+                                                             double timestamp_s) {
+  if (a.fit.references() < 2 || !policy_.is_doubtful(evidence_of(a))) return a;
+  alignment::Alignment alone =
+      aligner_.align_to_newest(motion_.predict(timestamp_s), readout_model(timestamp_s, motion_));
+  if (alone.trusted()) alone.lost_reason = motion_.judge(alone.T_local_camera);
+  if (!policy_.is_confirmed(evidence_of(alone))) return a;
+  aligner_.leave_out_older(a);
+  return alone;
+}
+
 // A camera that was carried off between two frames may find surfaces that fit where it is not, and
 // surfaces that have drifted may pull a pose away from what the picture says: then the picture
 // alone still fits there.
 alignment::Alignment SpectralTracker::follow_unless_elsewhere(const RgbdFrame& frame) {
-  alignment::Alignment followed = follow_camera(frame.timestamp_s);
+  alignment::Alignment followed =
+      without_contradictions(follow_camera(frame.timestamp_s), frame.timestamp_s);
   const Evidence evidence = evidence_of(followed);
   if (policy_.follow(evidence) == LossPolicy::State::kTracking) {
     if (!policy_.wonders(evidence)) return followed;

@@ -42,6 +42,7 @@ class SpectralTracker : public Tracker {
   void follow(const history::CalibrationPtr& before);
   alignment::Alignment start_map() const;
   alignment::Alignment follow_camera(double timestamp_s);
+  alignment::Alignment without_contradictions(const alignment::Alignment& a, double timestamp_s);
   alignment::Alignment follow_unless_elsewhere(const RgbdFrame& frame);
   alignment::Alignment find_camera(const RgbdFrame& frame);
   alignment::Alignment look_for_place(const RgbdFrame& frame);

@@ -153,6 +153,33 @@ TEST(SpectralTracker, GoesOnWhereARevisionPutsIt) {
   }
 }
 
+// A camera that has drifted on its way back sees old keyframes beside where they are held to be;
+// the newest one fits as ever.
+TEST(SpectralTracker, LeavesOutAnOldKeyframeThatContradictsTheNewestOneAtOnce) {
+  constexpr int kStands = 13, kDrifted = 25, kFrames = 35;
+  const auto along_wall = [&](int i) {
+    return SE3(so3_exp({0.03, -0.02, 0.01}), {0.03 * std::min(i, kStands), 0, 0});
+  };
+  const auto tracker = must_make({}, alignment::kWallCamera, along_wall(0));
+  for (int i = 0; i < kFrames; ++i) {
+    if (i == kDrifted) {
+      constexpr int kFirst = 10;
+      const auto moved = [&](int k, double x_m) {
+        const SE3 T = along_wall(k);
+        return MovedPose{k / 30.0, T, SE3(Eigen::Matrix3d::Identity(), {x_m, 0, 0}) * T};
+      };
+      tracker->revise(
+          {PoseCorrection({moved(0, 0.06), moved(kFirst, 0.06), moved(kFirst + 1, 0)})});
+    }
+    const TrackResult r = tracker->track(alignment::see_wall(along_wall(i), i), nullptr);
+    EXPECT_NE(r.status, TrackingStatus::kLost) << i;
+    EXPECT_LT(distance_m(r.T_odom_camera, along_wall(i)), 0.01) << i;
+    if (i >= kDrifted) {
+      EXPECT_LT(r.diagnostics.visual_cost, 0.5) << i;
+    }
+  }
+}
+
 TEST(SpectralTracker, NeverJumps) {
   const auto tracker = must_make({}, alignment::kWallCamera, alignment::wall_pose(0));
   for (int i = 0; i < 5; ++i)

@@ -43,7 +43,7 @@ double VisualTerm::view_distance(const Keyframe& keyframe, const SE3& T_local_ca
                                      past_.at(keyframe.frame).inverse() * T_local_camera);
 }
 
-VisualTerm::Fit VisualTerm::start(const SE3& T_local_predicted) {
+VisualTerm::Fit VisualTerm::start(const SE3& T_local_predicted, References references) {
   Fit fit;
   fit.term_ = this;
   if (keyframes_.empty()) return fit;
@@ -52,6 +52,7 @@ VisualTerm::Fit VisualTerm::start(const SE3& T_local_predicted) {
     fit.references_.push_back({index, {}, {}});
   };
   add(newest_);
+  if (references == References::kNewest) return fit;
   std::vector<std::pair<double, std::size_t>> near;
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
     if (i == newest_ || keyframes_[i].contradictions >= kContradictions) continue;
@@ -91,6 +92,12 @@ void VisualTerm::compare_references(const Fit& fit) {
     if (r.keyframe == newest_) continue;
     int& count = keyframes_[r.keyframe].contradictions;
     count = cost(r) > kFarWorse * newest ? count + 1 : 0;
+  }
+}
+
+void VisualTerm::leave_out_older(const Fit& fit) {
+  for (const Fit::Reference& r : fit.references_) {
+    if (r.keyframe != newest_) keyframes_[r.keyframe].contradictions = kContradictions;
   }
 }
 

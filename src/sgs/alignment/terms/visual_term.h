@@ -31,13 +31,17 @@ class VisualTerm {
   int levels() const { return levels_; }
 
   class Fit;
+  enum class References { kNewestAndOlder, kNewest };
   /// The fit of a frame expected at `T_local_predicted`, to the keyframes chosen for that pose.
-  Fit start(const SE3& T_local_predicted);
+  Fit start(const SE3& T_local_predicted, References references = References::kNewestAndOlder);
 
   /// Learns from an accepted fit which keyframes contradict the newest one: one that has for some
   /// frames fitted far worse lies elsewhere, since the camera has drifted on its way back to it.
   /// It is left out until the next revision.
   void compare_references(const Fit& fit);
+  /// A frame that has fitted the newest keyframe alone did not fit it together with the older ones
+  /// of this fit: they contradict it.
+  void leave_out_older(const Fit& fit);
   /// Learns from an accepted fit how wide residuals are at each level.
   void learn_noise(const Fit& fit);
   /// Whether the frame, fitted at `T_local_camera`, is far enough from the newest keyframe to

@@ -75,6 +75,21 @@ TEST_F(DriftedWall, AnOldKeyframeThatContradictsIsLeftOutUntilThePastIsRevised) 
   EXPECT_EQ(references(kDrift_m), 2);
 }
 
+TEST_F(DriftedWall, WhatOneFrameHasShownToContradictIsLeftOut) {
+  constexpr double kDrift_m = 0.06;
+  make(kDrift_m);
+  const RgbdFrame frame = see_wall(beside(0.02), frames_++);
+  const VisualTerm::Fit both = look(term_, frame, past(), 0.02, kDrift_m);
+  EXPECT_EQ(both.references(), 2);
+  const SE3 T = beside(0.02 + kDrift_m);
+  VisualTerm::Fit alone = term_.start(T, VisualTerm::References::kNewest);
+  EXPECT_EQ(alone.references(), 1);
+  alone.linearize(0, T);
+  EXPECT_LT(alone.mean_cost(), 0.5 * both.mean_cost());
+  term_.leave_out_older(both);
+  EXPECT_EQ(references(kDrift_m), 1);
+}
+
 TEST_F(DriftedWall, ACameraThatWasCarriedOffIsAlignedToTheNearestKeyframe) {
   constexpr double kDrift_m = 0.06;
   make(kDrift_m);
