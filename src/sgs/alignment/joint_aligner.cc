@@ -147,7 +147,7 @@ Alignment JointAligner::align_without(const registration::CellMask& moving, cons
   geometry_.set_moving(moving);
   a.fit.set_moving(moving);
   const int coarsest = a.fit.has_references() ? vision_.levels() - 1 : 0;
-  for (int level = coarsest; level >= 0; --level) {
+  for (int level = coarsest; level >= a.fit.finest_level(); --level) {
     if (level < coarsest) a.fit.update_belief(readout.belief(a.T_local_camera));
     a.points_motion = readout.of_frame(a.fit.readout(), a.T_local_camera);
     geometry_.set_motion(a.points_motion);
@@ -240,7 +240,7 @@ Alignment::Geometry JointAligner::geometry_at(const SE3& T) {
 Alignment::Picture JointAligner::picture_at(const SE3& T, VisualTerm::Fit& fit) {
   const CpuTimer timer(times_.visual);
   Alignment::Picture p;
-  const auto equations = fit.linearize(0, T);
+  const auto equations = fit.linearize(fit.finest_level(), T);
   p.H = equations.H;
   p.b = equations.b;
   p.pixels = fit.used();
@@ -319,6 +319,10 @@ registration::InverseDepthPlane JointAligner::still_surface(int u, int v,
   if (!(plane.q > 0) || !a.geometry || a.geometry->movers <= 0) return plane;
   const Eigen::Vector3f point = camera_.back_project(u, v, 1 / double{plane.q}).cast<float>();
   return geometry_.moves(point, a.T_local_camera) ? registration::InverseDepthPlane{} : plane;
+}
+
+void JointAligner::take_drawing(const SE3& T_local_camera) {
+  vision_.insert_drawing(T_local_camera, [&](int u, int v) { return still_surface(u, v, {}); });
 }
 
 JointAligner::Extension JointAligner::extend(const Alignment& a, const Vector6d& readout) {

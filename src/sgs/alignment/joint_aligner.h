@@ -110,6 +110,9 @@ class JointAligner {
   /// its picture.
   Extension extend(const Alignment& alignment, const Vector6d& readout);
 
+  /// Takes in the frame looked at, which is a drawing of the map seen from there: as a visual
+  /// keyframe alone (VisualTerm::insert_drawing).
+  void take_drawing(const SE3& T_local_camera);
   /// What such an alignment has shown to contradict the newest keyframe is left out from now on
   /// (VisualTerm::leave_out_older).
   void leave_out_older(const Alignment& contradicted) { vision_.leave_out_older(contradicted.fit); }

@@ -26,7 +26,7 @@ inline double known_view_time_s(std::size_t number) {
   return kFirst_s + static_cast<double>(number);
 }
 
-/// A view of a finished map: what a camera saw from a place that is known.
+/// A view of a finished map: what a camera saw, or would have seen, from a place that is known.
 struct KnownView {
   double timestamp_s = 0;            ///< of its session
   SE3 T_world_camera;                ///< in the world of the map
@@ -34,6 +34,7 @@ struct KnownView {
   RgbdFrame frame;                   ///< what was seen; of a map from a file in grey
   features::FernCode ferns;          ///< of the picture in colour
   std::uint64_t fern_seed = 0;       ///< of the questions that `ferns` answers
+  bool drawn = false;                ///< of the map's Gaussians, where no camera was
 };
 
 }  // namespace sgs::alignment

@@ -136,21 +136,23 @@ std::vector<int> VisualMap::relocalisation_candidates() const {
   return out;
 }
 
-VisualPose VisualMap::relocalise(const OrbFrame& current) const {
+VisualPose VisualMap::relocalise(const OrbFrame& current, std::size_t tried) const {
   struct Candidate {
     int keyframe;
     std::vector<Observation> observations;
+    int alikeness;
   };
   std::vector<Candidate> candidates;
   VisualPose best;
   for (int index : relocalisation_candidates()) {
     const Keyframe& keyframe = keyframes_[static_cast<std::size_t>(index)];
-    Candidate c{index, {}};
+    Candidate c{index, {}, 0};
     for (const Match& m : match_cross_check(keyframe.frame, current, config_.max_hamming)) {
       const double z =
           static_cast<double>(keyframe.frame.keypoints[static_cast<std::size_t>(m.a)].depth_m);
       if (z >= config_.min_depth_m && z <= config_.max_depth_m) {
         c.observations.push_back(observe(keyframe, m.a, current, m.b));
+        c.alikeness += config_.max_hamming - m.distance;
       }
     }
     best.matches = std::max(best.matches, static_cast<int>(c.observations.size()));
@@ -158,10 +160,9 @@ VisualPose VisualMap::relocalise(const OrbFrame& current) const {
       candidates.push_back(std::move(c));
     }
   }
-  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
-    return a.observations.size() > b.observations.size();
-  });
-  if (candidates.size() > 3) candidates.resize(3);
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const auto& a, const auto& b) { return a.alikeness > b.alikeness; });
+  if (candidates.size() > tried) candidates.resize(tried);
   if (!candidates.empty()) best.verdict = Verdict::kTooFewInliers;
   for (const Candidate& c : candidates) {
     const PnpResult pnp = pnp_ransac(c.observations, current.camera, config_);

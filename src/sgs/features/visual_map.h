@@ -25,8 +25,9 @@ class VisualMap {
   VisualPose localise(const OrbFrame& current, const SE3& T_predicted) const;
 
   /// Pose without a prediction: descriptors against the newer half of the allowed keyframes and an
-  /// even choice of the older ones, PnP on the three best, refinement; the most inliers win.
-  VisualPose relocalise(const OrbFrame& current) const;
+  /// even choice of the older ones, PnP on those `tried` that have most alike, refinement; the
+  /// most inliers win.
+  VisualPose relocalise(const OrbFrame& current, std::size_t tried = 3) const;
 
  private:
   struct Keyframe {

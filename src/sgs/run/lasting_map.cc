@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <utility>
 
 #include "sgs/core/log.h"
@@ -107,11 +108,12 @@ Result<std::vector<mapfile::MapSession>> give_map(slam::Session& session, const 
 std::string not_found_sentence(const tracker::PlaceSearch& search, const std::string& map) {
   std::string out = fmt::format("the camera has not found itself in {}", map);
   if (search.looks == 0) return out + ": no frame shows enough to be compared with it";
+  const std::string view = std::isnan(search.best_view_s)
+                               ? "a view of it from where no camera was"
+                               : fmt::format("view of the map at {:.3f} s", search.best_view_s);
   out += fmt::format(
-      ": best candidate {} of {} features that agree ({} alike; frame at {:.3f} s, "
-      "view of the map at {:.3f} s)",
-      search.best_inliers, search.needed_inliers, search.best_matches, search.best_frame_s,
-      search.best_view_s);
+      ": best candidate {} of {} features that agree ({} alike; frame at {:.3f} s, {})",
+      search.best_inliers, search.needed_inliers, search.best_matches, search.best_frame_s, view);
   if (search.refused > 0) {
     out += fmt::format("; {} candidates were refused by surfaces or pictures", search.refused);
   }

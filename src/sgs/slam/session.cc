@@ -102,7 +102,16 @@ Status Session::check_can_be_given_a_map() const {
 void Session::know(std::size_t number, double time_s, const alignment::KnownView& view) {
   revision_.path.append({alignment::known_view_index(number), time_s, view.T_world_camera});
   tracker_->know(view, revision_);
-  metre_.know(revision_.path.back().frame, view.frame);
+  if (!view.drawn) metre_.know(revision_.path.back().frame, view.frame);
+}
+
+// What the map shows from where no view was taken: after its views, at the time of the last one.
+void Session::know_drawn(const DrawnViews& drawn) {
+  const std::size_t views = revision_.path.size();
+  const double time_s = revision_.path.back().timestamp_s;
+  drawn.draw([&](const alignment::KnownView& view) { know(revision_.path.size(), time_s, view); });
+  log().debug("{} views of the map are drawn from where none was taken",
+              revision_.path.size() - views);
 }
 
 // One line where the camera's metre is not that of the map.
@@ -140,9 +149,11 @@ Status Session::go_on_with(const KnownMap& map) {
   std::vector<mapper::KnownKeyframe> keyframes;
   std::vector<double> times_s;
   loops::LoopCloser& closer = loop_back_end_->closer();
+  DrawnViews drawn(camera_, map.views);
   for (std::size_t i = 0; i < map.views; ++i) {
     SGS_ASSIGN_OR_RETURN(const alignment::KnownView view, map.view(i));
     know(i, alignment::known_view_time_s(i), view);
+    drawn.know(view);
     earlier_.views.push_back({map.session_of[i], view.timestamp_s});
     times_s.push_back(view.timestamp_s);
     RgbdFrame frame = resampled(view.frame, camera_);
@@ -159,6 +170,7 @@ Status Session::go_on_with(const KnownMap& map) {
     if (ways[static_cast<std::size_t>(e.to)] != &e) closer.know(e);
   }
   worker_->know(map.gaussians->gaussians, views_of_gaussians(map, times_s), keyframes, revision_);
+  know_drawn(drawn);
   earlier_.sessions = map.sessions;
   earlier_.births = map.births;
   return {};
@@ -171,10 +183,13 @@ Status Session::localise_in(const KnownMap& map) {
   if (map.calibration) {
     revision_.calibration = std::make_shared<const DepthCalibration>(*map.calibration);
   }
+  DrawnViews drawn(camera_, map.views);
   for (std::size_t i = 0; i < map.views; ++i) {
     SGS_ASSIGN_OR_RETURN(const alignment::KnownView view, map.view(i));
     know(i, view.timestamp_s, view);
+    drawn.know(view);
   }
+  if (map.views > 0) know_drawn(drawn);
   known_ = map.gaussians;
   return {};
 }

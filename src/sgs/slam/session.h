@@ -20,6 +20,7 @@
 #include "sgs/loops/loop_closer.h"
 #include "sgs/map/gaussian.h"
 #include "sgs/slam/back_end_worker.h"
+#include "sgs/slam/drawn_views.h"
 #include "sgs/slam/frame_record.h"
 #include "sgs/slam/keyframe_pose.h"
 #include "sgs/slam/known_map.h"
@@ -200,6 +201,7 @@ class Session {
   bool has_place(std::int64_t frame) const;
   Status check_can_be_given_a_map() const;
   void know(std::size_t number, double time_s, const alignment::KnownView& view);
+  void know_drawn(const DrawnViews& drawn);
   bool comes_as_before(const FrameRecord& record, std::int64_t depth_print);
 
   SessionConfig config_;

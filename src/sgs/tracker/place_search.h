@@ -13,7 +13,7 @@ struct PlaceSearch {
   int best_inliers = 0;     ///< features that agreed
   int best_matches = 0;     ///< features that were alike
   double best_frame_s = 0;  ///< time of the frame
-  double best_view_s = 0;   ///< time of the map's view that it resembled
+  double best_view_s = 0;   ///< time of the map's view that it resembled; not a number: a drawn one
   int refused = 0;          ///< looks that features agreed on, but surfaces or picture did not
 };
 

@@ -16,7 +16,8 @@ namespace {
 
 constexpr int kEnoughWidth_px = 320;
 constexpr std::size_t kRemembered = 400;  // keyframes: an hour's places, and few to compare
-constexpr std::size_t kCompared = 6, kComparedOfMap = 12;
+constexpr std::size_t kCompared = 6, kComparedOfMap = 12, kComparedDrawn = 12;
+constexpr std::size_t kTried = 3, kTriedOfMap = 8;
 constexpr int kFeaturesOfMap = 1000;
 
 /// In grey, halved as often as it stays wide enough: means of grey values, every other depth.
@@ -63,7 +64,8 @@ void Relocaliser::know(const alignment::KnownView& view, const RgbdFrame& frame)
     known = known_.end() - 1;
   }
   features::OrbExtractor extractor(orb());
-  known->keyframes.push_back({frame.index, view.ferns, nullptr, extractor.extract(frame)});
+  known->keyframes.push_back(
+      {frame.index, view.ferns, nullptr, extractor.extract(frame), nullptr, view.drawn});
 }
 
 features::OrbConfig Relocaliser::orb() const {
@@ -93,8 +95,13 @@ std::vector<Relocaliser::Keyframe*> Relocaliser::most_alike(const RgbdFrame& fra
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Keyframe*> out;
   if (!keyframes_.empty()) out.push_back(&keyframes_.back());
+  const std::size_t most = known_.empty() ? kCompared : kComparedOfMap;
+  std::size_t drawn = 0, seen = out.size();
   for (const auto& [similarity, k] : alike) {
-    if (out.size() < (known_.empty() ? kCompared : kComparedOfMap)) out.push_back(k);
+    std::size_t& count = k->drawn ? drawn : seen;
+    if (count >= (k->drawn ? kComparedDrawn : most)) continue;
+    ++count;
+    out.push_back(k);
   }
   return out;
 }
@@ -120,7 +127,8 @@ std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame, const alignme
   std::vector<Keyframe*> compared = most_alike(frame, view);
   std::erase_if(compared, [&](Keyframe* k) { return !extract(*k, past.revision().calibration); });
   for (const Keyframe* k : compared) map.insert(*k->features, past.at(k->frame));
-  const features::VisualPose found = map.relocalise(current);
+  // Among many views that are not of this place, some have more features alike by accident.
+  const features::VisualPose found = map.relocalise(current, known_.empty() ? kTried : kTriedOfMap);
   if (!compared.empty()) {
     const auto best = static_cast<std::size_t>(std::max(found.keyframe, 0));
     last_look_ = {found.matches, found.inliers, compared[best]->frame};

@@ -55,6 +55,7 @@ class Relocaliser {
     history::StoredViewPtr view;                      // null: of a map, its features are all
     std::optional<features::OrbFrame> features = {};  // once they were needed
     history::CalibrationPtr calibration = {};         // of their depth
+    bool drawn = false;                               // nobody's view, but the map's
   };
   /// Views of a map whose codes answer the same questions.
   struct KnownViews {

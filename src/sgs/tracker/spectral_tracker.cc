@@ -167,6 +167,14 @@ void SpectralTracker::know(const alignment::KnownView& view, const history::Revi
   aligner_.look_at(frame, revision, nullptr);
   alignment::Alignment a;
   a.T_local_camera = aligner_.past().at(frame.index);
+  // Of a drawing the picture alone is taken: what it shows is known already, and how drawings fit
+  // says nothing of how pictures do.
+  if (view.drawn) {
+    aligner_.take_drawing(a.T_local_camera);
+    readout_.add_keyframe(aligner_.vision().newest_keyframe(), Eigen::Vector3d::Zero(),
+                          Eigen::Vector3d::Zero());
+    return;
+  }
   if (aligner_.has_map()) {
     aligner_.carry_to(aligner_.vision().nearest_keyframe(a.T_local_camera));
     a = aligner_.measure(a.T_local_camera, alignment::known_readout(view.motion));
@@ -226,7 +234,10 @@ bool SpectralTracker::is_first_place(const alignment::Alignment& a, double times
   const bool seen_from_afar = a.geometry && a.geometry->holds &&
                               a.geometry->overlap >= kPartlyExplained &&
                               look.inliers >= kUnanimous * look.matches;
-  if (!policy_.is_found(evidence) || !evidence.picture_holds ||
+  // A drawing of the map is soft, and no picture fits it as pictures fit each other.
+  const bool as_drawn = a.fit.to_drawing() && evidence.trusted && evidence.explained_by_surfaces &&
+                        look.inliers >= kUnanimous * look.matches;
+  if (!(policy_.is_found(evidence) || as_drawn) || !evidence.picture_holds ||
       !(evidence.explained_by_surfaces || seen_from_afar)) {
     ++search_->refused;
     return false;
@@ -337,7 +348,7 @@ Vector6d SpectralTracker::frame_readout(const Vector6d& seen) const {
 // What this frame tells about the sensor: its readout time, its clocks, its noise, and how well
 // pictures fit. `rate`: camera twist per second.
 void SpectralTracker::learn_from(const alignment::Alignment& a, const Vector6d& rate) {
-  if (!a.picture_holds()) return;
+  if (!a.picture_holds() || a.fit.to_drawing()) return;
   const auto seen = a.fit.measured_readout(a.geometry ? a.geometry->H : Matrix6d(Matrix6d::Zero()));
   readout_.update(rate.head<3>(), seen.rotation, seen.information,
                   aligner_.vision().newest_keyframe());

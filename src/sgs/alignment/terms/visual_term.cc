@@ -55,7 +55,8 @@ VisualTerm::Fit VisualTerm::start(const SE3& T_local_predicted, References refer
   if (references == References::kNewest) return fit;
   std::vector<std::pair<double, std::size_t>> near;
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
-    if (i == newest_ || keyframes_[i].contradictions >= kContradictions) continue;
+    const Keyframe& k = keyframes_[i];
+    if (i == newest_ || k.drawn || k.contradictions >= kContradictions) continue;
     const double distance = view_distance(keyframes_[i], T_local_predicted);
     if (distance < config_.keyframes.revisit_distance) near.emplace_back(distance, i);
   }
@@ -190,7 +191,8 @@ bool VisualTerm::is_near(const Keyframe& keyframe, const SE3& T_local_camera, do
 }
 
 bool VisualTerm::wants_keyframe(const SE3& T_local_camera, const Fit& fit) const {
-  if (keyframes_.empty() || !is_near(keyframes_[newest_], T_local_camera, 1.0)) return true;
+  if (keyframes_.empty() || keyframes_[newest_].drawn) return true;
+  if (!is_near(keyframes_[newest_], T_local_camera, 1.0)) return true;
   // A camera that has hardly moved sees less of its keyframe only where something has come before
   // it: another keyframe would see no more, and start from this one's errors.
   const bool stands =
@@ -219,6 +221,18 @@ void VisualTerm::insert_keyframe(const SE3& T_local_camera, const Fit& fit, cons
                         motion});
   newest_ = keyframes_.size() - 1;
 }
+
+void VisualTerm::insert_drawing(const SE3& T_local_camera,
+                                const registration::SurfaceLookup& surface) {
+  insert_keyframe(T_local_camera, {}, Vector6d::Zero(), {}, surface);
+  keyframes_[newest_].drawn = true;
+}
+
+bool VisualTerm::Fit::to_drawing() const {
+  return has_references() && term_->keyframes_[references_.front().keyframe].drawn;
+}
+
+int VisualTerm::Fit::finest_level() const { return to_drawing() && term_->levels_ > 1 ? 1 : 0; }
 
 // Where and as it is believed to be now.
 void VisualTerm::place(Keyframe& keyframe) const {

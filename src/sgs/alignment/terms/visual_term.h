@@ -52,6 +52,9 @@ class VisualTerm {
   void insert_keyframe(const SE3& T_local_camera, const Fit& fit, const Vector6d& readout,
                        const registration::FrameMotion& motion,
                        const registration::SurfaceLookup& surface);
+  /// Makes a drawing of the map a keyframe, for who is carried to it; what it shows is softer than
+  /// what a camera sees, so that the frame which is aligned to it takes its place.
+  void insert_drawing(const SE3& T_local_camera, const registration::SurfaceLookup& surface);
   int keyframes() const { return static_cast<int>(keyframes_.size()); }
   /// Number of the keyframe the camera was last at.
   std::size_t newest_keyframe() const { return newest_; }
@@ -69,6 +72,7 @@ class VisualTerm {
     history::CalibrationPtr calibration;           // of its depth
     double mean_depth_m;
     registration::FrameMotion motion;  // that its surfaces are corrected for
+    bool drawn = false;
     int contradictions = 0;  // frames in a row that fitted it far worse than the newest one
   };
   void place(Keyframe& keyframe) const;
@@ -119,6 +123,10 @@ class VisualTerm::Fit {
   };
   ReadoutMeasurement measured_readout(const Matrix6d& H_others) const;
 
+  /// Whether the newest keyframe is a drawing of the map.
+  bool to_drawing() const;
+  /// The finest level that is worth aligning: drawings are soft.
+  int finest_level() const;
   /// Of the last linearize(): pixels used, and mean cost per pixel.
   int used() const { return sum_.used; }
   double mean_cost() const { return sum_.used > 0 ? sum_.cost / sum_.used : 0.0; }
