@@ -201,10 +201,11 @@ RgbdFrame enlarged(const Drawing& drawing, const PinholeCamera& camera) {
 
 }  // namespace
 
-DrawnViews::DrawnViews(const PinholeCamera& camera, std::size_t views)
-    : camera_(camera), every_((views + kMostSources - 1) / kMostSources) {}
+DrawnViews::DrawnViews(const PinholeCamera& camera, std::size_t views, std::size_t most)
+    : camera_(camera), most_(most), every_((views + kMostSources - 1) / kMostSources) {}
 
 void DrawnViews::know(const alignment::KnownView& view) {
+  if (most_ == 0) return;
   const SE3& T = view.T_world_camera;
   const double depth_m = registration::mean_depth(view.frame.depth, kFarthest_m);
   if (!(depth_m > 0)) return;
@@ -409,7 +410,7 @@ void DrawnViews::draw(const std::function<void(const alignment::KnownView&)>& vi
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.shown > b.shown; });
-  if (candidates.size() > kMost) candidates.resize(kMost);
+  if (candidates.size() > most_) candidates.resize(most_);
   for (const Candidate& c : candidates) visit(compose(c));
 }
 

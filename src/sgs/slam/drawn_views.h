@@ -20,18 +20,16 @@ namespace sgs::slam {
 /// right from where they were seen (docs/decisions/0086-views-nobody-took.md).
 class DrawnViews {
  public:
-  /// For a camera that comes, and a map of so many views.
-  DrawnViews(const PinholeCamera& camera, std::size_t views);
+  /// Of a map of so many views, at most `most` for a camera that comes.
+  DrawnViews(const PinholeCamera& camera, std::size_t views, std::size_t most);
 
   /// Takes in the next view of the map, before draw(): who is near it is found without a drawing.
   void know(const alignment::KnownView& view);
 
-  /// Draws the views, at most kMost, those first that show most. Pictures (grey) and depths are of
+  /// Draws the views, those first that show most. Pictures (grey) and depths are of
   /// the camera that comes; where nothing is shown nothing is seen. Their ferns answer the
   /// questions of the last view; their times are not numbers.
   void draw(const std::function<void(const alignment::KnownView&)>& visit) const;
-
-  static constexpr std::size_t kMost = 150;
 
  private:
   struct Taken {
@@ -63,6 +61,7 @@ class DrawnViews {
   alignment::KnownView compose(const Candidate& candidate) const;
 
   PinholeCamera camera_;
+  std::size_t most_;
   std::size_t every_;  // so many views one is a source
   std::size_t known_ = 0;
   std::uint64_t fern_seed_ = 0;

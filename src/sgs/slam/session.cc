@@ -149,7 +149,7 @@ Status Session::go_on_with(const KnownMap& map) {
   std::vector<mapper::KnownKeyframe> keyframes;
   std::vector<double> times_s;
   loops::LoopCloser& closer = loop_back_end_->closer();
-  DrawnViews drawn(camera_, map.views);
+  DrawnViews drawn(camera_, map.views, drawn_views());
   for (std::size_t i = 0; i < map.views; ++i) {
     SGS_ASSIGN_OR_RETURN(const alignment::KnownView view, map.view(i));
     know(i, alignment::known_view_time_s(i), view);
@@ -183,7 +183,7 @@ Status Session::localise_in(const KnownMap& map) {
   if (map.calibration) {
     revision_.calibration = std::make_shared<const DepthCalibration>(*map.calibration);
   }
-  DrawnViews drawn(camera_, map.views);
+  DrawnViews drawn(camera_, map.views, drawn_views());
   for (std::size_t i = 0; i < map.views; ++i) {
     SGS_ASSIGN_OR_RETURN(const alignment::KnownView view, map.view(i));
     know(i, view.timestamp_s, view);

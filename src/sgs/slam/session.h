@@ -202,6 +202,9 @@ class Session {
   Status check_can_be_given_a_map() const;
   void know(std::size_t number, double time_s, const alignment::KnownView& view);
   void know_drawn(const DrawnViews& drawn);
+  std::size_t drawn_views() const {
+    return static_cast<std::size_t>(config_.tracker.relocalisation.drawn_views);
+  }
   bool comes_as_before(const FrameRecord& record, std::int64_t depth_print);
 
   SessionConfig config_;

@@ -61,8 +61,13 @@ struct MotionConfig {
 /// How the camera is found again after a loss.
 struct RelocalisationConfig {
   int features = 400;
+  int drawn_views = 150;
 
   void declare(ParameterList& p) {
+    p.add("drawn_views", drawn_views,
+          "Views of a given map that are drawn at most from where none was taken, so that a camera "
+          "is found that looks from there; each makes loading longer; 0: none.",
+          "", {0, 10000});
     p.add("relocalise_features", features,
           "ORB features per frame that a lost camera is looked for with, the strongest: its time "
           "grows with their square.",
