@@ -303,12 +303,6 @@ std::shared_ptr<const PixelMask> JointAligner::still_pixels(const RgbdFrame& fra
       if (geometry_.moves(point, a.T_local_camera)) blank(column, row);
     }
   }
-  if (frame.seen) {
-    std::transform(still.data(), still.data() + still.size(), frame.seen->data(), still.data(),
-                   [](std::uint8_t x, std::uint8_t seen) {
-                     return x != 0 && seen != 0 ? std::uint8_t{1} : std::uint8_t{0};
-                   });
-  }
   return std::make_shared<const PixelMask>(std::move(still));
 }
 

@@ -98,7 +98,7 @@ class JointAligner {
   /// What geometry and picture say of a pose that something else has found: nothing moves but the
   /// brightness of the picture.
   Alignment measure(const SE3& T, const ReadoutModel& readout);
-  /// Pixels of the aligned frame that it saw and where nothing moves; null: those it saw.
+  /// Pixels of the aligned frame that show nothing that moves; null: all of them.
   std::shared_ptr<const PixelMask> still_pixels(const RgbdFrame& frame, const Alignment& a) const;
   /// Which of the maps took in the frame.
   struct Extension {

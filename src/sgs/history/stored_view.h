@@ -12,7 +12,7 @@
 
 namespace sgs::history {
 
-/// The pictures of a frame as they were delivered, five bytes a pixel.
+/// The pictures of a frame as they were delivered, five bytes a pixel; what moves has no depth.
 struct Pictures {
   ColorImage color;
   Image<std::uint16_t> depth;  ///< in fractions of a metre (StoredView::units_per_m()), 0: none
@@ -37,7 +37,7 @@ class StoredView {
   std::int64_t index() const { return index_; }
   double timestamp_s() const { return timestamp_s_; }
   const PinholeCamera& camera() const { return camera_; }
-  /// As RgbdFrame::seen.
+  /// As RgbdFrame::seen, without what moves.
   const std::shared_ptr<const PixelMask>& seen() const { return seen_; }
   float units_per_m() const { return units_per_m_; }
   /// What its pictures take, wherever they lie.
