@@ -31,7 +31,7 @@ std::shared_ptr<const PixelMask> in_both(const std::shared_ptr<const PixelMask>&
   return std::make_shared<const PixelMask>(std::move(out));
 }
 
-void leave_out_movers(RgbdFrame& frame, std::shared_ptr<const PixelMask> still) {
+void leave_out_movers(RgbdFrame& frame, const std::shared_ptr<const PixelMask>& still) {
   if (!still) return;
   SGS_CHECK(still->width() == frame.depth.width() && still->height() == frame.depth.height(),
             "a mask of the frame's size");
@@ -39,7 +39,7 @@ void leave_out_movers(RgbdFrame& frame, std::shared_ptr<const PixelMask> still) 
                  frame.depth.data(),
                  [](float z, std::uint8_t stands) { return stands != 0 ? z : 0.0f; });
   frame.seen = in_both(frame.seen, still);
-  frame.still = std::move(still);
+  frame.still = in_both(frame.still, still);
 }
 
 std::shared_ptr<const RgbdFrame> without_movers(const std::shared_ptr<const RgbdFrame>& frame,

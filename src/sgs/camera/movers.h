@@ -11,9 +11,9 @@
 namespace sgs {
 
 /// Takes out of `frame` what moves by itself: where `still` is 0 there is no depth afterwards, and
-/// the camera saw nothing (RgbdFrame::seen). Colour stays. Null: nothing moves, nothing changes.
-/// The mask has the frame's size.
-void leave_out_movers(RgbdFrame& frame, std::shared_ptr<const PixelMask> still);
+/// the camera saw nothing (RgbdFrame::seen). Colour stays; RgbdFrame::still knows it. Null: nothing
+/// moves, nothing changes. The mask has the frame's size.
+void leave_out_movers(RgbdFrame& frame, const std::shared_ptr<const PixelMask>& still);
 
 /// A copy without what moves, which knows what it was made of; the frame itself where `still` is
 /// null.

@@ -188,7 +188,7 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& raw) {
   SGS_CHECK(revision_.path.empty() || raw->index > revision_.path.back().frame,
             "frames come in the order of their indices");
   const double moved_m = revise_past();
-  auto frame = calibrated(raw);
+  auto frame = without_movers(calibrated(raw), raw->still);
   const bool of_one_time = !tracker_->knows_depth_lag();
   registration::FrameMotion motion;
   if (of_one_time) {
@@ -208,10 +208,11 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& raw) {
     record.diagnostics.depth_delay_s = result.motion.depth_delay_s - raw->depth_delay_s;
   }
   record.fingerprint = fingerprint(*raw);  // as the recording has it
-  if (result.still) record.movers = mover_blocks(*result.still);
   // What moves belongs neither to the map nor to a place that is known again.
+  const auto still = in_both(raw->still, result.still);
+  if (still) record.movers = mover_blocks(*still);
   const auto scene = without_movers(frame, result.still);
-  ask_back_ends(frame == raw ? scene : without_movers(raw, result.still), scene, result, record);
+  ask_back_ends(frame == raw ? scene : without_movers(raw, still), scene, result, record);
   if (comes_as_before(record, depth_fingerprint(*raw))) hand_to_mapper(scene, result, record);
   report_loss(record);
   compare_metres(*scene, record);
