@@ -10,7 +10,7 @@
 namespace sgs::tracker {
 namespace {
 
-constexpr int kPersonLeft = 120, kPersonRight = 220;  // columns
+constexpr int kPersonLeft = 0, kPersonRight = 135;  // columns
 
 /// Somebody in patterned clothes, nearer than the wall.
 RgbdFrame with_person(RgbdFrame frame) {
