@@ -45,6 +45,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       RgbdFrame frame;
       if (!decoder->decode(parser.packet(), frame)) continue;
       fuzz::require(frame.depth.width() == frame.camera.width, "frames have their camera's size");
+      fuzz::require(!frame.still || frame.still->size() == frame.depth.size(), "masks, too");
       for (std::size_t i = 0; i < frame.depth.size(); ++i) {
         fuzz::require(frame.depth.data()[i] >= 0, "depth is never negative");
       }

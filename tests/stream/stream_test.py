@@ -39,13 +39,17 @@ class Sender:
         text = json.dumps(header).encode()
         self.write(mark + struct.pack("<I", len(text)) + text + b"".join(data))
 
-    def hello(self, camera, **more):
+    def hello(self, camera, mark=b"SGS1", **more):
         width, height = camera[4:6]
         numbers = dict(zip(("fx", "fy", "cx", "cy"), camera))
-        self.part(b"SGS1", dict(camera=dict(numbers, width=width, height=height), **more))
+        self.part(mark, dict(camera=dict(numbers, width=width, height=height), **more))
 
     def frame(self, t, color, depth):
         self.part(b"F", dict(t=t, color_bytes=len(color), depth_bytes=len(depth)), color, depth)
+
+    def frame_with_mask(self, t, color, depth, mask):
+        sizes = dict(color_bytes=len(color), depth_bytes=len(depth), mask_bytes=len(mask))
+        self.part(b"F", dict(t=t, **sizes), color, depth, mask)
 
     def end(self):
         self.write(b"E")
@@ -307,6 +311,58 @@ class Trouble(StreamTest):
         table = (self.run_folder / "frames.csv").read_text()
         self.assertEqual(len(re.findall(r",bad", table)), 2)
         self.assertEqual(len(rows(self.run_folder / "trajectory.txt")), FRAMES)
+
+    def run_with_masks(self, mask_of, code=0):
+        """All that is said of the recording's frames with masks; those are functions of the index."""
+        self.said = ""
+        process, port = self.start("live:tcp://127.0.0.1:0", "--no-eval")
+        _, sender = self.connect(port)
+        sender.hello(self.camera, mark=b"SGS3", **self.u16())
+        for index, (time_s, color, depth) in enumerate(self.frames):
+            mask = mask_of(index, np.zeros(depth.shape, np.uint8))
+            raw = depth.astype("<u2").tobytes()
+            sender.frame_with_mask(time_s, color.tobytes(), raw, mask.tobytes())
+        sender.end()
+        return self.finish(process, code)
+
+    def test_masks_that_mark_nothing_change_nothing(self):
+        self.run_with_masks(lambda index, mask: mask)
+        self.assert_same_run()
+        self.assertFalse((self.run_folder / "movers.txt").exists())
+
+    def test_what_a_mask_marks_is_left_out(self):
+        def right_third(index, mask):
+            mask[:, 400:] = 0 if index == 5 else 255
+            return mask
+
+        self.run_with_masks(right_third)
+        table = (self.run_folder / "frames.csv").read_text().splitlines()
+        names = table[0].split(",")
+        self.assertNotIn("lost", [row.split(",")[names.index("status")] for row in table[1:]])
+        moved = [float(row.split(",")[names.index("movers")] or 0) for row in table[1:]]
+        for index, share in enumerate(moved[1:], start=1):
+            self.assertAlmostEqual(share, 0 if index == 5 else 240 / 640, delta=0.01)
+        marked = rows(self.run_folder / "movers.txt")
+        self.assertEqual([int(row[0]) for row in marked], [*range(5), *range(6, FRAMES)])
+        squares = np.unpackbits(
+            np.frombuffer(bytes.fromhex(marked[0][1]), np.uint8), bitorder="little"
+        )
+        self.assertTrue((squares.reshape(60, 80)[:, :50] == 0).all())
+        self.assertTrue((squares.reshape(60, 80)[:, 50:] == 1).all())
+
+    def test_masks_the_other_way_round_are_told(self):
+        def somebody_small(index, mask):
+            mask[:] = 255
+            mask[:, :128] = 0
+            return mask
+
+        said = self.run_with_masks(somebody_small)
+        self.assertEqual(said.count("are they the other way round?"), 1)
+
+    def test_masks_by_which_all_moves_are_no_frames(self):
+        said = self.run_with_masks(lambda index, mask: mask + (index == 6))
+        self.assertIn("by its mask all of the picture moves", said)
+        self.assertEqual(len(rows(self.run_folder / "trajectory.txt")), FRAMES - 1)
 
     def run_by_times(self, times, code):
         """All that is said of the recording's frames with other times."""

@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "sgs/alignment/loss_checks.h"
@@ -51,6 +52,25 @@ double planarity_of(const registration::SourceCloud& source) {
   return degeneracy::planarity(normals, equal).eta;
 }
 
+/// The cells in which anything moves, and the share of the pixels that do.
+std::pair<registration::CellMask, double> moving_cells(const PixelMask* still) {
+  if (still == nullptr || still->empty()) return {};
+  constexpr int kCell_px = 8;
+  const int columns = (still->width() + kCell_px - 1) / kCell_px;
+  const int rows = (still->height() + kCell_px - 1) / kCell_px;
+  std::vector<std::uint8_t> cells(static_cast<std::size_t>(columns * rows), 0);
+  std::size_t moving = 0;
+  for (int v = 0; v < still->height(); ++v) {
+    for (int u = 0; u < still->width(); ++u) {
+      if ((*still)(u, v) != 0) continue;
+      cells[static_cast<std::size_t>(v / kCell_px * columns + u / kCell_px)] = 1;
+      ++moving;
+    }
+  }
+  return {registration::CellMask(kCell_px, columns, std::move(cells)),
+          static_cast<double>(moving) / static_cast<double>(still->size())};
+}
+
 }  // namespace
 
 Matrix6d Alignment::information() const {
@@ -82,7 +102,9 @@ void JointAligner::look_at(const RgbdFrame& frame, const history::Revision& revi
   past_.set_revision(revision);
   {
     const CpuTimer timer(times_.points);
+    std::tie(told_, told_share_) = moving_cells(frame.still.get());
     geometry_.set_frame(frame, past_, snapshot);
+    geometry_.set_moving(told_);
     surfaces_ = geometry_.surface_information(config_.degeneracy.noise_stride);
     observability_ = degeneracy::observe(surfaces_, config_.degeneracy, hysteresis_);
     planarity_ = planarity_of(geometry_.source());
@@ -123,8 +145,9 @@ Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout, c
     a = align_without(whole->moving.mask, whole->T_local_camera, readout, to, from);
     a.moving = judge_parts(a.T_local_camera, readout);
   }
-  geometry_.set_moving(a.moving.mask);
-  a.fit.set_moving(a.moving.mask);
+  const registration::CellMask moving = told_.united(a.moving.mask);
+  geometry_.set_moving(moving);
+  a.fit.set_moving(moving);
   finish(to.surfaces, a);
   return a;
 }
@@ -139,11 +162,12 @@ void JointAligner::remember(const Alignment& a) {
 }
 
 // All but finish().
-Alignment JointAligner::align_without(const registration::CellMask& moving, const SE3& T_start,
+Alignment JointAligner::align_without(const registration::CellMask& found, const SE3& T_start,
                                       const ReadoutModel& readout, const References& to,
                                       From from) {
   Alignment a = start(T_start, readout, to);
   if (!T_start.all_finite()) return a;
+  const registration::CellMask moving = told_.united(found);
   geometry_.set_moving(moving);
   a.fit.set_moving(moving);
   const int coarsest = a.fit.has_references() ? vision_.levels() - 1 : 0;
@@ -182,6 +206,7 @@ Alignment JointAligner::start(const SE3& T_start, const ReadoutModel& readout,
   if (!T_start.all_finite()) return a;
   const CpuTimer timer(times_.index);
   a.fit = vision_.start(T_start, to.pictures);
+  a.fit.set_moving(told_);
   if (to.surfaces) geometry_.prepare(T_start);
   a.fit.set_readout(readout.belief(T_start));
   return a;
@@ -229,7 +254,7 @@ Alignment::Geometry JointAligner::geometry_at(const SE3& T) {
   Alignment::Geometry g;
   g.inliers = l.inliers;
   g.cost = l.error;
-  g.movers = geometry_.count_movers(T);
+  g.movers = told_share_ + (1 - told_share_) * geometry_.count_movers(T);
   g.overlap = geometry_.overlap(T);
   g.spectrum = degeneracy::spectrum(l.H);
   g.H = degeneracy::fuse_removed(normal_equations(l), K, {}, config_.degeneracy).H;
@@ -302,12 +327,6 @@ std::shared_ptr<const PixelMask> JointAligner::still_pixels(const RgbdFrame& fra
       const Eigen::Vector3f point = camera_.back_project(u, v, double{z}).cast<float>();
       if (geometry_.moves(point, a.T_local_camera)) blank(column, row);
     }
-  }
-  if (frame.seen) {
-    std::transform(still.data(), still.data() + still.size(), frame.seen->data(), still.data(),
-                   [](std::uint8_t x, std::uint8_t seen) {
-                     return x != 0 && seen != 0 ? std::uint8_t{1} : std::uint8_t{0};
-                   });
   }
   return std::make_shared<const PixelMask>(std::move(still));
 }

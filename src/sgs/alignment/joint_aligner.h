@@ -98,7 +98,7 @@ class JointAligner {
   /// What geometry and picture say of a pose that something else has found: nothing moves but the
   /// brightness of the picture.
   Alignment measure(const SE3& T, const ReadoutModel& readout);
-  /// Pixels of the aligned frame that it saw and where nothing moves; null: those it saw.
+  /// Pixels of the aligned frame that show nothing that moves; null: all of them.
   std::shared_ptr<const PixelMask> still_pixels(const RgbdFrame& frame, const Alignment& a) const;
   /// Which of the maps took in the frame.
   struct Extension {
@@ -134,7 +134,7 @@ class JointAligner {
   const degeneracy::Observability& observability() const { return observability_; }
   const degeneracy::SurfaceInformation& surfaces() const { return surfaces_; }
   double planarity() const { return planarity_; }
-  bool leaves_out_movers() const { return config_.geometry.movers.any(); }
+  bool leaves_out_movers() const { return config_.geometry.movers.any() || told_.any(); }
   StepTimes& times() { return times_; }
   const StepTimes& times() const { return times_; }
 
@@ -145,7 +145,7 @@ class JointAligner {
     VisualTerm::References pictures = VisualTerm::References::kNewestAndOlder;
   };
   Alignment align(const SE3& T_start, const ReadoutModel& readout, const References& to, From from);
-  Alignment align_without(const registration::CellMask& moving, const SE3& T_start,
+  Alignment align_without(const registration::CellMask& found, const SE3& T_start,
                           const ReadoutModel& readout, const References& to, From from);
   MovingParts::Judgement judge_parts(const SE3& T, const ReadoutModel& readout);
   Alignment start(const SE3& T_start, const ReadoutModel& readout, const References& to);
@@ -176,6 +176,8 @@ class JointAligner {
   degeneracy::SurfaceInformation surfaces_;
   degeneracy::Observability observability_;
   double planarity_ = std::numeric_limits<double>::quiet_NaN();
+  registration::CellMask told_;  // what moves as RgbdFrame::still says
+  double told_share_ = 0;        // of its pixels
   StepTimes times_;
 };
 

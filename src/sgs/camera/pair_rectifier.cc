@@ -6,11 +6,25 @@
 
 namespace sgs {
 
-void PairRectifier::rectify(ColorImage color, DepthImage depth, RgbdFrame& frame) {
-  if (!std::exchange(ready_, true)) {
-    if (!color_.distortion.is_zero()) undistorter_.emplace(color_.camera, color_.distortion);
-    if (depth_) registration_.emplace(*depth_, LensCamera{color_.camera, {}}, T_color_depth_);
+void PairRectifier::prepare() {
+  if (std::exchange(ready_, true)) return;
+  if (!color_.distortion.is_zero()) undistorter_.emplace(color_.camera, color_.distortion);
+  if (depth_) registration_.emplace(*depth_, LensCamera{color_.camera, {}}, T_color_depth_);
+}
+
+PixelMask PairRectifier::rectify(PixelMask mask, std::uint8_t outside) {
+  prepare();
+  if (!undistorter_) return mask;
+  PixelMask out = undistorter_->mask(mask);
+  const PixelMask* seen = undistorter_->seen().get();
+  for (std::size_t i = 0; seen != nullptr && i < out.size(); ++i) {
+    if (seen->data()[i] == 0) out.data()[i] = outside;
   }
+  return out;
+}
+
+void PairRectifier::rectify(ColorImage color, DepthImage depth, RgbdFrame& frame) {
+  prepare();
   frame.seen = undistorter_ ? undistorter_->seen() : nullptr;
   frame.color = undistorter_ ? undistorter_->color(color) : std::move(color);
   if (registration_) {

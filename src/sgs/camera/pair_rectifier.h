@@ -26,8 +26,13 @@ class PairRectifier {
 
   /// Sets the images of `frame`; those given have the sizes of their cameras.
   void rectify(ColorImage color, DepthImage depth, RgbdFrame& frame);
+  /// A mask of colour's pixels in those of the frames that rectify() makes: each has the value of
+  /// the nearest; what the lens does not show is `outside`.
+  PixelMask rectify(PixelMask mask, std::uint8_t outside);
 
  private:
+  void prepare();
+
   LensCamera color_;
   std::optional<LensCamera> depth_;
   SE3 T_color_depth_;

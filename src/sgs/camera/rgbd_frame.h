@@ -24,6 +24,9 @@ struct RgbdFrame {
   DepthImage depth;  ///< metres, 0 = no measurement
   /// Which pixels the camera saw; null: all of them. Shared by the frames of a lens.
   std::shared_ptr<const PixelMask> seen = {};
+  /// Which pixels show nothing that moves by itself, as far as anybody has found out; null: all of
+  /// them. Where leave_out_movers() has taken that out (camera/movers.h), it is in `seen` too.
+  std::shared_ptr<const PixelMask> still = {};
   double depth_delay_s = 0;                 ///< by how much later than its colour it was measured
   std::optional<SE3> truth_T_world_camera;  ///< ground truth where known; never read by SLAM
   /// Where somebody else says that the camera was; only a tracker of given poses reads it.

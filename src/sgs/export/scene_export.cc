@@ -4,11 +4,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
+#include "sgs/camera/movers.h"
 #include "sgs/core/log.h"
 #include "sgs/io/colmap.h"
 #include "sgs/io/image_io.h"
 #include "sgs/render/rendered_images.h"
 #include "sgs/render/view_color.h"
+#include "sgs/runfolder/run_files.h"
 
 namespace sgs::run {
 namespace {
@@ -25,11 +29,22 @@ Result<Run> load_keyframes(const fs::path& folder) {
                 fmt::format("'{}' is not a run folder", folder.string()),
                 "this format needs the run's keyframes, not only its map");
   }
-  SGS_ASSIGN_OR_RETURN(auto run, load_run(folder, kCamera | kKeyframes));
+  const unsigned movers = fs::exists(folder / files::kMovers, error) ? kFrames : kNoParts;
+  SGS_ASSIGN_OR_RETURN(auto run, load_run(folder, kCamera | kKeyframes | movers));
   if (run.keyframes.empty()) {
     return fail(ErrorCode::kInvalidArgument, fmt::format("{} holds no keyframes", folder.string()));
   }
   return run;
+}
+
+/// Takes out of a frame what moved in it, where the run has found that out.
+void leave_out_movers_of(const Run& run, RgbdFrame& frame) {
+  const auto record = std::lower_bound(
+      run.frames.begin(), run.frames.end(), frame.index,
+      [](const slam::FrameRecord& r, std::int64_t index) { return r.index < index; });
+  if (record == run.frames.end() || record->index != frame.index) return;
+  leave_out_movers(frame,
+                   still_from_blocks(record->movers, frame.depth.width(), frame.depth.height()));
 }
 
 /// The keyframes' frames, read from the recording.
@@ -44,6 +59,7 @@ Status visit_recorded(const Run& run, dataset::FrameSource& source, const Visit&
     const auto pose = run.keyframes.at(frame.timestamp_s, 0.0);
     if (!pose) continue;
     ++found;
+    leave_out_movers_of(run, frame);
     KeyframeView view{frame.index, *pose, std::move(frame.color), std::move(frame.depth)};
     SGS_RETURN_IF_ERROR(visit(frame.camera, view));
   }

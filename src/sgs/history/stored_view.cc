@@ -23,13 +23,32 @@ PicturesPtr pictures_of(const RgbdFrame& frame, float units_per_m) {
   return out;
 }
 
+constexpr std::size_t kBits = 8;
+
+std::vector<std::uint8_t> packed(const PixelMask& mask) {
+  std::vector<std::uint8_t> out((mask.size() + kBits - 1) / kBits, 0);
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    if (mask.data()[i] != 0) out[i / kBits] |= static_cast<std::uint8_t>(1u << (i % kBits));
+  }
+  return out;
+}
+
+PixelMask unpacked(const std::vector<std::uint8_t>& bits, const PinholeCamera& camera) {
+  PixelMask out(camera.width, camera.height);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out.data()[i] = static_cast<std::uint8_t>(bits[i / kBits] >> (i % kBits) & 1u);
+  }
+  return out;
+}
+
 }  // namespace
 
 StoredView::StoredView(const RgbdFrame& frame, double farthest_m, CalibrationPtr calibration)
     : index_(frame.index),
       timestamp_s_(frame.timestamp_s),
       camera_(frame.camera),
-      seen_(frame.seen),
+      seen_(frame.still ? nullptr : frame.seen),
+      seen_of_this_(frame.still && frame.seen ? packed(*frame.seen) : std::vector<std::uint8_t>()),
       calibration_(std::move(calibration)),
       units_per_m_(static_cast<float>(
           farthest_m > 0 ? std::min(kUnitsPerMetre, kMostUnits / farthest_m) : kUnitsPerMetre)),
@@ -37,6 +56,11 @@ StoredView::StoredView(const RgbdFrame& frame, double farthest_m, CalibrationPtr
 
 StoredView::~StoredView() {
   if (room_) room_->forget(*this);
+}
+
+std::shared_ptr<const PixelMask> StoredView::seen() const {
+  if (seen_of_this_.empty()) return seen_;
+  return std::make_shared<const PixelMask>(unpacked(seen_of_this_, camera_));
 }
 
 PicturesPtr StoredView::pictures() const { return room_ ? room_->pictures(*this) : pictures_; }
@@ -59,7 +83,7 @@ std::optional<RgbdFrame> StoredView::frame(const CalibrationPtr& now) const {
   out.camera = camera_;
   out.color = kept->color;
   out.depth = depth(*kept, now);
-  out.seen = seen_;
+  out.seen = seen();
   return out;
 }
 

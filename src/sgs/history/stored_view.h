@@ -6,13 +6,14 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "sgs/camera/rgbd_frame.h"
 #include "sgs/history/revision.h"
 
 namespace sgs::history {
 
-/// The pictures of a frame as they were delivered, five bytes a pixel.
+/// The pictures of a frame as they were delivered, five bytes a pixel; what moves has no depth.
 struct Pictures {
   ColorImage color;
   Image<std::uint16_t> depth;  ///< in fractions of a metre (StoredView::units_per_m()), 0: none
@@ -37,8 +38,8 @@ class StoredView {
   std::int64_t index() const { return index_; }
   double timestamp_s() const { return timestamp_s_; }
   const PinholeCamera& camera() const { return camera_; }
-  /// As RgbdFrame::seen.
-  const std::shared_ptr<const PixelMask>& seen() const { return seen_; }
+  /// As RgbdFrame::seen, without what moves; made anew by each call where something does.
+  std::shared_ptr<const PixelMask> seen() const;
   float units_per_m() const { return units_per_m_; }
   /// What its pictures take, wherever they lie.
   std::size_t bytes() const {
@@ -61,7 +62,8 @@ class StoredView {
   const std::int64_t index_;
   const double timestamp_s_;
   const PinholeCamera camera_;
-  const std::shared_ptr<const PixelMask> seen_;
+  const std::shared_ptr<const PixelMask> seen_;   // shared by the frames of a lens
+  const std::vector<std::uint8_t> seen_of_this_;  // its own, a bit a pixel; empty: seen_
   const CalibrationPtr calibration_;
   const float units_per_m_;
   // Of a view in a store, the rest guarded by its room:

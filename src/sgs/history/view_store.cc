@@ -5,6 +5,7 @@
 #include <system_error>
 #include <utility>
 
+#include "sgs/camera/movers.h"
 #include "sgs/history/view_room.h"
 
 namespace sgs::history {
@@ -21,10 +22,17 @@ ViewStore::~ViewStore() {
 }
 
 StoredViewPtr ViewStore::keep(const RgbdFrame& frame, const CalibrationPtr& calibration) {
-  auto view = frame.delivered ? room_->keep(*frame.delivered, nullptr, room_)
-                              : room_->keep(frame, calibration, room_);
+  auto view = frame.delivered ? keep_delivered(frame) : room_->keep(frame, calibration, room_);
   wake();
   return view;
+}
+
+// What moves was not known yet when it came.
+StoredViewPtr ViewStore::keep_delivered(const RgbdFrame& frame) {
+  if (!frame.still) return room_->keep(*frame.delivered, nullptr, room_);
+  RgbdFrame still = *frame.delivered;
+  leave_out_movers(still, frame.still);
+  return room_->keep(still, nullptr, room_);
 }
 
 StoredViewPtr ViewStore::keep_changed(const RgbdFrame& frame, const CalibrationPtr& calibration) {

@@ -28,9 +28,10 @@ class ViewStore {
   explicit ViewStore(const HistoryConfig& config, double farthest_m = 0);
   ~ViewStore();
 
-  /// Remembers a frame as it was delivered: the view that there is of its index already, where
-  /// somebody has one. Never waits for the disk: a thread writes what is beyond the budget.
-  /// `calibration`: what has corrected the depth of a frame that is as it was delivered.
+  /// Remembers a frame as it was delivered, without the depth of what moves (RgbdFrame::still): the
+  /// view that there is of its index already, where somebody has one. Never waits for the disk: a
+  /// thread writes what is beyond the budget. `calibration`: what has corrected the depth of a
+  /// frame that is as it was delivered.
   StoredViewPtr keep(const RgbdFrame& frame, const CalibrationPtr& calibration = nullptr);
   /// The same for other pictures than the frame was delivered with, which stand beside these.
   StoredViewPtr keep_changed(const RgbdFrame& frame, const CalibrationPtr& calibration);
@@ -50,6 +51,7 @@ class ViewStore {
   std::size_t bytes_in_memory() const;
 
  private:
+  StoredViewPtr keep_delivered(const RgbdFrame& frame);
   void wake();
 
   std::shared_ptr<ViewRoom> room_;

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "sgs/camera/movers.h"
 #include "sgs/history/test_spill.h"
 
 namespace sgs::history {
@@ -92,6 +93,36 @@ TEST(ViewStore, DepthIsKeptAsDeliveredAndCalibratedWhenItIsRead) {
   const auto late = store.keep(other, first);
   EXPECT_NEAR(late->frame(first)->depth(9, 9), corrected->depth(9, 9), 2e-4);
   EXPECT_NEAR(late->frame(second)->depth(9, 9), second->apply(raw->depth)(9, 9), 2e-4);
+}
+
+// Whoever keeps it, whoever keeps it first, and with whatever calibration it is read.
+TEST(ViewStore, WhatMovesIsKeptWithoutItsDepth) {
+  DepthCalibration c;
+  c.camera = kCamera;
+  c.grid = {2, 2};
+  c.offset_per_m.assign(4, 0.02);
+  const auto calibration = std::make_shared<const DepthCalibration>(c);
+  const auto raw = std::make_shared<const RgbdFrame>(frame_of(8));
+  const auto corrected = copy_to_change(raw);
+  corrected->depth = calibration->apply(raw->depth);
+  PixelMask still(kCamera.width, kCamera.height, std::uint8_t{1});
+  still(9, 9) = 0;
+  const auto mask = std::make_shared<const PixelMask>(std::move(still));
+  ViewStore store(1, {.least_in_memory = 1});
+  const auto view = store.keep(*without_movers(corrected, mask), calibration);
+  EXPECT_EQ(store.keep(*without_movers(raw, mask)), view);
+  const auto newer = store.keep(frame_of(9));
+  store.settle();
+  EXPECT_EQ(store.bytes_in_memory(), kBytes) << "it lies on the disk";
+  for (const CalibrationPtr& now : {CalibrationPtr(), calibration}) {
+    const auto frame = view->frame(now);
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->depth(9, 9), 0);
+    EXPECT_FALSE(frame->sees(9, 9));
+    EXPECT_TRUE(frame->sees(8, 9));
+    EXPECT_TRUE(frame->color(9, 9) == raw->color(9, 9));
+  }
+  EXPECT_EQ(view->frame(nullptr)->depth(8, 9), raw->depth(8, 9));
 }
 
 TEST(ViewStore, OtherPicturesOfAFrameStandBesideItsOwn) {

@@ -48,12 +48,12 @@ std::optional<KeyframePictures> KeyframeView::pictures() const {
     float& z = depth.data()[i];
     if (z > static_cast<float>(max_depth_m)) z = 0;
   }
-  return KeyframePictures{std::move(pictures), std::move(depth), seen};
+  return KeyframePictures{std::move(pictures), std::move(depth), kept->seen()};
 }
 
 MapKeyframe::MapKeyframe(const RgbdFrame& frame, const SE3& T, double max_depth_m)
     : MapKeyframe({std::make_shared<const history::StoredView>(frame, max_depth_m), max_depth_m,
-                   nullptr, Vector6d::Zero(), frame.seen},
+                   nullptr, Vector6d::Zero()},
                   T) {}
 
 MapKeyframe::MapKeyframe(KeyframeView view, const SE3& T)

@@ -28,10 +28,9 @@ struct KeyframePictures {
 /// What a keyframe remembers of its frame, and how that becomes what it shows.
 struct KeyframeView {
   history::StoredViewPtr kept;
-  double max_depth_m = 0;                      ///< what is farther counts as not measured
-  history::CalibrationPtr calibration = {};    ///< of depth, in force
-  Vector6d lag = Vector6d::Zero();             ///< of the camera, from colour to depth
-  std::shared_ptr<const PixelMask> seen = {};  ///< as RgbdFrame::seen
+  double max_depth_m = 0;                    ///< what is farther counts as not measured
+  history::CalibrationPtr calibration = {};  ///< of depth, in force
+  Vector6d lag = Vector6d::Zero();           ///< of the camera, from colour to depth
 
   /// What it shows; empty where the view is gone.
   std::optional<KeyframePictures> pictures() const;

@@ -173,8 +173,7 @@ void Mapper::Impl::cull(std::size_t index) {
 }
 
 KeyframeView Mapper::Impl::remember(const RgbdFrame& frame, const Vector6d& lag) {
-  return {kept->keep(frame, calibration), config.insertion.max_depth_m, calibration, lag,
-          frame.seen};
+  return {kept->keep(frame, calibration), config.insertion.max_depth_m, calibration, lag};
 }
 
 // One that is gone already stays so.
@@ -186,8 +185,7 @@ KeyframeView Mapper::Impl::coloured(const KnownKeyframe& view) {
     colour_view(rendering, *frame);
     kept_view = kept->keep_changed(*frame, calibration);
   }
-  return {kept_view, config.insertion.max_depth_m, calibration, view.lag,
-          frame ? frame->seen : nullptr};
+  return {kept_view, config.insertion.max_depth_m, calibration, view.lag};
 }
 
 // Few steps need the pictures, as most work at half resolution; half-resolution views go after

@@ -29,6 +29,19 @@ class CellMask {
     const int row = std::min(v / cell_px_, rows() - 1);
     return cells_[static_cast<std::size_t>(row * columns_ + column)] != 0;
   }
+  /// Where either holds, in the cells of this one if it holds anywhere: of `other` what is around
+  /// their centres.
+  CellMask united(const CellMask& other) const {
+    if (!any_ || !other.any_) return any_ ? *this : other;
+    CellMask out = *this;
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      const int at = static_cast<int>(i), half = cell_px_ / 2;
+      if (other.at(at % columns_ * cell_px_ + half, at / columns_ * cell_px_ + half)) {
+        out.cells_[i] = 1;
+      }
+    }
+    return out;
+  }
   int cell_px() const { return cell_px_; }
   int columns() const { return columns_; }
   int rows() const { return columns_ > 0 ? static_cast<int>(cells_.size()) / columns_ : 0; }

@@ -24,5 +24,14 @@ TEST(CellMask, TellsTheCellAroundAPixelAndReachesToTheRim) {
   EXPECT_FALSE(mask.at(0, 17));
 }
 
+TEST(CellMask, UnitedHoldsWhereEitherDoes) {
+  const CellMask fine(4, 4, {1, 0, 0, 0, 0, 0, 0, 0}), coarse(8, 2, {0, 1});
+  const CellMask both = fine.united(coarse);
+  EXPECT_EQ(both.cells(), (std::vector<std::uint8_t>{1, 0, 1, 1, 0, 0, 1, 1}));
+  EXPECT_EQ(fine.united({}).cells(), fine.cells());
+  EXPECT_EQ(CellMask().united(coarse).cells(), coarse.cells());
+  EXPECT_FALSE(CellMask().united({}).any());
+}
+
 }  // namespace
 }  // namespace sgs::registration

@@ -9,6 +9,7 @@
 
 #include "sgs/camera/depth_lag.h"
 #include "sgs/camera/fingerprint.h"
+#include "sgs/camera/movers.h"
 #include "sgs/core/log.h"
 #include "sgs/core/stopwatch.h"
 #include "sgs/io/ply.h"
@@ -134,6 +135,7 @@ Result<Material> read_material(const Run& run, const RefineOptions& options, Run
     if (lost || !pose || !pose->all_finite()) continue;
     // Only now: the fingerprint is that of the recording.
     if (calibration != nullptr) frame.depth = calibration->apply(frame.depth);
+    leave_out_movers(frame, still_from_blocks(record->movers, run.camera.width, run.camera.height));
     const double delay_s = frame.depth_delay_s + learned_delay;
     frame.depth = depth_with_colour(frame.depth, frame.camera,
                                     refine::twist_at(views, frame.timestamp_s, delay_s));

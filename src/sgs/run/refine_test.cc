@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "sgs/camera/movers.h"
 #include "sgs/export/convert.h"
 #include "sgs/io/temporary_folder.h"
 #include "sgs/run/execute.h"
@@ -96,6 +97,26 @@ TEST_F(RefineRunTest, DepthIsCorrectedByWhatTheRunLearned) {
   ASSERT_TRUE(as_recorded && corrected);
   EXPECT_NE(corrected->refined.last.psnr_db, as_recorded->refined.last.psnr_db);
   EXPECT_TRUE(fs::exists(scratch_->path() / "corrected" / files::kCalibration));
+}
+
+// Neither learnt from nor judged by.
+TEST_F(RefineRunTest, WhatMovedIsLeftOut) {
+  run::Run run = loaded();
+  const auto whole = refine(run, "whole", 4);
+  PixelMask still(run.camera.width, run.camera.height, std::uint8_t{1});
+  for (int v = 0; v < still.height(); ++v) {
+    std::fill(still.row(v), still.row(v) + still.width() / 2, std::uint8_t{0});
+  }
+  for (slam::FrameRecord& frame : run.frames) frame.movers = mover_blocks(still);
+  const auto half = refine(run, "half", 4);
+  ASSERT_TRUE(whole && half);
+  EXPECT_NE(half->refined.start.psnr_db, whole->refined.start.psnr_db);
+  EXPECT_NE(half->refined.last.psnr_db, whole->refined.last.psnr_db);
+  const auto kept = load_run(scratch_->path() / "half", kFrames);
+  ASSERT_TRUE(kept) << kept.error().text();
+  EXPECT_EQ(kept->frames.front().movers, run.frames.front().movers);
+  EXPECT_TRUE(fs::exists(scratch_->path() / "half" / files::kMovers));
+  EXPECT_FALSE(fs::exists(scratch_->path() / "whole" / files::kMovers));
 }
 
 TEST_F(RefineRunTest, ACalibrationOfAnotherSizeIsRefused) {

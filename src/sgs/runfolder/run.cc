@@ -21,6 +21,7 @@
 #include "sgs/io/trajectory_io.h"
 #include "sgs/runfolder/checkpoint_folders.h"
 #include "sgs/runfolder/journal.h"
+#include "sgs/runfolder/movers_file.h"
 #include "sgs/runfolder/run_config.h"
 #include "sgs/runfolder/run_files.h"
 #include "sgs/runfolder/timings.h"
@@ -123,7 +124,10 @@ const std::array<PartFile, 6> kPartFiles = {{
        SGS_ASSIGN_OR_RETURN(const auto text, io::read_file(path));
        const std::string_view lines = run.state.unfinished() ? io::whole_lines(text) : text;
        SGS_ASSIGN_OR_RETURN(run.frames, slam::frames_from_csv(lines, path.string()));
-       return {};
+       // Where nothing moved there is none.
+       const fs::path movers = path.parent_path() / files::kMovers;
+       std::error_code unreadable;
+       return fs::exists(movers, unreadable) ? load_movers(movers, run.frames) : Status{};
      },
      "`sgs render` and `sgs export` do without it"},
     {kMap, files::kMap,
@@ -342,6 +346,9 @@ void save_run(const Run& run, RunFolder& folder) {
   save_poses(files::kOnline, run.online);
   save_poses(files::kKeyframes, run.keyframes);
   folder.save_text(files::kFrames, slam::frames_csv(run.frames));
+  if (const std::string movers = movers_text(run.frames); !movers.empty()) {
+    folder.save_text(files::kMovers, movers);
+  }
   folder.save(files::kMap, [&](const fs::path& path) {
     return io::save_splats(path, run.gaussians, run.harmonics);
   });

@@ -15,6 +15,7 @@ inline constexpr const char* kOnline = "trajectory_online.txt";  ///< as said fr
 inline constexpr const char* kKeyframes = "keyframes.txt";
 inline constexpr const char* kTruth = "groundtruth.txt";
 inline constexpr const char* kFrames = "frames.csv";
+inline constexpr const char* kMovers = "movers.txt";  ///< what moved in each frame, where it did
 inline constexpr const char* kMap = "map.ply";
 inline constexpr const char* kLastingMap = "map.sgsmap";  ///< for others to come back to
 inline constexpr const char* kUpright = "upright.toml";   ///< which way is up in its world
@@ -40,9 +41,9 @@ inline constexpr std::array<const char*, 4> kOfCheckpoint = {kMap, kKeyframes, k
                                                              kResume};
 
 /// What a run makes, checkpoints apart: a new run into the same folder begins by removing these.
-inline constexpr std::array<const char*, 19> kResults = {
-    kConfig, kCamera,  kCalibration, kTrajectory, kOnline,         kKeyframes, kTruth,
-    kFrames, kMap,     kTimings,     kMetrics,    kReport,         kLog,       kPictures,
-    kRefine, kUpright, kLastingMap,  kSavedMap,   kSavedTrajectory};
+inline constexpr std::array<const char*, 20> kResults = {
+    kConfig, kCamera,  kCalibration, kTrajectory, kOnline,          kKeyframes, kTruth,
+    kFrames, kMap,     kTimings,     kMetrics,    kReport,          kLog,       kPictures,
+    kRefine, kUpright, kLastingMap,  kSavedMap,   kSavedTrajectory, kMovers};
 
 }  // namespace sgs::run::files

@@ -38,6 +38,9 @@ struct FrameRecord {
   int calibrations = 0;          ///< of depth, learned so far
   double correction_m = 0;       ///< by how much the past was moved just before this frame
   std::int64_t fingerprint = 0;  ///< of the frame (camera/fingerprint.h); 0 = not known
+  /// Where something moved by itself (mover_blocks() of camera/movers.h), not in frames.csv; empty:
+  /// nowhere.
+  std::string movers;
   /// Exposure over the map's colour per channel, as `sgs refine` learned it; NaN = not known. Of a
   /// held-out frame: as the frames around it in time tell.
   std::array<double, 3> gain = {kUnknownGain, kUnknownGain, kUnknownGain};

@@ -28,7 +28,7 @@ struct ArchiveColumn {
 template <class Archive>
 void archive_record(Archive& a, FrameRecord& r) {
   visit_columns(r, ArchiveColumn<Archive>{a});
-  a(r.bad_reason, r.T_online_camera);
+  a(r.bad_reason, r.T_online_camera, r.movers);
 }
 
 FrameBrief brief_of(const FrameRecord& r) {

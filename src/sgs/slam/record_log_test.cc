@@ -29,6 +29,7 @@ FrameRecord record_of(int k) {
   r.track_ms = k;
   r.fingerprint = 1000 + k;
   r.gain[1] = k;
+  if (k % 4 == 1) r.movers = std::string("\0\x81", 2);
   return r;
 }
 
@@ -90,6 +91,7 @@ void expect_all(const std::filesystem::path& folder) {
   EXPECT_EQ(text_of(records), text_of(expected));
   for (std::size_t i = 0; i < records.size(); ++i) {
     EXPECT_EQ(records[i].bad_reason, expected[i].bad_reason);
+    EXPECT_EQ(records[i].movers, expected[i].movers);
     EXPECT_EQ(records[i].T_online_camera.R, expected[i].T_online_camera.R);
     EXPECT_EQ(records[i].T_online_camera.t, expected[i].T_online_camera.t);
     EXPECT_EQ(log.briefs()[i].tracked,

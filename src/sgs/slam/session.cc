@@ -8,6 +8,7 @@
 
 #include "sgs/camera/depth_lag.h"
 #include "sgs/camera/fingerprint.h"
+#include "sgs/camera/movers.h"
 #include "sgs/camera/resample.h"
 #include "sgs/core/log.h"
 #include "sgs/slam/calibration_back_end.h"
@@ -202,7 +203,7 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& raw) {
   SGS_CHECK(revision_.path.empty() || raw->index > revision_.path.back().frame,
             "frames come in the order of their indices");
   const double moved_m = revise_past();
-  auto frame = calibrated(raw);
+  auto frame = without_movers(calibrated(raw), raw->still);
   const bool of_one_time = !tracker_->knows_depth_lag();
   registration::FrameMotion motion;
   if (of_one_time) {
@@ -222,10 +223,14 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& raw) {
     record.diagnostics.depth_delay_s = result.motion.depth_delay_s - raw->depth_delay_s;
   }
   record.fingerprint = fingerprint(*raw);  // as the recording has it
-  ask_back_ends(raw, frame, result, record);
-  if (comes_as_before(record, depth_fingerprint(*raw))) hand_to_mapper(frame, result, record);
+  // What moves belongs neither to the map nor to a place that is known again.
+  const auto still = in_both(raw->still, result.still);
+  if (still) record.movers = mover_blocks(*still);
+  const auto scene = without_movers(frame, result.still);
+  ask_back_ends(frame == raw ? scene : without_movers(raw, still), scene, result, record);
+  if (comes_as_before(record, depth_fingerprint(*raw))) hand_to_mapper(scene, result, record);
   report_loss(record);
-  compare_metres(*frame, record);
+  compare_metres(*scene, record);
   const FrameRecord& added = records_.add(std::move(record));
   if (on_frame_) on_frame_(added);
   return added;
@@ -347,19 +352,6 @@ bool Session::wants_mapping_keyframe(const FrameRecord& record) const {
          video_time_ - last_mapping_keyframe_ >= config_.keyframe_interval;
 }
 
-namespace {
-
-// What moves is not learned from.
-std::shared_ptr<const RgbdFrame> without_movers(std::shared_ptr<const RgbdFrame> frame,
-                                                const tracker::TrackResult& result) {
-  if (!result.still) return frame;
-  auto out = copy_to_change(frame);
-  out->seen = result.still;
-  return out;
-}
-
-}  // namespace
-
 void Session::hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame,
                              const tracker::TrackResult& result, FrameRecord& record) {
   if (!found_at_ && record.status != tracker::TrackingStatus::kLost) found_at_ = record.index;
@@ -377,8 +369,7 @@ void Session::hand_to_mapper(const std::shared_ptr<const RgbdFrame>& frame,
     last_mapping_keyframe_ = video_time_;
     keyframe_pending_ = false;
     job.lag = result.motion.lag();
-    job.keyframe = without_movers(
-        tracker_->knows_depth_lag() ? frame_of_one_time(frame, job.lag) : frame, result);
+    job.keyframe = tracker_->knows_depth_lag() ? frame_of_one_time(frame, job.lag) : frame;
   }
   job.revision = revision_;
   worker_->submit(std::move(job));

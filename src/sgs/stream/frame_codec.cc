@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sgs/stream/frame_codec.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -93,6 +94,25 @@ io::RawDepth raw_depth(const DepthImage& depth, double scale) {
   return raw;
 }
 
+/// Where nothing moves, of a packet with a mask; null where nothing does anywhere.
+Result<std::shared_ptr<const PixelMask>> still_of(const Packet& packet, const Hello& hello,
+                                                  PairRectifier& rectifier) {
+  if (packet.mask.empty()) return nullptr;
+  SGS_ASSIGN_OR_RETURN(auto mask,
+                       image_of<std::uint8_t>(packet.mask, hello.color_camera.camera, "the mask"));
+  const auto stands = std::count(mask.data(), mask.data() + mask.size(), std::uint8_t{0});
+  if (stands == 0) {
+    return fail(ErrorCode::kInvalidFormat,
+                "by its mask all of the picture moves: 0 stands for what is still, any other value "
+                "for what moves",
+                kKeepToIt);
+  }
+  if (static_cast<std::size_t>(stands) == mask.size()) return nullptr;
+  std::transform(mask.data(), mask.data() + mask.size(), mask.data(),
+                 [](std::uint8_t moves) { return moves == 0 ? std::uint8_t{1} : std::uint8_t{0}; });
+  return std::make_shared<const PixelMask>(rectifier.rectify(std::move(mask), 1));
+}
+
 }  // namespace
 
 FrameDecoder::FrameDecoder(const Hello& hello)
@@ -108,6 +128,7 @@ Status FrameDecoder::decode(Packet packet, RgbdFrame& frame) {
   }
   SGS_ASSIGN_OR_RETURN(auto color, color_of(packet, hello_));
   SGS_ASSIGN_OR_RETURN(auto depth, depth_of(packet, hello_));
+  SGS_ASSIGN_OR_RETURN(frame.still, still_of(packet, hello_, rectifier_));
   rectifier_.rectify(std::move(color), std::move(depth), frame);
   return {};
 }
@@ -117,6 +138,10 @@ Result<Packet> encode_frame(const RgbdFrame& frame, const Hello& hello) {
   packet.timestamp_s = frame.timestamp_s;
   packet.depth_delay_s = frame.depth_delay_s;
   packet.given_T_world_camera = frame.given_T_world_camera;
+  if (hello.version >= kFirstWithMask && frame.still) {
+    packet.mask = bytes_of(*frame.still);
+    for (char& moves : packet.mask) moves = moves == 0 ? '\xff' : '\0';
+  }
   if (hello.color == ColorCoding::kJpeg) {
     SGS_ASSIGN_OR_RETURN(packet.color, io::encode_jpeg(frame.color, kSentJpegQuality));
   } else if (hello.color == ColorCoding::kRgb8) {

@@ -16,8 +16,9 @@ class FrameDecoder {
   explicit FrameDecoder(const Hello& hello);
 
   const PinholeCamera& camera() const { return hello_.color_camera.camera; }
-  /// Sets everything in `frame` but its index. Images of another size than the greeting's, damaged
-  /// ones and times that are not finite are errors.
+  /// Sets everything in `frame` but its index; RgbdFrame::still as the mask says. Images of another
+  /// size than the greeting's, damaged ones, masks by which all moves and times that are not finite
+  /// are errors.
   Status decode(Packet packet, RgbdFrame& frame);
 
  private:

@@ -20,7 +20,9 @@ using Json = nlohmann::json;
 
 constexpr std::string_view kMagic = "SGS";  // and the version, a digit
 constexpr std::size_t kMagic_bytes = 4;
-constexpr int kNewestVersion = 2;
+constexpr int kNewestVersion = 3;
+constexpr const char* kNoStream =
+    "this is no stream of frames: it does not begin with SGS1, SGS2 or SGS3";
 constexpr char kFrameMark = 'F', kImuMark = 'I';
 constexpr std::size_t kLength_bytes = sizeof(std::uint32_t);
 constexpr std::size_t kNumbersOfSample = 7, kSample_bytes = kNumbersOfSample * sizeof(double);
@@ -115,6 +117,14 @@ Result<LensCamera> camera_of(const Json& json, const char* key) {
   return lens;
 }
 
+/// Of a frame; a reader of an older version would take a mask for the next part.
+Result<std::size_t> mask_bytes_of(const Json& json, int version) {
+  constexpr const char* kKey = "mask_bytes";
+  if (!json.contains(kKey)) return std::size_t{0};
+  if (version >= kFirstWithMask) return count_of(json, kKey, kLargestImages_bytes);
+  return broken("a frame with a mask in a stream that does not begin with SGS3");
+}
+
 Status read_version_2(const Json& json, Hello& hello) {
   constexpr std::string_view kDevice = "device";
   hello.device_clock = json.value("clock", "") == kDevice;
@@ -183,15 +193,17 @@ std::string encode_hello(const Hello& hello) {
 }
 
 Result<std::string> encode_packet(const Packet& packet) {
-  if (packet.color.size() + packet.depth.size() > kLargestImages_bytes) {
+  const std::size_t bytes = packet.color.size() + packet.depth.size() + packet.mask.size();
+  if (bytes > kLargestImages_bytes) {
     return fail(ErrorCode::kUnsupported,
-                fmt::format("a frame of {} bytes is larger than a stream allows ({})",
-                            packet.color.size() + packet.depth.size(), kLargestImages_bytes),
+                fmt::format("a frame of {} bytes is larger than a stream allows ({})", bytes,
+                            kLargestImages_bytes),
                 "send it smaller: --max-width, --color jpeg, --depth u16");
   }
   Json json = {{"t", packet.timestamp_s},
                {"color_bytes", packet.color.size()},
                {"depth_bytes", packet.depth.size()}};
+  if (!packet.mask.empty()) json["mask_bytes"] = packet.mask.size();
   if (packet.depth_delay_s != 0) json["depth_t"] = packet.timestamp_s + packet.depth_delay_s;
   if (packet.given_T_world_camera) json["pose"] = pose_json(*packet.given_T_world_camera);
   add_if_any(json, "exposure_s", packet.exposure_s);
@@ -199,7 +211,7 @@ Result<std::string> encode_packet(const Packet& packet) {
   add_if_any(json, "gain", packet.gain);
   add_if_any(json, "received_t", packet.received_s);
   const std::string text = json.dump();
-  return kFrameMark + length_bytes(text.size()) + text + packet.color + packet.depth;
+  return kFrameMark + length_bytes(text.size()) + text + packet.color + packet.depth + packet.mask;
 }
 
 std::string encode_imu(std::span<const InertialSample> samples) {
@@ -232,9 +244,11 @@ Status StreamParser::read_header(std::string_view text) {
     packet_.received_s = number_if_any(json, "received_t");
     SGS_ASSIGN_OR_RETURN(color_bytes_, count_of(json, "color_bytes", kLargestImages_bytes));
     SGS_ASSIGN_OR_RETURN(depth_bytes_, count_of(json, "depth_bytes", kLargestImages_bytes));
-    if (color_bytes_ + depth_bytes_ > kLargestImages_bytes) {
-      return broken(fmt::format("a frame announces {} bytes; at most {} are allowed",
-                                color_bytes_ + depth_bytes_, kLargestImages_bytes));
+    SGS_ASSIGN_OR_RETURN(mask_bytes_, mask_bytes_of(json, hello_->version));
+    const std::size_t bytes = color_bytes_ + depth_bytes_ + mask_bytes_;
+    if (bytes > kLargestImages_bytes) {
+      return broken(fmt::format("a frame announces {} bytes; at most {} are allowed", bytes,
+                                kLargestImages_bytes));
     }
     if (json.contains("pose")) {
       SGS_ASSIGN_OR_RETURN(packet_.given_T_world_camera, pose_of(json.at("pose"), "pose"));
@@ -255,12 +269,12 @@ Result<std::optional<std::size_t>> StreamParser::length_of(const char* what,
 Result<StreamParser::Part> StreamParser::next_hello() {
   const std::string_view seen = std::string_view(buffer_).substr(0, kMagic.size());
   if (seen != kMagic.substr(0, seen.size())) {
-    return broken("this is no stream of frames: it does not begin with SGS1 or SGS2");
+    return broken(kNoStream);
   }
   if (buffer_.size() < kMagic_bytes) return Part::kNone;
   const int version = buffer_[kMagic.size()] - '0';
   if (version < 1 || version > kNewestVersion) {
-    return broken("this is no stream of frames: it does not begin with SGS1 or SGS2");
+    return broken(kNoStream);
   }
   const std::size_t json_at = kMagic_bytes + kLength_bytes;
   if (buffer_.size() < json_at) return Part::kNone;
@@ -299,10 +313,12 @@ Result<StreamParser::Part> StreamParser::next_frame() {
     SGS_RETURN_IF_ERROR(read_header(std::string_view(buffer_).substr(kJsonAt, *length)));
     images_at_ = kJsonAt + *length;
   }
-  const std::size_t end = *images_at_ + color_bytes_ + depth_bytes_;
+  const std::size_t depth_at = *images_at_ + color_bytes_, mask_at = depth_at + depth_bytes_;
+  const std::size_t end = mask_at + mask_bytes_;
   if (buffer_.size() < end) return Part::kNone;
   packet_.color = buffer_.substr(*images_at_, color_bytes_);
-  packet_.depth = buffer_.substr(*images_at_ + color_bytes_, depth_bytes_);
+  packet_.depth = buffer_.substr(depth_at, depth_bytes_);
+  packet_.mask = buffer_.substr(mask_at, mask_bytes_);
   buffer_.erase(0, end);
   images_at_.reset();
   return Part::kFrame;

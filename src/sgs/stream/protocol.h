@@ -18,9 +18,9 @@
 #include "sgs/geometry/se3.h"
 
 // Frames over a socket or a pipe (docs/stream.md). All numbers little-endian:
-//   hello  "SGS1" or "SGS2", u32 length, JSON
-//   frame  'F', u32 length, JSON, colour, depth     any number of them
-//   imu    'I', u32 length, samples of 7 doubles    version 2: any number of them, between frames
+//   hello  "SGS1", "SGS2" or "SGS3", u32 length, JSON
+//   frame  'F', u32 length, JSON, colour, depth     any number of them; version 3: and a mask
+//   imu    'I', u32 length, samples of 7 doubles    from version 2: any number, between frames
 //   end    'E'
 namespace sgs::stream {
 
@@ -48,6 +48,9 @@ inline constexpr std::size_t kLargestImu_bytes = std::size_t{56} << 10;
 inline constexpr std::size_t kLargestImages_bytes = std::size_t{64} << 20;
 // limit: side of a stream's images, pixels
 inline constexpr int kLargestSide_px = 8192;
+
+/// Version of the greeting from which on frames may bring a mask.
+inline constexpr int kFirstWithMask = 3;
 
 /// What a sender says of its frames before the first one.
 struct Hello {
@@ -84,6 +87,9 @@ struct Packet {
   std::optional<double> exposure_s, depth_exposure_s;  ///< for how long each image was exposed
   std::optional<double> gain;                          ///< of the colour sensor, in its own unit
   std::optional<double> received_s;  ///< when colour came, by the clock of the sender's machine
+  /// Version 3: what moves, a byte for each pixel of colour, row by row: 0 = stands still. Empty:
+  /// nobody knows of anything.
+  std::string mask;
 };
 
 /// What an inertial unit measured at one time; NaN = not measured then. Its two halves often have
@@ -96,7 +102,7 @@ struct InertialSample {
 };
 
 std::string encode_hello(const Hello& hello);
-/// Fails where a frame is larger than the protocol allows.
+/// Fails where a frame is larger than the protocol allows. A mask is for greetings of version 3.
 Result<std::string> encode_packet(const Packet& packet);
 /// One part; samples beyond the limit are left out, the last ones.
 std::string encode_imu(std::span<const InertialSample> samples);
@@ -141,7 +147,7 @@ class StreamParser {
   Packet packet_;
   std::vector<InertialSample> imu_;
   std::optional<std::size_t> images_at_;  // in the buffer, once a frame's header is read
-  std::size_t color_bytes_ = 0, depth_bytes_ = 0;
+  std::size_t color_bytes_ = 0, depth_bytes_ = 0, mask_bytes_ = 0;
   bool ended_ = false;
   std::optional<Error> failure_;
 };

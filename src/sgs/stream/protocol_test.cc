@@ -242,13 +242,118 @@ TEST(Version2, SamplesAreBoundedAndOfVersion2Only) {
   EXPECT_EQ(error_of(hello + encode_imu({})), "no error");
   const std::vector<InertialSample> many(5000);
   EXPECT_EQ(error_of(hello + encode_imu(many)), "no error");
-  EXPECT_THAT(error_of("SGS3"), HasSubstr("SGS1 or SGS2"));
+  EXPECT_THAT(error_of("SGS4"), HasSubstr("SGS1, SGS2 or SGS3"));
   StreamParser parser;
   const std::array<InertialSample, 1> timeless = {InertialSample{InertialSample::kNone}};
   parser.push(hello + encode_imu(timeless));
   ASSERT_EQ(parser.next().value(), Part::kHello);
   ASSERT_EQ(parser.next().value(), Part::kImu);
   EXPECT_TRUE(parser.imu().empty());
+}
+
+Hello hello_with_masks() {
+  Hello hello = sent_hello();
+  hello.version = 3;
+  return hello;
+}
+
+/// Somebody stands in the last two columns.
+RgbdFrame frame_with_somebody() {
+  RgbdFrame frame = some_frame();
+  PixelMask still(12, 9, std::uint8_t{1});
+  for (int y = 0; y < 9; ++y) still(10, y) = still(11, y) = 0;
+  frame.still = std::make_shared<const PixelMask>(std::move(still));
+  return frame;
+}
+
+TEST(Version3, AMaskSaysWhatMoves) {
+  const RgbdFrame sent = frame_with_somebody();
+  const Packet packet = encode_frame(sent, hello_with_masks()).value();
+  ASSERT_EQ(packet.mask.size(), 12u * 9);
+  EXPECT_EQ(packet.mask[9], '\0');
+  EXPECT_NE(packet.mask[10], '\0');
+  StreamParser parser;
+  parser.push(encode_hello(hello_with_masks()) + encode_packet(packet).value() +
+              encode_packet(encode_frame(some_frame(), hello_with_masks()).value()).value());
+  ASSERT_EQ(parser.next().value(), Part::kHello);
+  ASSERT_EQ(parser.next().value(), Part::kFrame);
+  FrameDecoder decoder(parser.hello());
+  RgbdFrame frame;
+  ASSERT_TRUE(decoder.decode(parser.packet(), frame));
+  ASSERT_TRUE(frame.still);
+  for (int x = 0; x < 12; ++x) EXPECT_EQ((*frame.still)(x, 4) == 0, x >= 10) << x;
+  EXPECT_EQ(frame.depth(11, 4), sent.depth(11, 4)) << "as it was sent";
+  ASSERT_EQ(parser.next().value(), Part::kFrame);
+  ASSERT_TRUE(decoder.decode(parser.packet(), frame));
+  EXPECT_FALSE(frame.still) << "of a frame without a mask nothing is known";
+}
+
+TEST(Version3, AMaskThatMarksNothingIsNone) {
+  Packet packet = encode_frame(some_frame(), hello_with_masks()).value();
+  packet.mask.assign(12 * 9, '\0');
+  RgbdFrame frame;
+  ASSERT_TRUE(FrameDecoder(hello_with_masks()).decode(packet, frame));
+  EXPECT_FALSE(frame.still);
+}
+
+TEST(Version3, MasksOfAnotherSizeOrTheOtherWayRoundAreRefused) {
+  FrameDecoder decoder(hello_with_masks());
+  Packet packet = encode_frame(frame_with_somebody(), hello_with_masks()).value();
+  packet.mask.pop_back();
+  RgbdFrame frame;
+  EXPECT_THAT(decoder.decode(packet, frame).error().text(),
+              HasSubstr("the mask has 107 bytes where 12x9"));
+  packet.mask.assign(12 * 9, '\1');
+  EXPECT_THAT(decoder.decode(packet, frame).error().text(),
+              HasSubstr("0 stands for what is still"));
+}
+
+TEST(Version3, AMaskFollowsTheLens) {
+  Hello hello = hello_with_masks();
+  hello.color_camera.camera = {64, 48, 60, 60, 31.5, 23.5};
+  hello.color_camera.distortion =
+      *Distortion::from_coefficients(std::array{0.3, 0.1, 0.0, 0.0}, LensModel::kBrown);
+  RgbdFrame sent;
+  sent.color = ColorImage(64, 48, {0, 0, 0});
+  sent.depth = DepthImage(64, 48, 1.0f);
+  PixelMask still(64, 48, std::uint8_t{1});
+  for (int y = 4; y < 44; ++y) {
+    for (int x = 4; x < 20; ++x) {
+      still(x, y) = 0;
+      sent.color(x, y) = {255, 255, 255};  // what moves is white
+    }
+  }
+  sent.still = std::make_shared<const PixelMask>(std::move(still));
+  RgbdFrame frame;
+  ASSERT_TRUE(FrameDecoder(hello).decode(encode_frame(sent, hello).value(), frame));
+  ASSERT_TRUE(frame.still && frame.seen);
+  for (int y = 0; y < 48; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      const bool moves = (*frame.still)(x, y) == 0;
+      const std::uint8_t red = frame.color(x, y).r;
+      if (red != 0 && red != 255) continue;  // between both
+      EXPECT_EQ(moves, red == 255) << x << " " << y;
+      EXPECT_FALSE(moves && (*frame.seen)(x, y) == 0);
+    }
+  }
+}
+
+TEST(Version3, AMaskCountsToTheLimitAndIsOfVersion3Only) {
+  Packet packet = encode_frame(frame_with_somebody(), hello_with_masks()).value();
+  EXPECT_THAT(error_of(encode_hello(sent_hello()) + encode_packet(packet).value()),
+              HasSubstr("does not begin with SGS3"));
+  EXPECT_TRUE(encode_frame(frame_with_somebody(), sent_hello()).value().mask.empty());
+  const std::string greeting = encode_hello(hello_with_masks());
+  const auto announced = [&](const std::string& bytes) {
+    return error_of(
+        greeting +
+        part("F", R"({"t":0,"color_bytes":324,"depth_bytes":432,"mask_bytes":)" + bytes + "}"));
+  };
+  EXPECT_EQ(announced("108"), "no error");
+  EXPECT_THAT(announced("67108864"), HasSubstr("at most 67108864"));
+  EXPECT_THAT(announced("-1"), HasSubstr("'mask_bytes' is -1"));
+  packet.mask.resize(kLargestImages_bytes);
+  EXPECT_FALSE(encode_packet(packet));
 }
 
 TEST(Version2, OddValuesAreErrorsOrLeftOut) {

@@ -149,6 +149,7 @@ class Receiver final : public StreamSource {
     }
     frame.timestamp_s = sent_s + moved_s_;
     if (auto doubt = doubts_.of_depth(frame.depth)) say(*doubt);
+    if (auto doubt = doubts_.of_mask(frame.still.get())) say(*doubt);
     behind_ = ahead_ = 0;
     in_time_ = true;
     last_time_s_ = frame.timestamp_s;

@@ -67,4 +67,21 @@ std::optional<std::string> UnitDoubts::of_depth(const DepthImage& depth_m) {
       median_m > kFarthest_m ? "farther" : "nearer", median_m);
 }
 
+std::optional<std::string> UnitDoubts::of_mask(const PixelMask* still) {
+  // Who sends a mask sees people before a room: not for long more of them than of the room.
+  constexpr float kMost = 0.75f;
+  constexpr std::size_t kEnough = 10;
+  if (masks_judged_ || still == nullptr) return std::nullopt;
+  const auto moving = std::count(still->data(), still->data() + still->size(), std::uint8_t{0});
+  moving_shares_.push_back(static_cast<float>(moving) / static_cast<float>(still->size()));
+  if (moving_shares_.size() < kEnough) return std::nullopt;
+  masks_judged_ = true;
+  const float share = median_of(moving_shares_);
+  if (share <= kMost) return std::nullopt;
+  return fmt::format(
+      "by its masks {:.0f} % of the picture move: are they the other way round? 0 stands for what "
+      "is still, any other value for what moves",
+      100 * share);
+}
+
 }  // namespace sgs::stream

@@ -50,6 +50,22 @@ TEST(UnitDoubts, OtherUnitsOfTimeAreNamedOnce) {
   EXPECT_THAT(one(said_of(0, 1)), HasSubstr("frame numbers"));
 }
 
+TEST(UnitDoubts, MasksTheOtherWayRoundAreToldOnce) {
+  const auto said_of_masks = [](int moving_columns) {
+    UnitDoubts doubts;
+    std::vector<std::string> said;
+    PixelMask still(10, 2, std::uint8_t{1});
+    for (int x = 0; x < moving_columns; ++x) still(x, 0) = still(x, 1) = 0;
+    for (int i = 0; i < 30; ++i) {
+      if (auto what = doubts.of_mask(i % 2 == 0 ? &still : nullptr)) said.push_back(*what);
+    }
+    return said;
+  };
+  EXPECT_TRUE(said_of_masks(6).empty());
+  ASSERT_EQ(said_of_masks(9).size(), 1U);
+  EXPECT_THAT(said_of_masks(9).front(), HasSubstr("90 % of the picture move"));
+}
+
 TEST(UnitDoubts, DepthThatNoCameraSeesIsToldOnce) {
   EXPECT_TRUE(said_of_depth(0.08f).empty());
   EXPECT_TRUE(said_of_depth(60).empty());

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sgs/alignment/loss_checks.h"
+#include "sgs/camera/movers.h"
 #include "sgs/camera/resample.h"
 
 namespace sgs::tracker {
@@ -61,11 +62,12 @@ TrackResult SpectralTracker::track(const RgbdFrame& frame, const history::Revisi
   aligner_.remember(alignment);
   trusted_frame_ = frame.index;
   const Vector6d readout = frame_readout(alignment.fit.readout());
+  const auto still = aligner_.still_pixels(frame, alignment);
   // What geometry alone says just after the picture stopped fitting is not built upon.
-  const bool keyframe = !policy_.in_doubt() && extend_map(frame, alignment, readout, rate);
+  const bool keyframe = !policy_.in_doubt() && extend_map(frame, still, alignment, readout, rate);
   TrackResult result = tracked(alignment);
   result.keyframe = keyframe;
-  result.still = aligner_.still_pixels(frame, alignment);
+  result.still = still;
   result.motion = alignment.points_motion;
   result.motion.readout = readout;
   return result;
@@ -360,12 +362,21 @@ void SpectralTracker::learn_from(const alignment::Alignment& a, const Vector6d& 
 }
 
 // Targets and visual keyframes grow independently; true when the targets did.
-bool SpectralTracker::extend_map(const RgbdFrame& frame, const alignment::Alignment& a,
-                                 const Vector6d& readout, const Vector6d& rate) {
+bool SpectralTracker::extend_map(const RgbdFrame& frame,
+                                 const std::shared_ptr<const PixelMask>& still,
+                                 const alignment::Alignment& a, const Vector6d& readout,
+                                 const Vector6d& rate) {
   const alignment::CpuTimer timer(aligner_.times().update);
   const auto extended = aligner_.extend(a, readout);
   if (extended.keyframe) {
-    relocaliser_.add_keyframe(frame, aligner_.past().revision().calibration);
+    const history::CalibrationPtr& calibration = aligner_.past().revision().calibration;
+    if (still) {
+      RgbdFrame place = frame;
+      leave_out_movers(place, still);
+      relocaliser_.add_keyframe(place, calibration);
+    } else {
+      relocaliser_.add_keyframe(frame, calibration);
+    }
     readout_.add_keyframe(aligner_.vision().newest_keyframe(), rate.head<3>(), readout.head<3>());
   }
   return extended.targets;

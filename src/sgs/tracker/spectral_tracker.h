@@ -49,8 +49,9 @@ class SpectralTracker : public Tracker {
   std::optional<alignment::Alignment> relocalised(
       const RgbdFrame& frame, const std::function<bool(const alignment::Alignment&)>& is_believed);
   void learn_from(const alignment::Alignment& alignment, const Vector6d& rate);
-  bool extend_map(const RgbdFrame& frame, const alignment::Alignment& alignment,
-                  const Vector6d& readout, const Vector6d& rate);
+  bool extend_map(const RgbdFrame& frame, const std::shared_ptr<const PixelMask>& still,
+                  const alignment::Alignment& alignment, const Vector6d& readout,
+                  const Vector6d& rate);
   TrackResult tracked(const alignment::Alignment& alignment) const;
   TrackResult lost(const alignment::Alignment& alignment, double timestamp_s);
 

@@ -91,8 +91,8 @@ struct TrackResult {
   std::optional<Matrix6d> information;
   /// How the camera moved while the frame was measured; zero where not known.
   registration::FrameMotion motion;
-  /// Pixels that the camera saw and where nothing moves: all that a map may learn from; null where
-  /// that are those of RgbdFrame::seen.
+  /// Pixels that show nothing that moves by itself: all that may be learned from or remembered, by
+  /// whomever; null: all of them.
   std::shared_ptr<const PixelMask> still;
   Diagnostics diagnostics;
 };

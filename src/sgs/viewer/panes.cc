@@ -76,6 +76,26 @@ void veil(ColorImage& image, const PixelMask& seen) {
   }
 }
 
+void outline(ColorImage& image, const PixelMask& still) {
+  SGS_CHECK(image.width() == still.width() && image.height() == still.height(),
+            "a mask of the picture's size");
+  constexpr Rgb8 kLine = {255, 140, 0};
+  constexpr int kWidth_px = 2;
+  const auto touches_still = [&](int u, int v) {
+    for (int y = v - kWidth_px; y <= v + kWidth_px; ++y) {
+      for (int x = u - kWidth_px; x <= u + kWidth_px; ++x) {
+        if (still.contains(x, y) && still(x, y) != 0) return true;
+      }
+    }
+    return false;
+  };
+  for (int v = 0; v < still.height(); ++v) {
+    for (int u = 0; u < still.width(); ++u) {
+      if (still(u, v) == 0 && touches_still(u, v)) image(u, v) = kLine;
+    }
+  }
+}
+
 ColorImage depth_picture(const DepthImage& depth) {
   constexpr float kNear_m = 0.3f, kFar_m = 10.0f;
   const float range = std::log(kFar_m / kNear_m);

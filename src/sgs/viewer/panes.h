@@ -15,6 +15,9 @@ ColorImage shrink(const ColorImage& image, int stride);
 PixelMask shrink(const PixelMask& mask, int stride);
 /// Paints what the camera did not see as the page's own grey; an empty mask: it saw all.
 void veil(ColorImage& image, const PixelMask& seen);
+/// Draws a line, two pixels wide, inside the border of what is 0 in `still`: what moves. A mask of
+/// the picture's size.
+void outline(ColorImage& image, const PixelMask& still);
 /// Every `stride`-th pixel; depths are not averaged across edges.
 DepthImage shrink(const DepthImage& image, int stride);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sgs/camera/movers.h"
 #include "sgs/core/log.h"
 #include "sgs/core/low_priority.h"
 #include "sgs/core/stopwatch.h"
@@ -60,6 +61,14 @@ struct PictureService::Worker {
     return color_picture(rendering.color);
   }
 
+  /// Around what moves; the error pane compares the picture without it.
+  static ColorImage with_outline(ColorImage color, const slam::FrameRecord& record,
+                                 const RgbdFrame& frame, int stride) {
+    const auto still = still_from_blocks(record.movers, frame.color.width(), frame.color.height());
+    if (still) outline(color, shrink(*still, stride));
+    return color;
+  }
+
   void make_panes(const FrameUpdate& update, PaneSet panes) {
     const auto sequence = static_cast<std::uint32_t>(update.record.index);
     const auto show = [&](Pane pane, const ColorImage& image) {
@@ -72,7 +81,7 @@ struct PictureService::Worker {
       color = shrink(frame->color, stride);
       if (frame->seen) seen = shrink(*frame->seen, stride);
       veil(color, seen);
-      show(Pane::kColor, color);
+      show(Pane::kColor, with_outline(color, update.record, *frame, stride));
       if ((panes & bit(Pane::kDepth)) != 0) {
         show(Pane::kDepth, depth_picture(shrink(frame->depth, stride)));
       }

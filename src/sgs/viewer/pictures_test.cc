@@ -6,6 +6,7 @@
 #include <new>
 #include <utility>
 
+#include "sgs/camera/movers.h"
 #include "sgs/viewer/board.h"
 #include "sgs/viewer/panes.h"
 #include "sgs/viewer/picture_service.h"
@@ -48,6 +49,20 @@ TEST(Panes, ErrorIsBlackWhereEqual) {
   EXPECT_EQ(error(0, 0), (Rgb8{}));
   EXPECT_EQ(error(1, 0).r, 255);
   EXPECT_THROW(error_picture(a, ColorImage(1, 1)), ContractViolation);
+}
+
+TEST(Panes, AnOutlineGoesAroundWhatMoves) {
+  ColorImage image(20, 16, {90, 90, 90});
+  PixelMask still(20, 16, std::uint8_t{1});
+  for (int v = 0; v < 12; ++v) {
+    for (int u = 5; u < 15; ++u) still(u, v) = 0;
+  }
+  outline(image, still);
+  const auto is_drawn = [&](int u, int v) { return image(u, v) != Rgb8{90, 90, 90}; };
+  EXPECT_TRUE(is_drawn(5, 6) && is_drawn(6, 6) && is_drawn(14, 6) && is_drawn(10, 11));
+  EXPECT_FALSE(is_drawn(4, 6) || is_drawn(7, 6) || is_drawn(10, 12) || is_drawn(10, 5));
+  EXPECT_FALSE(is_drawn(10, 0)) << "the rim of the picture is no border of what moves";
+  EXPECT_THROW(outline(image, PixelMask(19, 16)), ContractViolation);
 }
 
 /// A map in front of the camera and the frame that goes with it.
@@ -107,6 +122,27 @@ TEST(PictureService, MakesTheWantedPanesOfTheNewestFrameOnce) {
   }
   EXPECT_THAT(panes,
               ::testing::ElementsAre(Pane::kColor, Pane::kRender, Pane::kError, Pane::kDepth));
+}
+
+// In the colour pane, and in no other.
+TEST(PictureService, OutlinesWhatMoves) {
+  const auto pictures_of = [](const std::string& movers) {
+    auto update = std::make_shared<FrameUpdate>(*scene(5));
+    update->record.movers = movers;
+    Gallery gallery;
+    PictureService service({64, 48, 60, 60, 31.5, 23.5}, gallery.deliver());
+    service.offer(std::move(update));
+    service.set_panes(bit(Pane::kColor) | bit(Pane::kError));
+    EXPECT_TRUE(gallery.wait_for(2));
+    const std::scoped_lock lock(gallery.mutex);
+    return std::pair(*gallery.pictures[0].message, *gallery.pictures[1].message);
+  };
+  PixelMask still(64, 48, std::uint8_t{1});
+  still(30, 20) = 0;
+  const auto nobody = pictures_of(""), somebody = pictures_of(mover_blocks(still));
+  EXPECT_NE(nobody.first, somebody.first);
+  EXPECT_EQ(nobody.second, somebody.second);
+  EXPECT_EQ(pictures_of("of another size").first, nobody.first);
 }
 
 TEST(PictureService, WhatAPictureThrowsCostsThatPictureOnly) {
