@@ -71,10 +71,15 @@ def as_inverse_depth(metres, largest_m=10.0, resolution=100.0):
 
 
 class BagTest(unittest.TestCase):
+    rig_kind = ()
+    depth_camera, depth_size = DEPTH_CAMERA, DEPTH_SIZE
+
     @classmethod
     def setUpClass(cls):
         cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="sgs-bags-"))
-        subprocess.run([RIG, cls.folder / "rig", str(FRAMES)], check=True, timeout=300)
+        subprocess.run(
+            [RIG, cls.folder / "rig", str(FRAMES), *cls.rig_kind], check=True, timeout=300
+        )
         cls.color_folder = cls.folder / "rig/color"
         cls.frames = read_folder(cls.color_folder)
         cls.depth_frames = read_folder(cls.folder / "rig/depth")
@@ -106,6 +111,20 @@ class BagTest(unittest.TestCase):
         )
         self.assertEqual(done.returncode, 0, done.stderr)
         return (out / "trajectory.txt").read_text()
+
+    def error_mm(self, trajectory):
+        """RMSE against the truth of the colour camera after shifting and turning."""
+        poses = np.array([line.split() for line in trajectory.splitlines()], float)[:, 1:4]
+        truth = tum(self.color_folder / "groundtruth.txt")[: len(poses), 1:4]
+        a, b = poses - poses.mean(axis=0), truth - truth.mean(axis=0)
+        u, _, vt = np.linalg.svd(b.T @ a)
+        R = u @ np.diag([1, 1, np.linalg.det(u @ vt)]) @ vt
+        return 1000 * np.sqrt(((a @ R.T - b) ** 2).sum(axis=1).mean())
+
+    def check_registered(self, trajectory):
+        self.assertEqual(len(trajectory.splitlines()), FRAMES)
+        aligned, registered = self.error_mm(self.reference()), self.error_mm(trajectory)
+        self.assertLess(registered, 1.2 * aligned + 0.2)
 
     def log(self):
         return (self.folder / "run/log.txt").read_text()
@@ -166,7 +185,7 @@ class BagTest(unittest.TestCase):
         """Like realsense-ros: depth in a camera of its own, the frames in /tf_static."""
         start = self.frames[0][0]
         messages = self.info_messages(start)
-        info = rec.camera_info(DEPTH_CAMERA, DEPTH_SIZE, start, rec.DEPTH_FRAME)
+        info = rec.camera_info(self.depth_camera, self.depth_size, start, rec.DEPTH_FRAME)
         messages.append(("/camera/depth/camera_info", "sensor_msgs/CameraInfo", info, start))
         if tf:
             # Through a body frame, the depth camera's edge turned round.
@@ -326,19 +345,8 @@ class Lossy(BagTest):
 
 
 class Unaligned(BagTest):
-    def error_mm(self, trajectory):
-        """RMSE against the truth of the colour camera after shifting and turning."""
-        poses = np.array([line.split() for line in trajectory.splitlines()], float)[:, 1:4]
-        truth = tum(self.color_folder / "groundtruth.txt")[: len(poses), 1:4]
-        a, b = poses - poses.mean(axis=0), truth - truth.mean(axis=0)
-        u, _, vt = np.linalg.svd(b.T @ a)
-        R = u @ np.diag([1, 1, np.linalg.det(u @ vt)]) @ vt
-        return 1000 * np.sqrt(((a @ R.T - b) ** 2).sum(axis=1).mean())
-
     def check(self, trajectory):
-        self.assertEqual(len(trajectory.splitlines()), FRAMES)
-        aligned, registered = self.error_mm(self.reference()), self.error_mm(trajectory)
-        self.assertLess(registered, 1.2 * aligned + 0.2)
+        self.check_registered(trajectory)
 
     def test_frames_of_tf(self):
         path = rec.write_rosbag(self.folder / "tf.bag", self.unaligned())
