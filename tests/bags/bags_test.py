@@ -17,6 +17,7 @@ import unittest
 
 import numpy as np
 
+import orbbec_messages as orbbec
 import recordings as rec
 
 SGS = pathlib.Path(sys.argv.pop(1)).resolve()
@@ -377,6 +378,90 @@ class Unaligned(BagTest):
         messages = self.unaligned() + [m for m in self.aligned() if m[0] == rec.DEPTH]
         path = rec.write_rosbag(self.folder / "both.bag", messages)
         self.assertEqual(self.track(path), self.reference())
+
+
+class OrbbecSdk(BagTest):
+    """Recordings of OrbbecSDK v2."""
+
+    def messages(self, unit=(orbbec.UNIT_LEVEL, struct.pack("<i", 3)), per_mm=10, imu=False):
+        start = self.frames[0][0]
+        x, y, z, w = self.rig_q
+        rotation = [
+            *(1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
+            *(2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
+            *(2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
+        ]
+        nothing = orbbec.transform([0] * 9, [0] * 3)
+        rig = orbbec.transform(rotation, self.rig_t)
+        messages = [
+            orbbec.profile("color", COLOR_CAMERA, COLOR_SIZE, nothing, start),
+            orbbec.profile("depth", DEPTH_CAMERA, DEPTH_SIZE, rig, start),
+        ]
+        if unit:
+            messages.append(orbbec.setting(14, struct.pack("<?", True), start))
+            messages.append(orbbec.setting(*unit, start))
+        for (time_ns, color, _), (_, _, depth) in zip(self.frames, self.depth_frames):
+            units = np.where(depth < 65535 // per_mm, depth * per_mm, 0).astype("<u2")
+            messages.append(orbbec.image("color", color, "rgb8", time_ns))
+            messages.append(orbbec.image("depth", units, "z16", time_ns))
+        if imu:
+            messages += self.samples(np.reshape(rotation, (3, 3)), start)
+        return messages
+
+    def samples(self, R_color_depth, start):
+        """Of a unit at rest whose x looks down and whose y looks to the left of the depth camera."""
+        R_depth_unit = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1]])
+        messages = [
+            orbbec.imu_profile(
+                "accelerometer", orbbec.transform(R_depth_unit.ravel(), (0.01, 0, 0)), start
+            )
+        ]
+        self.ups = []
+        for row in tum(self.color_folder / "groundtruth.txt"):
+            x, y, z, w = row[4:]
+            up = np.array([2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)])
+            self.ups.append(up)
+            felt = 9.81 * (R_color_depth @ R_depth_unit).T @ up
+            time_ns = round(row[0] * 1e9)
+            messages.append(orbbec.imu("accelerometer", felt, time_ns))
+            messages.append(orbbec.imu("gyroscope", (0.1, 0, 0), time_ns))
+        return messages
+
+    def test_it_runs_as_the_folder_of_the_scene(self):
+        path = rec.write_rosbag(self.folder / "orbbec.bag", self.messages(), "lz4")
+        self.check_registered(self.track(path))
+        self.assertNotIn("warn", self.log())
+
+    def test_the_unit_that_was_set(self):
+        for name, unit, per_mm in (
+            ("level", (orbbec.UNIT_LEVEL, struct.pack("<i", 4)), 5),
+            ("flexible", (orbbec.FLEXIBLE_UNIT, struct.pack("<f", 0.25)), 4),
+        ):
+            path = rec.write_rosbag(self.folder / f"{name}.bag", self.messages(unit, per_mm))
+            said = json.loads(self.sgs("info", path, "--json").stdout)
+            self.assertEqual(said["depth_scale"], 1000 * per_mm)
+            self.assertEqual(said["unit_source"], "/cam/property")
+        for unit in None, (orbbec.UNIT_LEVEL, struct.pack("<i", 99)):
+            path = rec.write_rosbag(self.folder / "unsaid.bag", self.messages(unit))
+            self.assertIn("--depth-scale", self.refused(1, path))
+            self.check_registered(self.track(path, "--depth-scale", 10000))
+        unit = (orbbec.FLEXIBLE_UNIT, struct.pack("<f", float("nan")))
+        path = rec.write_rosbag(self.folder / "none.bag", self.messages(unit))
+        self.assertIn("a depth unit of nan mm", self.refused(1, path))
+
+    def test_its_accelerometer_puts_the_run_upright(self):
+        path = rec.write_rosbag(self.folder / "orbbec_imu.bag", self.messages(imu=True))
+        done = self.sgs("run", path, "-o", self.folder / "imu", "--no-eval", "--quiet")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        said = (self.folder / "imu/upright.toml").read_text()
+        self.assertIn('by = "accelerometer', said)
+        up = [
+            float(line.split()[2])
+            for line in said.splitlines()
+            if line[:4] in ("x = ", "y = ", "z = ")
+        ]
+        self.assertGreater(np.dot(up, self.ups[0]), np.cos(np.radians(3)))
+        self.assertNotIn("warn", (self.folder / "imu/log.txt").read_text())
 
 
 class Info(BagTest):
