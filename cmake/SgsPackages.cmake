@@ -23,8 +23,13 @@ set(CPACK_DEBIAN_SGS_PACKAGE_NAME sgs)
 set(CPACK_DEBIAN_SGS_PACKAGE_SECTION science)
 set(CPACK_COMPONENT_SGS_DESCRIPTION
     "RGB-D SLAM on CPUs: the program sgs\n Tracks an RGB-D camera and builds a photorealistic 3D Gaussian map.")
-# Apart, because the encoders bring over a hundred libraries.
-set(CPACK_DEBIAN_SGS_PACKAGE_RECOMMENDS "sgs-video, sgs-cameras")
+# Apart, because the encoders bring over a hundred libraries. Reading .mkv files brings as many: their
+# library, of the version of the headers, is opened at run time.
+file(STRINGS "${SGS_AVFORMAT_INCLUDE}/libavformat/version_major.h" avformat
+     REGEX "define LIBAVFORMAT_VERSION_MAJOR")
+string(REGEX MATCH "[0-9]+" avformat "${avformat}")
+set(CPACK_DEBIAN_SGS_PACKAGE_RECOMMENDS "sgs-video, sgs-cameras, libavformat${avformat}")
+set(CPACK_DEBIAN_LIBSGS0_PACKAGE_RECOMMENDS "libavformat${avformat}")
 set(CPACK_DEBIAN_SGS-VIDEO_PACKAGE_NAME sgs-video)
 set(CPACK_DEBIAN_SGS-VIDEO_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_SGS-VIDEO_PACKAGE_DEPENDS "sgs (= ${PROJECT_VERSION})")
@@ -48,7 +53,7 @@ set(CPACK_COMPONENT_LIBSGS-DEV_DESCRIPTION
 if(SGS_WITH_OPENVDB)
   # Apart, because OpenVDB weighs more than everything else.
   list(APPEND CPACK_COMPONENTS_ALL sgs-mesh)
-  set(CPACK_DEBIAN_SGS_PACKAGE_RECOMMENDS "sgs-video, sgs-cameras, sgs-mesh")
+  string(APPEND CPACK_DEBIAN_SGS_PACKAGE_RECOMMENDS ", sgs-mesh")
   set(CPACK_DEBIAN_SGS-MESH_PACKAGE_NAME sgs-mesh)
   set(CPACK_DEBIAN_SGS-MESH_PACKAGE_SECTION science)
   set(CPACK_DEBIAN_SGS-MESH_PACKAGE_DEPENDS "sgs (= ${PROJECT_VERSION})")

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// Recordings of messages. The first byte chooses the container: ROS 1 bag, MCAP or SQLite.
+// Recordings of messages. The first byte chooses the container: ROS 1 bag, MCAP, SQLite or
+// Matroska.
 #include "sgs/bag/bag.h"
 
 #include <array>
@@ -81,7 +82,7 @@ void read_frames(const std::filesystem::path& path) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  constexpr std::array<const char*, 3> kNames = {"x.bag", "x.mcap", "x.db3"};
+  constexpr std::array<const char*, 4> kNames = {"x.bag", "x.mcap", "x.db3", "x.mkv"};
   const fuzz::Choice choice(data, size);
   const auto path = fuzz::scratch_file(kNames[choice.number % kNames.size()]);
   fuzz::write_plainly(path, choice.rest);

@@ -80,8 +80,9 @@ void add_calibrate(CLI::App& app, Action& action) {
   auto command = std::make_shared<CalibrateCommand>();
   auto* sub = app.add_subcommand(
       "calibrate", "Find what is wrong with a recording's depth camera, without a target");
-  add_input_argument(*sub, command->input,
-                     "Sequence folder, bag (or the files of one), or synth:NAME[:LEVEL]")
+  add_input_argument(
+      *sub, command->input,
+      "Sequence folder, bag (or the files of one), an Azure Kinect's .mkv, or synth:NAME[:LEVEL]")
       ->required();
   sub->add_option("-o,--output", command->output, "File to write, for `sgs run --calibration`")
       ->capture_default_str();

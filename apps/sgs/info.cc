@@ -239,7 +239,8 @@ void add_info(CLI::App& app, Action& action) {
   auto* sub =
       app.add_subcommand("info", "Describe a sequence, a map, the parameters or the scenes");
   add_input_argument(*sub, options->input,
-                     "Sequence folder, bag (or the files of one), synth:NAME[:LEVEL], or a "
+                     "Sequence folder, bag (or the files of one), an Azure Kinect's .mkv, "
+                     "synth:NAME[:LEVEL], or a "
                      "map (RUN/map.sgsmap)");
   add_recording_options(*sub, options->input);
   sub->add_option("--preset", options->preset, "default, paper or quality (with --config)");

@@ -229,9 +229,10 @@ int run_command(RunCommand command) {
 void add_run(CLI::App& app, Action& action) {
   auto command = std::make_shared<RunCommand>();
   auto* sub = app.add_subcommand("run", "SLAM on a sequence: trajectory, Gaussian map, scores");
-  add_input_argument(*sub, command->input,
-                     "Sequence folder, bag (or the files of one), synth:NAME[:LEVEL], "
-                     "live:tcp://127.0.0.1:PORT, or camera: (docs/cameras.md)");
+  add_input_argument(
+      *sub, command->input,
+      "Sequence folder, bag (or the files of one), an Azure Kinect's .mkv, synth:NAME[:LEVEL], "
+      "live:tcp://127.0.0.1:PORT, or camera: (docs/cameras.md)");
   sub->add_option("-o,--output", command->output, "Run folder (default runs/TIME-NAME)");
   auto* resume = sub->add_option("--resume", command->resume,
                                  "Go on with the run of this folder, which was killed or stopped: "

@@ -17,6 +17,7 @@ import unittest
 
 import numpy as np
 
+import orbbec_messages as orbbec
 import recordings as rec
 
 SGS = pathlib.Path(sys.argv.pop(1)).resolve()
@@ -71,10 +72,15 @@ def as_inverse_depth(metres, largest_m=10.0, resolution=100.0):
 
 
 class BagTest(unittest.TestCase):
+    rig_kind = ()
+    depth_camera, depth_size = DEPTH_CAMERA, DEPTH_SIZE
+
     @classmethod
     def setUpClass(cls):
         cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="sgs-bags-"))
-        subprocess.run([RIG, cls.folder / "rig", str(FRAMES)], check=True, timeout=300)
+        subprocess.run(
+            [RIG, cls.folder / "rig", str(FRAMES), *cls.rig_kind], check=True, timeout=300
+        )
         cls.color_folder = cls.folder / "rig/color"
         cls.frames = read_folder(cls.color_folder)
         cls.depth_frames = read_folder(cls.folder / "rig/depth")
@@ -106,6 +112,20 @@ class BagTest(unittest.TestCase):
         )
         self.assertEqual(done.returncode, 0, done.stderr)
         return (out / "trajectory.txt").read_text()
+
+    def error_mm(self, trajectory):
+        """RMSE against the truth of the colour camera after shifting and turning."""
+        poses = np.array([line.split() for line in trajectory.splitlines()], float)[:, 1:4]
+        truth = tum(self.color_folder / "groundtruth.txt")[: len(poses), 1:4]
+        a, b = poses - poses.mean(axis=0), truth - truth.mean(axis=0)
+        u, _, vt = np.linalg.svd(b.T @ a)
+        R = u @ np.diag([1, 1, np.linalg.det(u @ vt)]) @ vt
+        return 1000 * np.sqrt(((a @ R.T - b) ** 2).sum(axis=1).mean())
+
+    def check_registered(self, trajectory):
+        self.assertEqual(len(trajectory.splitlines()), FRAMES)
+        aligned, registered = self.error_mm(self.reference()), self.error_mm(trajectory)
+        self.assertLess(registered, 1.2 * aligned + 0.2)
 
     def log(self):
         return (self.folder / "run/log.txt").read_text()
@@ -166,7 +186,7 @@ class BagTest(unittest.TestCase):
         """Like realsense-ros: depth in a camera of its own, the frames in /tf_static."""
         start = self.frames[0][0]
         messages = self.info_messages(start)
-        info = rec.camera_info(DEPTH_CAMERA, DEPTH_SIZE, start, rec.DEPTH_FRAME)
+        info = rec.camera_info(self.depth_camera, self.depth_size, start, rec.DEPTH_FRAME)
         messages.append(("/camera/depth/camera_info", "sensor_msgs/CameraInfo", info, start))
         if tf:
             # Through a body frame, the depth camera's edge turned round.
@@ -326,19 +346,8 @@ class Lossy(BagTest):
 
 
 class Unaligned(BagTest):
-    def error_mm(self, trajectory):
-        """RMSE against the truth of the colour camera after shifting and turning."""
-        poses = np.array([line.split() for line in trajectory.splitlines()], float)[:, 1:4]
-        truth = tum(self.color_folder / "groundtruth.txt")[: len(poses), 1:4]
-        a, b = poses - poses.mean(axis=0), truth - truth.mean(axis=0)
-        u, _, vt = np.linalg.svd(b.T @ a)
-        R = u @ np.diag([1, 1, np.linalg.det(u @ vt)]) @ vt
-        return 1000 * np.sqrt(((a @ R.T - b) ** 2).sum(axis=1).mean())
-
     def check(self, trajectory):
-        self.assertEqual(len(trajectory.splitlines()), FRAMES)
-        aligned, registered = self.error_mm(self.reference()), self.error_mm(trajectory)
-        self.assertLess(registered, 1.2 * aligned + 0.2)
+        self.check_registered(trajectory)
 
     def test_frames_of_tf(self):
         path = rec.write_rosbag(self.folder / "tf.bag", self.unaligned())
@@ -369,6 +378,90 @@ class Unaligned(BagTest):
         messages = self.unaligned() + [m for m in self.aligned() if m[0] == rec.DEPTH]
         path = rec.write_rosbag(self.folder / "both.bag", messages)
         self.assertEqual(self.track(path), self.reference())
+
+
+class OrbbecSdk(BagTest):
+    """Recordings of OrbbecSDK v2."""
+
+    def messages(self, unit=(orbbec.UNIT_LEVEL, struct.pack("<i", 3)), per_mm=10, imu=False):
+        start = self.frames[0][0]
+        x, y, z, w = self.rig_q
+        rotation = [
+            *(1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
+            *(2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
+            *(2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
+        ]
+        nothing = orbbec.transform([0] * 9, [0] * 3)
+        rig = orbbec.transform(rotation, self.rig_t)
+        messages = [
+            orbbec.profile("color", COLOR_CAMERA, COLOR_SIZE, nothing, start),
+            orbbec.profile("depth", DEPTH_CAMERA, DEPTH_SIZE, rig, start),
+        ]
+        if unit:
+            messages.append(orbbec.setting(14, struct.pack("<?", True), start))
+            messages.append(orbbec.setting(*unit, start))
+        for (time_ns, color, _), (_, _, depth) in zip(self.frames, self.depth_frames):
+            units = np.where(depth < 65535 // per_mm, depth * per_mm, 0).astype("<u2")
+            messages.append(orbbec.image("color", color, "rgb8", time_ns))
+            messages.append(orbbec.image("depth", units, "z16", time_ns))
+        if imu:
+            messages += self.samples(np.reshape(rotation, (3, 3)), start)
+        return messages
+
+    def samples(self, R_color_depth, start):
+        """Of a unit at rest whose x looks down and whose y looks to the left of the depth camera."""
+        R_depth_unit = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1]])
+        messages = [
+            orbbec.imu_profile(
+                "accelerometer", orbbec.transform(R_depth_unit.ravel(), (0.01, 0, 0)), start
+            )
+        ]
+        self.ups = []
+        for row in tum(self.color_folder / "groundtruth.txt"):
+            x, y, z, w = row[4:]
+            up = np.array([2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)])
+            self.ups.append(up)
+            felt = 9.81 * (R_color_depth @ R_depth_unit).T @ up
+            time_ns = round(row[0] * 1e9)
+            messages.append(orbbec.imu("accelerometer", felt, time_ns))
+            messages.append(orbbec.imu("gyroscope", (0.1, 0, 0), time_ns))
+        return messages
+
+    def test_it_runs_as_the_folder_of_the_scene(self):
+        path = rec.write_rosbag(self.folder / "orbbec.bag", self.messages(), "lz4")
+        self.check_registered(self.track(path))
+        self.assertNotIn("warn", self.log())
+
+    def test_the_unit_that_was_set(self):
+        for name, unit, per_mm in (
+            ("level", (orbbec.UNIT_LEVEL, struct.pack("<i", 4)), 5),
+            ("flexible", (orbbec.FLEXIBLE_UNIT, struct.pack("<f", 0.25)), 4),
+        ):
+            path = rec.write_rosbag(self.folder / f"{name}.bag", self.messages(unit, per_mm))
+            said = json.loads(self.sgs("info", path, "--json").stdout)
+            self.assertEqual(said["depth_scale"], 1000 * per_mm)
+            self.assertEqual(said["unit_source"], "/cam/property")
+        for unit in None, (orbbec.UNIT_LEVEL, struct.pack("<i", 99)):
+            path = rec.write_rosbag(self.folder / "unsaid.bag", self.messages(unit))
+            self.assertIn("--depth-scale", self.refused(1, path))
+            self.check_registered(self.track(path, "--depth-scale", 10000))
+        unit = (orbbec.FLEXIBLE_UNIT, struct.pack("<f", float("nan")))
+        path = rec.write_rosbag(self.folder / "none.bag", self.messages(unit))
+        self.assertIn("a depth unit of nan mm", self.refused(1, path))
+
+    def test_its_accelerometer_puts_the_run_upright(self):
+        path = rec.write_rosbag(self.folder / "orbbec_imu.bag", self.messages(imu=True))
+        done = self.sgs("run", path, "-o", self.folder / "imu", "--no-eval", "--quiet")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        said = (self.folder / "imu/upright.toml").read_text()
+        self.assertIn('by = "accelerometer', said)
+        up = [
+            float(line.split()[2])
+            for line in said.splitlines()
+            if line[:4] in ("x = ", "y = ", "z = ")
+        ]
+        self.assertGreater(np.dot(up, self.ups[0]), np.cos(np.radians(3)))
+        self.assertNotIn("warn", (self.folder / "imu/log.txt").read_text())
 
 
 class Info(BagTest):

@@ -4,7 +4,7 @@
 python3-rosbag, npm's @mcap/core and @foxglove/rosmsg2-serialization, python's sqlite3.
 
 A message is (topic, type, value, record time in ns); a value holds what the definition names, bytes
-for image data, ROS 1 spelling.
+for image data, ROS 1 spelling; or it is the bytes of a message that is packed already.
 """
 import json
 import pathlib
@@ -112,11 +112,12 @@ def write_rosbag(path, messages, compression="none", chunk_bytes=300_000, **opti
         raise unittest.SkipTest("python3-rosbag is not installed") from None
     with rosbag.Bag(str(path), "w", compression, chunk_bytes, **options) as bag:
         for topic, kind, value, time_ns in messages:
-            bag.write(
-                topic,
-                ros1_message(kind, value),
-                genpy.Time(0, 0) + genpy.Duration(*divmod(time_ns, 10**9)),
-            )
+            time = genpy.Time(0, 0) + genpy.Duration(*divmod(time_ns, 10**9))
+            if isinstance(value, bytes):  # packed already; who reads it goes by the type's name
+                definition = type("Definition", (), {"_full_text": "", "_md5sum": "0" * 32})
+                bag.write(topic, (kind, bytes(value), "0" * 32, 0, definition), time, raw=True)
+            else:
+                bag.write(topic, ros1_message(kind, value), time)
     return path
 
 

@@ -60,13 +60,14 @@ bool is_rosbag2_folder(const fs::path& folder) {
   return text && text->find("rosbag2_bagfile_information") != std::string_view::npos;
 }
 
-/// What a file's name says it is: ".bag", ".mcap", ".db3", or nothing of these.
+/// What a file's name says it is: ".bag", ".mcap", ".db3", ".mkv", or nothing of these.
 std::string kind_of(const fs::path& path) {
   std::string name = io::lower_case(path.filename().string());
   // A recorder that did not come to its end leaves this.
   if (name.ends_with(".bag.active")) name.resize(name.size() - std::string_view(".active").size());
   const std::string extension = fs::path(name).extension().string();
-  const bool known = extension == ".mcap" || extension == ".db3" || extension == ".bag";
+  const bool known =
+      extension == ".mcap" || extension == ".db3" || extension == ".bag" || extension == ".mkv";
   return known ? extension : "";
 }
 
@@ -82,7 +83,13 @@ std::string kind_by_content(const fs::path& path) {
   for (const auto& [begins, kind] : kBeginnings) {
     if (text && text->starts_with(begins)) return kind;
   }
-  return "";
+  return is_kinect_recording(path) ? ".mkv" : "";
+}
+
+/// Whether a file of a folder is a recording. Videos may lie beside those.
+bool is_recording(const fs::path& path) {
+  const std::string kind = kind_of(path);
+  return kind == ".mkv" ? is_kinect_recording(path) : !kind.empty();
 }
 
 Result<std::unique_ptr<Bag>> open_bag_file(const fs::path& path) {
@@ -91,10 +98,12 @@ Result<std::unique_ptr<Bag>> open_bag_file(const fs::path& path) {
   if (kind == ".mcap") return open_mcap(path);
   if (kind == ".db3") return open_db3(path);
   if (kind == ".bag") return open_rosbag1(path);
+  if (kind == ".mkv") return open_kinect(path);
   if (const auto unpacking = io::unpacking_of(path)) {
     return io::packed_as_a_whole(path, *unpacking);
   }
-  return fail(ErrorCode::kUnsupported, fmt::format("{}: not .bag, .mcap or .db3", path.string()),
+  return fail(ErrorCode::kUnsupported,
+              fmt::format("{}: not .bag, .mcap, .db3 or .mkv", path.string()),
               "is it a recording of ROS? Then give it the ending that says of which kind");
 }
 
@@ -229,7 +238,7 @@ Result<std::unique_ptr<Bag>> open_bag_folder(const fs::path& folder, const std::
   const auto files = bag_files(folder);
   if (files.empty()) {
     return fail(ErrorCode::kNotFound, fmt::format("{}: no recordings in it", folder.string()),
-                "give a folder with .bag, .mcap or .db3 files");
+                "give a folder with .bag, .mcap, .db3 or .mkv files");
   }
   SGS_RETURN_IF_ERROR(check_kinds(files));
   std::vector<std::string> warnings;
@@ -268,9 +277,7 @@ std::vector<fs::path> bag_files(const fs::path& folder) {
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const bool hidden = it->path().filename().string().starts_with('.');
     const bool file = it->exists(error) && !it->is_directory(error);
-    if (!hidden && file && !kind_of(it->path()).empty()) {
-      files.push_back(it->path());
-    }
+    if (!hidden && file && is_recording(it->path())) files.push_back(it->path());
   }
   std::sort(files.begin(), files.end());
   return files;

@@ -50,7 +50,7 @@ class Bag {
  public:
   virtual ~Bag() = default;
 
-  const std::string& format() const { return format_; }  ///< "ROS 1 bag", "MCAP", "ROS 2 db3"
+  const std::string& format() const { return format_; }  ///< "ROS 1 bag", "MCAP", ...
   const std::vector<Channel>& channels() const { return channels_; }
   /// What had to be put right: no index, a truncated end, ...
   const std::vector<std::string>& warnings() const { return warnings_; }
@@ -72,18 +72,19 @@ class Bag {
   std::optional<std::int64_t> first_time_ns_, last_time_ns_;
 };
 
-/// Whether a path is a recording that open_bag() is meant for: a file named .bag, .mcap or .db3 (in
-/// capitals, too, or packed as a whole: .db3.zstd) or of another name that begins as these do, or a
-/// folder with the metadata.yaml of rosbag2.
+/// Whether a path is a recording that open_bag() is meant for: a file named .bag, .mcap, .db3 or
+/// .mkv (in capitals, too, or packed as a whole: .db3.zstd) or of another name that begins as these
+/// do, or a folder with the metadata.yaml of rosbag2.
 bool looks_like_bag(const std::filesystem::path& path);
 
-/// The recordings in a folder, by name; not those below it.
+/// The recordings in a folder, by name, of .mkv those of cameras only; not those below it.
 std::vector<std::filesystem::path> bag_files(const std::filesystem::path& folder);
 
 /// Opens a ROS 1 bag 2.0 (chunks none, bz2, lz4), an MCAP file (none, lz4, zstd), a ROS 2 SQLite
-/// file, a rosbag2 folder of either, or a folder of such files, which are one recording
-/// (open_bags()). Files without an index, or cut off, are read as far as they go. Errors:
-/// kNotFound, kInvalidFormat, kUnsupported (encryption, other versions and compressions).
+/// file, a rosbag2 folder of either, a recording of an Azure Kinect (.mkv), or a folder of such
+/// files, which are one recording (open_bags()). Files without an index, or cut off, are read as
+/// far as they go. Errors: kNotFound, kInvalidFormat, kUnsupported (encryption, other versions and
+/// compressions).
 Result<std::unique_ptr<Bag>> open_bag(const std::filesystem::path& path);
 
 /// Opens the files of one recording, or folders of them, which recorders split by size or time, as

@@ -99,6 +99,12 @@ class ChunkedBag : public Bag {
 Result<std::unique_ptr<Bag>> open_rosbag1(const std::filesystem::path& path);
 Result<std::unique_ptr<Bag>> open_mcap(const std::filesystem::path& path);
 Result<std::unique_ptr<Bag>> open_db3(const std::filesystem::path& path);
+/// A recording of an Azure Kinect. Its tracks are topics: /color/image, /depth/image, /imu; its
+/// calibration is their camera infos and /tf_static. What is wrong with that is the error of their
+/// messages, so that who gives another one needs it not.
+Result<std::unique_ptr<Bag>> open_kinect(const std::filesystem::path& path);
+/// Whether a file begins as one: Matroska, with the tracks of that camera.
+bool is_kinect_recording(const std::filesystem::path& path);
 /// Several files as one recording, in the given order (not empty). `warnings` come before those of
 /// the files.
 std::unique_ptr<Bag> join_bags(std::vector<std::unique_ptr<Bag>> parts,

@@ -191,6 +191,46 @@ std::string write_cloud(const Header& header, std::span<const io::ColoredPoint> 
   return out.data();
 }
 
+std::string write_image(const ImageMessage& image, Encoding encoding) {
+  WireWriter out(encoding);
+  put_header(out, image.header);
+  out.number(image.height).number(image.width).string(image.encoding);
+  out.number(static_cast<std::uint8_t>(image.big_endian)).number(image.step).bytes(image.data);
+  return out.data();
+}
+
+std::string write_camera_info(const CameraInfoMessage& info, Encoding encoding) {
+  WireWriter out(encoding);
+  put_header(out, info.header);
+  out.number(info.height).number(info.width).string(info.distortion_model).count(info.D.size());
+  for (const double value : info.D) out.number(value);
+  for (const double value : info.K) out.number(value);
+  for (int i = 0; i < 9; ++i) out.number(i % 4 == 0 ? 1.0 : 0.0);  // R
+  for (const double value : info.P) out.number(value);
+  for (const std::uint32_t value :
+       {info.binning_x, info.binning_y, info.roi_x, info.roi_y, info.roi_height, info.roi_width}) {
+    out.number(value);
+  }
+  out.number(std::uint8_t{0});
+  return out.data();
+}
+
+std::string write_imu(const ImuMessage& imu, Encoding encoding) {
+  constexpr double kNotMeasured = -1;  // in the first place of a covariance
+  WireWriter out(encoding);
+  put_header(out, imu.header);
+  const auto put = [&](std::initializer_list<double> values, bool measured) {
+    for (const double value : values) out.number(value);
+    for (int i = 0; i < 9; ++i) out.number(i == 0 && !measured ? kNotMeasured : 0.0);
+  };
+  put({0, 0, 0, 1}, false);
+  for (const auto& vector : {imu.angular_velocity_rad_s, imu.acceleration_m_s2}) {
+    const Eigen::Vector3d v = vector.value_or(Eigen::Vector3d::Zero());
+    put({v.x(), v.y(), v.z()}, vector.has_value());
+  }
+  return out.data();
+}
+
 std::int64_t nanoseconds_of(double seconds) {
   const double whole = std::floor(seconds);
   return static_cast<std::int64_t>(whole) * kSecond_ns +

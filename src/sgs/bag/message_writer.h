@@ -15,7 +15,7 @@
 
 namespace sgs::bag {
 
-/// The messages that can be written.
+/// The messages that recordings are exported with.
 enum class WrittenType { kTransforms, kPose, kPath, kCloud };
 
 /// "tf2_msgs/TFMessage"; with `ros2` "tf2_msgs/msg/TFMessage".
@@ -33,6 +33,13 @@ std::string write_path(const Header& header, const Trajectory& poses, Encoding e
 /// sensor_msgs/PointCloud2 with x, y, z and rgb, 16 bytes a point.
 std::string write_cloud(const Header& header, std::span<const io::ColoredPoint> points,
                         Encoding encoding);
+
+/// What readers of other containers make of their images and samples (Channel::type says which).
+std::string write_image(const ImageMessage& image, Encoding encoding);
+/// R is the identity.
+std::string write_camera_info(const CameraInfoMessage& info, Encoding encoding);
+/// Without an orientation; what was not measured is marked so.
+std::string write_imu(const ImuMessage& imu, Encoding encoding);
 
 /// The nanoseconds of a time in seconds, as messages hold it.
 std::int64_t nanoseconds_of(double seconds);

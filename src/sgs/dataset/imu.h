@@ -37,7 +37,8 @@ ImuRecording read_imu(const SequenceInfo& info);
 ImuRecording read_accelerometer_text(std::string_view text, const std::string& source);
 
 /// The accelerations of a bag: the topic of sensor_msgs/Imu that measures any, if possible one
-/// whose frame tf joins to the colour camera's. Gyroscopes with topics of their own are left alone.
+/// whose frame tf, or an SDK, joins to the colour camera's. Gyroscopes with topics of their own are
+/// left alone.
 ImuRecording read_bag_imu(const bag::Bag& bag, const std::string& camera_frame);
 
 }  // namespace sgs::dataset

@@ -146,7 +146,7 @@ tl::unexpected<Error> no_sequence(const fs::path& folder) {
                           "or images/ with depth_images/ (Replica, NICE-SLAM), color/ (rgb/, "
                           "image/) with depth/, sgs.toml with sequence.color and sequence.depth, "
                           "what marks ScanNet, 7-Scenes, Open3D, SUN3D, ICL-NUIM, nerfstudio, "
-                          "Polycam and ARKitScenes, and .bag, .mcap or .db3 files",
+                          "Polycam and ARKitScenes, and .bag, .mcap, .db3 or .mkv files",
                           folder.string()),
               how_to_describe(folder));
 }

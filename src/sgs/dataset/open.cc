@@ -283,8 +283,6 @@ std::optional<std::string> remedy_for_other_format(const std::string& name) {
       Format{".mp4", kVideo},
       Format{".mov", kVideo},
       Format{".avi", kVideo},
-      Format{".mkv",
-             "of an Azure Kinect: write its images with Open3D's azure_kinect_mkv_reader.py"},
       Format{".svo", "of a ZED: write its images with the export sample of its SDK"},
       Format{".svo2", "of a ZED: write its images with the export sample of its SDK"},
       Format{".oni", "of OpenNI: write its images with the tools of its SDK"},
@@ -317,8 +315,8 @@ Result<Sequence> open_file(const fs::path& file, const OpenOptions& options) {
   }
   return fail(ErrorCode::kUnsupported,
               fmt::format("{}: not a folder, and no recording that is known", file.string()),
-              "give the folder of an RGB-D sequence, a bag (.bag, .mcap, .db3), or a ScanNet .sens "
-              "file");
+              "give the folder of an RGB-D sequence, a bag (.bag, .mcap, .db3), an Azure Kinect's "
+              ".mkv, or a ScanNet .sens file");
 }
 
 /// What is no bag.

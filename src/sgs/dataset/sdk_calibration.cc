@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <map>
 #include <string_view>
 
@@ -22,6 +23,9 @@ constexpr const char* kTransform = "geometry_msgs/Transform";
 constexpr const char* kFloat = "std_msgs/Float32";
 constexpr const char* kCameraInfo = "sensor_msgs/CameraInfo";
 constexpr std::string_view kOrbbecProfile = "StreamProfileInfo";
+constexpr std::string_view kOrbbecImuProfile = "ImuStreamProfileInfo";
+constexpr std::string_view kOrbbecProperty = "OBProperty";
+constexpr double kMillimetres = 1000;  // in a metre
 
 tl::unexpected<Error> unreadable(const std::string& what) {
   return fail(ErrorCode::kInvalidFormat, what,
@@ -77,6 +81,13 @@ Result<SE3> read_transform(const Bag& bag, std::size_t channel) {
   if (about.type == kTransform) return bag::read_plain_transform(*message, about.encoding);
   SGS_ASSIGN_OR_RETURN(const std::string text, bag::read_string(*message, about.encoding));
   return transform_of_text(text);
+}
+
+/// Units per metre of a number that was written as float, or with six digits: 0.001f is meant as a
+/// thousandth.
+double whole_units(double units) {
+  const double whole = std::round(units);
+  return std::abs(units - whole) < 1e-5 * units ? whole : units;
 }
 
 Result<double> read_unit_m(const bag::Message& message, const bag::Channel& about) {
@@ -151,13 +162,81 @@ std::string orbbec_stream(const std::string& topic) {
   return topic.substr(at + kFrame.size());
 }
 
-std::optional<std::size_t> orbbec_channel(const Bag& bag, const std::string& image_topic) {
-  const std::string topic = "/cam/streamProfileType_" + orbbec_stream(image_topic);
+std::optional<std::size_t> channel_ending(const Bag& bag, const std::string& topic,
+                                          std::string_view type) {
   for (std::size_t i = 0; i < bag.channels().size(); ++i) {
     const bag::Channel& channel = bag.channels()[i];
-    if (channel.topic == topic && channel.type.ends_with(kOrbbecProfile)) return i;
+    if (channel.topic == topic && channel.type.ends_with(type)) return i;
   }
   return std::nullopt;
+}
+
+/// Streams and frames have the same numbers, but for gyroscopes and what is right and left.
+std::optional<std::size_t> orbbec_channel(const Bag& bag, const std::string& image_topic) {
+  return channel_ending(bag, "/cam/streamProfileType_" + orbbec_stream(image_topic),
+                        kOrbbecProfile);
+}
+
+/// Of twelve numbers: a rotation by rows, millimetres; empty where they are none: all zero where
+/// the other sensor was not recorded.
+std::optional<SE3> orbbec_transform(std::array<double, 12> numbers) {
+  for (std::size_t i = 9; i < numbers.size(); ++i) numbers[i] /= kMillimetres;
+  const auto T = bag::rigid_from_numbers(numbers, bag::RotationOrder::kRows);
+  return T ? std::optional(*T) : std::nullopt;
+}
+
+/// Accelerometer to depth, of custom_msg/OBImuStreamProfileInfo.
+std::optional<SE3> orbbec_accelerometer(const Bag& bag, const std::string& imu_topic) {
+  constexpr int kSettings = 6;  // kind of stream, format, ranges and rates: a byte each
+  const auto channel =
+      channel_ending(bag, "/cam/streamProfileType_" + orbbec_stream(imu_topic), kOrbbecImuProfile);
+  if (!channel) return std::nullopt;
+  const auto message = first_message(bag, *channel);
+  if (!message || !*message) return std::nullopt;
+  bag::Wire wire((*message)->data, bag.channels()[*channel].encoding);
+  bag::header_of(wire);
+  for (int i = 0; i < kSettings; ++i) wire.number<std::uint8_t>();
+  std::array<double, 12> numbers{};
+  for (double& number : numbers) number = static_cast<double>(wire.number<float>());
+  return wire.ok() ? orbbec_transform(numbers) : std::nullopt;
+}
+
+/// The setting with a number, of custom_msg/OBProperty; empty where it was not recorded.
+template <class T>
+std::optional<T> orbbec_property(const Bag& bag, std::size_t channel, std::uint32_t wanted) {
+  const auto cursor = bag.read({channel});
+  while (true) {
+    const auto message = cursor->next();
+    if (message && !*message) return std::nullopt;
+    if (!message) continue;
+    bag::Wire wire((*message)->data, bag.channels()[channel].encoding);
+    bag::header_of(wire);
+    const auto number = wire.number<std::uint32_t>();
+    const std::string_view data = wire.bytes();
+    if (!wire.ok() || number != wanted || data.size() != sizeof(T)) continue;
+    T value{};
+    std::memcpy(&value, data.data(), sizeof(T));
+    return value;
+  }
+}
+
+/// Millimetres of a unit of depth: newer cameras have a number for it, older ones a list to choose
+/// from (OBDepthPrecisionLevel).
+Result<std::optional<SdkUnit>> orbbec_depth_unit(const Bag& bag) {
+  constexpr const char* kTopic = "/cam/property";
+  constexpr std::uint32_t kUnit = 176, kLevel = 75;
+  constexpr std::array kLevels_mm = {1.0, 0.8, 0.4, 0.1, 0.2, 0.5, 0.05};
+  const auto channel = channel_ending(bag, kTopic, kOrbbecProperty);
+  if (!channel) return std::nullopt;
+  if (const auto unit_mm = orbbec_property<float>(bag, *channel, kUnit)) {
+    const auto unit = static_cast<double>(*unit_mm);
+    if (unit > 0 && std::isfinite(unit)) return SdkUnit{whole_units(kMillimetres / unit), kTopic};
+    return fail(ErrorCode::kInvalidFormat, fmt::format("{}: a depth unit of {} mm", kTopic, unit),
+                "give --depth-scale S (raw units per metre)");
+  }
+  const auto level = orbbec_property<std::int32_t>(bag, *channel, kLevel);
+  if (!level || *level < 0 || *level >= std::ssize(kLevels_mm)) return std::nullopt;
+  return SdkUnit{kMillimetres / kLevels_mm[static_cast<std::size_t>(*level)], kTopic};
 }
 
 Result<std::optional<SdkExtrinsics>> orbbec_extrinsics(const Bag& bag,
@@ -167,11 +246,9 @@ Result<std::optional<SdkExtrinsics>> orbbec_extrinsics(const Bag& bag,
   SGS_ASSIGN_OR_RETURN(const auto message, first_message(bag, *channel));
   if (!message) return std::nullopt;
   const bag::Channel& about = bag.channels()[*channel];
-  SGS_ASSIGN_OR_RETURN(OrbbecProfile profile, read_orbbec_profile(*message, about));
-  auto& numbers = profile.depth_to_color;
-  for (std::size_t i = 9; i < numbers.size(); ++i) numbers[i] /= 1000;
-  const auto T = bag::rigid_from_numbers(numbers, bag::RotationOrder::kRows);
-  if (!T) return std::nullopt;  // all zero where colour was not recorded with it
+  SGS_ASSIGN_OR_RETURN(const OrbbecProfile profile, read_orbbec_profile(*message, about));
+  const auto T = orbbec_transform(profile.depth_to_color);
+  if (!T) return std::nullopt;
   return SdkExtrinsics{*T, about.topic};
 }
 
@@ -231,7 +308,17 @@ Result<std::optional<SdkExtrinsics>> sdk_extrinsics(const Bag& bag, const std::s
   return std::nullopt;
 }
 
+std::optional<Eigen::Matrix3d> sdk_imu_rotation(const Bag& bag, const std::string& imu_topic) {
+  constexpr const char* kDepth = "/cam/sensor_3/frameType_3";
+  if (orbbec_stream(imu_topic).empty()) return std::nullopt;
+  const auto T_depth_imu = orbbec_accelerometer(bag, imu_topic);
+  const auto depth = orbbec_extrinsics(bag, kDepth);
+  if (!T_depth_imu || !depth || !*depth) return std::nullopt;
+  return (*depth)->T_color_depth.R * T_depth_imu->R;
+}
+
 Result<std::optional<SdkUnit>> sdk_depth_unit(const Bag& bag, const std::string& depth_topic) {
+  if (!orbbec_stream(depth_topic).empty()) return orbbec_depth_unit(bag);
   const std::string stream = sdk_stream(depth_topic);
   if (stream.empty()) return std::nullopt;
   const std::string sensor = stream.substr(0, stream.rfind('/'));
@@ -248,10 +335,7 @@ Result<std::optional<SdkUnit>> sdk_depth_unit(const Bag& bag, const std::string&
                   fmt::format("{}: a depth unit of {} m", about.topic, unit_m),
                   "give --depth-scale S (raw units per metre)");
     }
-    // Written as float, or with six digits: 0.001f is meant as a thousandth.
-    const double units = 1 / unit_m;
-    const double whole = std::round(units);
-    return SdkUnit{std::abs(units - whole) < 1e-5 * units ? whole : units, about.topic};
+    return SdkUnit{whole_units(1 / unit_m), about.topic};
   }
   return std::nullopt;
 }

@@ -17,8 +17,8 @@ namespace sgs::dataset {
 ///
 /// RealSense: on topics below /device_D/sensor_S/STREAM_N, as messages of ROS in its bags, as text
 /// "key=value;..." (std_msgs/String) in the .db3 files of its later versions. Orbbec (OrbbecSDK
-/// v2): images on /cam/sensor_S/frameType_T, and a message of its own for each of them on
-/// /cam/streamProfileType_T.
+/// v2): images and inertial samples on /cam/sensor_S/frameType_T, a message of its own for each of
+/// them on /cam/streamProfileType_T, and its settings on /cam/property.
 
 /// Whether an image topic is one of these: frame names and conventions of ROS mean nothing there.
 bool is_sdk_topic(const std::string& image_topic);
@@ -42,6 +42,10 @@ struct SdkExtrinsics {
 Result<std::optional<SdkExtrinsics>> sdk_extrinsics(const bag::Bag& bag,
                                                     const std::string& color_topic,
                                                     const std::string& depth_topic);
+
+/// From the axes of an accelerometer on a topic of Orbbec's SDK to those of the colour camera;
+/// empty where the recording does not say them.
+std::optional<Eigen::Matrix3d> sdk_imu_rotation(const bag::Bag& bag, const std::string& imu_topic);
 
 /// The depth's unit as raw units per metre; empty where the recording does not say it. A unit that
 /// is none is an error.

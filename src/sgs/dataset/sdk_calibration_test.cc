@@ -63,6 +63,61 @@ TEST(SdkCalibration, UnitsAreTakenFromTheSensorOfDepth) {
   EXPECT_FALSE(*sdk_depth_unit(MemoryBag(), kDepth + "/image/data"));
 }
 
+/// custom_msg/OBProperty.
+std::string orbbec_setting(std::uint32_t number, const std::string& data) {
+  return packed_header(0, "") + packed(number) + packed_text(data) +
+         packed(static_cast<std::uint32_t>(data.size()));
+}
+
+TEST(SdkCalibration, OrbbecsUnitIsASetting) {
+  constexpr std::uint32_t kUnit = 176, kLevel = 75, kOther = 14;
+  const auto unit = [](const std::vector<std::string>& settings) {
+    MemoryBag bag;
+    const auto channel = bag.topic("/cam/property", "custom_msg/OBProperty");
+    for (const std::string& setting : settings) bag.add(channel, setting);
+    return sdk_depth_unit(bag, "/cam/sensor_3/frameType_3");
+  };
+  const std::string other = orbbec_setting(kOther, packed<std::int32_t>(1));
+  const auto level = [&](std::int32_t value) { return orbbec_setting(kLevel, packed(value)); };
+  EXPECT_FALSE(*unit({other}));
+  EXPECT_FALSE(*unit({level(7)}));
+  EXPECT_FALSE(*unit({level(-1)}));
+  EXPECT_FALSE(*unit({orbbec_setting(kLevel, "x"), "damaged"}));
+  EXPECT_EQ((*unit({other, level(0)}))->units_per_metre, 1000);
+  EXPECT_EQ((*unit({other, level(1)}))->units_per_metre, 1250);
+  EXPECT_EQ((*unit({level(6)}))->units_per_metre, 20000);
+  // The number counts where both are there, and is meant as it was written.
+  EXPECT_EQ((*unit({level(0), orbbec_setting(kUnit, packed(0.1f))}))->units_per_metre, 10000);
+  EXPECT_FALSE(unit({orbbec_setting(kUnit, packed(0.0f))}));
+}
+
+TEST(SdkCalibration, OrbbecsAccelerometerTurnsIntoColour) {
+  MemoryBag bag;
+  const std::string topic = "/cam/sensor_4/frameType_4";
+  EXPECT_FALSE(sdk_imu_rotation(bag, topic));
+  const auto numbers = [](std::initializer_list<float> values) {
+    std::string bytes;
+    for (const float value : values) bytes += packed(value);
+    return bytes;
+  };
+  std::string unit = packed_header(0, "");
+  for (int i = 0; i < 6; ++i) unit += packed<std::uint8_t>(1);
+  // Quarter turns: about z from the unit to depth, about x from depth to colour.
+  unit += numbers({0, -1, 0, 1, 0, 0, 0, 0, 1, 10, 0, 0});
+  bag.add(bag.topic("/cam/streamProfileType_4", "custom_msg/OBImuStreamProfileInfo"), unit);
+  EXPECT_FALSE(sdk_imu_rotation(bag, topic));
+  std::string depth = packed_header(0, "") + packed<std::uint8_t>(3) + packed<std::uint8_t>(28) +
+                      numbers({1, 0, 0, 0, 0, -1, 0, 1, 0, 0, 0, 0});
+  for (const std::uint16_t v : {640, 400, 30}) depth += packed(v);
+  depth += numbers({475, 476, 320, 200, 0, 0, 0, 0, 0, 0, 0, 0});
+  bag.add(bag.topic("/cam/streamProfileType_3", "custom_msg/OBStreamProfileInfo"), depth);
+  const auto R = sdk_imu_rotation(bag, topic);
+  ASSERT_TRUE(R);
+  // The unit's x is depth's y, which is colour's z.
+  EXPECT_TRUE((*R * Eigen::Vector3d(1, 0, 0)).isApprox(Eigen::Vector3d(0, 0, 1)));
+  EXPECT_FALSE(sdk_imu_rotation(bag, "/imu"));
+}
+
 TEST(SdkCalibration, OrbbecHasAMessageOfItsOwn) {
   MemoryBag bag;
   std::string profile = packed_header(0, "") + packed<std::uint8_t>(3) + packed<std::uint8_t>(28);

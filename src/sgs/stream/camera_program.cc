@@ -14,7 +14,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "sgs/dataset/json_file.h"
+#include "sgs/io/json_file.h"
 #include "sgs/stream/child_process.h"
 
 namespace sgs::stream {
@@ -54,8 +54,8 @@ std::string read_all(int descriptor, Clock::time_point until) {
 }
 
 Status read_answer(const std::string& text, CameraFamily& family) {
-  SGS_ASSIGN_OR_RETURN(const auto json, dataset::parse_json(text, "its answer"));
-  return dataset::read_json("its answer", "library, devices", [&]() -> Status {
+  SGS_ASSIGN_OR_RETURN(const auto json, io::parse_json(text, "its answer"));
+  return io::read_json("its answer", "library, devices", [&]() -> Status {
     family.library = json.value("library", "");
     for (const auto& entry : json.value("devices", nlohmann::json::array())) {
       family.devices.push_back({entry.value("name", ""), entry.value("serial", ""),

@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "sgs/dataset/json_file.h"
 #include "sgs/io/calibration_io.h"
+#include "sgs/io/json_file.h"
 
 namespace sgs::stream {
 namespace {
@@ -227,14 +227,14 @@ std::string encode_imu(std::span<const InertialSample> samples) {
 }
 
 Result<Hello> parse_hello(std::string_view text, int version) {
-  SGS_ASSIGN_OR_RETURN(const Json json, dataset::parse_json(text, "the greeting"));
-  return dataset::read_json("the greeting", "camera {width, height, fx, fy, cx, cy}, color, depth",
-                            [&] { return hello_of(json, version); });
+  SGS_ASSIGN_OR_RETURN(const Json json, io::parse_json(text, "the greeting"));
+  return io::read_json("the greeting", "camera {width, height, fx, fy, cx, cy}, color, depth",
+                       [&] { return hello_of(json, version); });
 }
 
 Status StreamParser::read_header(std::string_view text) {
-  SGS_ASSIGN_OR_RETURN(const Json json, dataset::parse_json(text, "a frame's header"));
-  return dataset::read_json("a frame's header", "t, color_bytes, depth_bytes", [&]() -> Status {
+  SGS_ASSIGN_OR_RETURN(const Json json, io::parse_json(text, "a frame's header"));
+  return io::read_json("a frame's header", "t, color_bytes, depth_bytes", [&]() -> Status {
     packet_ = {};
     packet_.timestamp_s = json.at("t").get<double>();
     packet_.depth_delay_s = json.value("depth_t", packet_.timestamp_s) - packet_.timestamp_s;

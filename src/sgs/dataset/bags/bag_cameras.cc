@@ -35,8 +35,10 @@ Result<FoundLens> read_lens(const Bag& bag, std::size_t channel, const ImageTopi
   const std::string& topic = topic_of(bag, channel);
   auto usual = usual_camera_info(bag, channel);
   if (!usual) {
+    const std::string& remedy = usual.error().remedy;
     return fail(usual.error().code, fmt::format("{}: {}", topic, usual.error().message),
-                "give --camera fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]]");
+                fmt::format("{}{}give --camera fx,fy,cx,cy[,k1,k2,p1,p2,k3[,k4,k5,k6]]", remedy,
+                            remedy.empty() ? "" : "; or "));
   }
   // The first picture may have been taken in another mode than most.
   const ImageSize size = usual->changes ? ImageSize{} : topic_size(images);

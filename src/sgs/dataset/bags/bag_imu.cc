@@ -7,6 +7,7 @@
 #include "sgs/dataset/bags/bag_topics.h"
 #include "sgs/dataset/bags/bag_transforms.h"
 #include "sgs/dataset/imu.h"
+#include "sgs/dataset/sdk_calibration.h"
 
 namespace sgs::dataset {
 namespace {
@@ -41,8 +42,12 @@ std::optional<ImuTopic> choose_topic(const bag::Bag& bag, const std::string& cam
       auto read = TransformTree::read(bag, false);
       tree = read ? std::move(*read) : TransformTree();
     }
-    const auto joined = tree->fixed(camera_frame, first->header.frame_id);
-    if (joined) return ImuTopic{i, joined->R};
+    // SDKs give all their messages the same frame name, or none: that says nothing.
+    if (is_sdk_topic(channel.topic)) {
+      if (const auto R = sdk_imu_rotation(bag, channel.topic)) return ImuTopic{i, R};
+    } else if (const auto joined = tree->fixed(camera_frame, first->header.frame_id)) {
+      return ImuTopic{i, joined->R};
+    }
     if (!chosen) chosen = ImuTopic{i, std::nullopt};
   }
   return chosen;

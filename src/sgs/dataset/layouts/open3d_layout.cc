@@ -7,10 +7,10 @@
 
 #include "sgs/camera/image_side.h"
 #include "sgs/dataset/frame_list.h"
-#include "sgs/dataset/json_file.h"
 #include "sgs/dataset/pairing.h"
 #include "sgs/dataset/rigid.h"
 #include "sgs/io/atomic_file.h"
+#include "sgs/io/json_file.h"
 #include "sgs/io/text.h"
 
 namespace sgs::dataset {
@@ -47,22 +47,23 @@ struct Open3dIntrinsics {
 };
 
 Result<Open3dIntrinsics> read_open3d_intrinsics(const fs::path& path) {
-  SGS_ASSIGN_OR_RETURN(const auto json, load_json(path));
+  SGS_ASSIGN_OR_RETURN(const auto json, io::load_json(path));
   Open3dIntrinsics out;
-  return read_json(path, R"({"width", "height", "intrinsic_matrix": 9 numbers, column by column})",
-                   [&]() -> Result<Open3dIntrinsics> {
-                     const auto m = json.at("intrinsic_matrix").get<std::array<double, 9>>();
-                     out.calibration.camera = {image_side_px(json.at("width").get<double>()),
-                                               image_side_px(json.at("height").get<double>()),
-                                               m[0],
-                                               m[4],
-                                               m[6],
-                                               m[7]};
-                     out.calibration.depth_scale = json.value("depth_scale", kOpen3dDepthScale);
-                     out.fps = json.value("fps", out.fps);
-                     if (!(out.fps > 0)) out.fps = Open3dIntrinsics{}.fps;
-                     return out;
-                   });
+  return io::read_json(path,
+                       R"({"width", "height", "intrinsic_matrix": 9 numbers, column by column})",
+                       [&]() -> Result<Open3dIntrinsics> {
+                         const auto m = json.at("intrinsic_matrix").get<std::array<double, 9>>();
+                         out.calibration.camera = {image_side_px(json.at("width").get<double>()),
+                                                   image_side_px(json.at("height").get<double>()),
+                                                   m[0],
+                                                   m[4],
+                                                   m[6],
+                                                   m[7]};
+                         out.calibration.depth_scale = json.value("depth_scale", kOpen3dDepthScale);
+                         out.fps = json.value("fps", out.fps);
+                         if (!(out.fps > 0)) out.fps = Open3dIntrinsics{}.fps;
+                         return out;
+                       });
 }
 
 /// Open3D's log: "i j k", then the 4x4 of frame i, camera to world.

@@ -6,9 +6,9 @@
 
 #include "sgs/camera/image_side.h"
 #include "sgs/dataset/frame_list.h"
-#include "sgs/dataset/json_file.h"
 #include "sgs/dataset/pairing.h"
 #include "sgs/dataset/rigid.h"
+#include "sgs/io/json_file.h"
 
 namespace sgs::dataset {
 namespace fs = std::filesystem;
@@ -37,8 +37,8 @@ struct PolycamCamera {
 };
 
 Result<PolycamCamera> read_polycam_camera(const fs::path& path) {
-  SGS_ASSIGN_OR_RETURN(const auto json, load_json(path));
-  return read_json(
+  SGS_ASSIGN_OR_RETURN(const auto json, io::load_json(path));
+  return io::read_json(
       path, "fx, fy, cx, cy, width, height and t_00 .. t_23", [&]() -> Result<PolycamCamera> {
         const auto number = [&](const char* key) { return json.at(key).get<double>(); };
         PolycamCamera out;

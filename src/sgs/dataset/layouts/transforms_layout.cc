@@ -7,9 +7,9 @@
 
 #include "sgs/camera/image_side.h"
 #include "sgs/dataset/frame_list.h"
-#include "sgs/dataset/json_file.h"
 #include "sgs/dataset/rigid.h"
 #include "sgs/dataset/time_unit.h"
+#include "sgs/io/json_file.h"
 
 namespace sgs::dataset {
 namespace fs = std::filesystem;
@@ -239,8 +239,8 @@ bool looks_like_transforms(const fs::path& folder) {
 // nerfstudio's transforms.json with depth, and what writes the same (NeRFCapture, SplaTAM).
 Result<FrameList> list_transforms(const fs::path& folder) {
   const fs::path path = folder / "transforms.json";
-  SGS_ASSIGN_OR_RETURN(const Json json, load_json(path));
-  return read_json(path, kTransformsForm, [&] { return transforms_list(folder, path, json); });
+  SGS_ASSIGN_OR_RETURN(const Json json, io::load_json(path));
+  return io::read_json(path, kTransformsForm, [&] { return transforms_list(folder, path, json); });
 }
 
 }  // namespace sgs::dataset

@@ -7,7 +7,7 @@
 
 #include "sgs/core/error.h"
 
-namespace sgs::dataset {
+namespace sgs::io {
 
 /// A JSON file of another program: at most 64 MB and 32 levels deep, so that no file can ask for
 /// more memory or stack than it is worth. Syntax errors name the place.
@@ -32,4 +32,4 @@ auto read_json(const std::filesystem::path& path, const char* needed, Read&& rea
   }
 }
 
-}  // namespace sgs::dataset
+}  // namespace sgs::io

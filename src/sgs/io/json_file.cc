@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 // SPDX-License-Identifier: Apache-2.0
-#include "sgs/dataset/json_file.h"
+#include "sgs/io/json_file.h"
 
 #include "sgs/io/atomic_file.h"
 #include "sgs/io/text.h"
 
-namespace sgs::dataset {
+namespace sgs::io {
 
 Result<nlohmann::json> load_json(const std::filesystem::path& path) {
   constexpr std::int64_t kLargest_bytes = std::int64_t{64} << 20;
-  SGS_ASSIGN_OR_RETURN(const std::string content, io::read_text(path, kLargest_bytes));
+  SGS_ASSIGN_OR_RETURN(const std::string content, read_text(path, kLargest_bytes));
   return parse_json(content, path.string());
 }
 
@@ -38,4 +38,4 @@ std::string plain_words(const nlohmann::json::exception& error) {
   return std::string(what.starts_with('[') && end != what.npos ? what.substr(end + 2) : what);
 }
 
-}  // namespace sgs::dataset
+}  // namespace sgs::io
