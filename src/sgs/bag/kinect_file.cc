@@ -326,7 +326,9 @@ std::optional<std::uint64_t> announced_end(ByteFile& file) {
 
 class KinectFile : public Bag {
  public:
-  explicit KinectFile(fs::path path) : path_(std::move(path)) { format_ = ".mkv of an Azure Kinect"; }
+  explicit KinectFile(fs::path path) : path_(std::move(path)) {
+    format_ = ".mkv of an Azure Kinect";
+  }
 
   Status open(ByteFile& file) {
     SGS_ASSIGN_OR_RETURN(Input input, Input::open(path_));
