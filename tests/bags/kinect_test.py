@@ -135,7 +135,7 @@ class Recordings(KinectTest):
     def test_what_is_said_of_it(self):
         path = self.write("said.mkv", self.recording())
         said = json.loads(self.sgs("info", path, "--json").stdout)
-        self.assertEqual(said["layout"], "Azure Kinect .mkv")
+        self.assertEqual(said["layout"], ".mkv of an Azure Kinect")
         self.assertEqual(
             (said["color_topic"], said["depth_topic"]), ("/color/image", "/depth/image")
         )

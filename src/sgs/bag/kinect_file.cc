@@ -326,7 +326,9 @@ std::optional<std::uint64_t> announced_end(ByteFile& file) {
 
 class KinectFile : public Bag {
  public:
-  explicit KinectFile(fs::path path) : path_(std::move(path)) { format_ = "Azure Kinect .mkv"; }
+  explicit KinectFile(fs::path path) : path_(std::move(path)) {
+    format_ = ".mkv of an Azure Kinect";
+  }
 
   Status open(ByteFile& file) {
     SGS_ASSIGN_OR_RETURN(Input input, Input::open(path_));
@@ -340,13 +342,23 @@ class KinectFile : public Bag {
     depth_channel_ = channel_of("/depth/image", "sensor_msgs/Image", Encoding::kRos1);
     if (imu_) imu_channel_ = channel_of("/imu", "sensor_msgs/Imu", Encoding::kRos1);
     find_times(input, file);
-    return {};
+    return check_images();
   }
 
   std::unique_ptr<Cursor> read(const std::vector<std::size_t>& channels) const override;
 
  private:
   friend class KinectCursor;
+
+  /// Whether there is any; from the file's beginning.
+  Status check_images() const {
+    SGS_ASSIGN_OR_RETURN(Input input, Input::open(path_));
+    input.keep_only(std::array{color_.index, depth_.index});
+    if (input.next() != nullptr) return {};
+    return fail(ErrorCode::kInvalidFormat,
+                fmt::format("{}: ends before its first image", path_.string()),
+                "it was cut off, or nothing was recorded; copy or record it again");
+  }
 
   /// Of the attachment that a tag names, else of that with the usual name.
   Result<KinectCalibration> calibration_of(const Input& input) const {
