@@ -131,7 +131,7 @@ std::optional<SE3> Relocaliser::relocalise(const RgbdFrame& frame, const alignme
   const features::VisualPose found = map.relocalise(current, known_.empty() ? kTried : kTriedOfMap);
   if (!compared.empty()) {
     const auto best = static_cast<std::size_t>(std::max(found.keyframe, 0));
-    last_look_ = {found.matches, found.inliers, compared[best]->frame};
+    last_look_ = {found.matches, found.inliers, compared[best]->frame, compared[best]->drawn};
   }
   if (found.verdict != features::Verdict::kOk) return std::nullopt;
   return found.T_world_camera;

@@ -45,6 +45,7 @@ class Relocaliser {
   struct Look {
     int matches = 0, inliers = 0;  ///< features alike, and those of them that agree on one pose
     std::int64_t keyframe = 0;     ///< index of the one that is most alike
+    bool drawn = false;            ///< whether that is a drawing of the map
   };
   const Look& last_look() const { return last_look_; }
 

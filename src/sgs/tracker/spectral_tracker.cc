@@ -288,7 +288,8 @@ std::optional<alignment::Alignment> SpectralTracker::relocalised(
   MotionModel motion = motion_;
   motion.jump_to(*found);
   const std::size_t last = aligner_.vision().newest_keyframe();
-  aligner_.carry_to(aligner_.vision().nearest_keyframe(*found));
+  const bool drawn = relocaliser_.last_look().drawn;
+  aligner_.carry_to(aligner_.vision().nearest_keyframe(*found, drawn));
   alignment::Alignment a =
       align(*found, frame.timestamp_s, motion, alignment::JointAligner::From::kAfar);
   if (!is_believed(a)) {

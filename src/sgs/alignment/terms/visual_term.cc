@@ -68,10 +68,11 @@ VisualTerm::Fit VisualTerm::start(const SE3& T_local_predicted, References refer
   return fit;
 }
 
-std::size_t VisualTerm::nearest_keyframe(const SE3& T_local_camera) const {
+std::size_t VisualTerm::nearest_keyframe(const SE3& T_local_camera, bool with_drawings) const {
   std::size_t out = newest_;
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < keyframes_.size(); ++i) {
+    if (keyframes_[i].drawn && !with_drawings) continue;
     const double distance = view_distance(keyframes_[i], T_local_camera);
     if (distance >= nearest) continue;
     nearest = distance;

@@ -59,8 +59,9 @@ class VisualTerm {
   /// Number of the keyframe the camera was last at.
   std::size_t newest_keyframe() const { return newest_; }
   /// Number of the keyframe that saw most nearly what a camera at this pose would see, whether or
-  /// not it contradicts those that the camera was at lately.
-  std::size_t nearest_keyframe(const SE3& T_local_camera) const;
+  /// not it contradicts those that the camera was at lately. Drawings count only where they are
+  /// asked for: who was found by a picture is aligned to pictures.
+  std::size_t nearest_keyframe(const SE3& T_local_camera, bool with_drawings = false) const;
   /// The camera was carried off, to where one of the keyframes is: what it may still see of the one
   /// that it was at (down a corridor, much), it sees from too far away to be aligned to.
   void carry_to(std::size_t keyframe) { newest_ = keyframe; }

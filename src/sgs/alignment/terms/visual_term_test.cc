@@ -106,5 +106,29 @@ TEST_F(DriftedWall, ACameraThatWasCarriedOffIsAlignedToTheNearestKeyframe) {
   EXPECT_LT(fit.mean_cost(), 0.6 * before);
 }
 
+// Of the same wall: a drawing serves who is carried to it, and nobody else.
+TEST_F(DriftedWall, ADrawingIsNoReferenceBesideAPicture) {
+  add(0, 0);
+  const RgbdFrame drawing = see_wall(beside(0.9), frames_++);
+  revision_.path.append({drawing.index, drawing.timestamp_s, beside(0.9)});
+  term_.set_frame(drawing, past());
+  term_.insert_drawing(beside(0.9), {});
+  ASSERT_EQ(term_.keyframes(), 2);
+  EXPECT_EQ(term_.nearest_keyframe(beside(0.9), true), 1u);
+  EXPECT_EQ(term_.nearest_keyframe(beside(0.9)), 0u);
+
+  const RgbdFrame frame = see_wall(beside(0.88), frames_++);
+  VisualTerm::Fit fit = look(term_, frame, past(), 0.88, 0);  // the drawing is the newest
+  EXPECT_TRUE(fit.to_drawing());
+  EXPECT_EQ(fit.finest_level(), 1);
+  EXPECT_TRUE(term_.wants_keyframe(beside(0.88), fit)) << "a picture takes its place";
+
+  term_.carry_to(0);
+  fit = look(term_, frame, past(), 0.88, 0);
+  EXPECT_FALSE(fit.to_drawing());
+  EXPECT_EQ(fit.finest_level(), 0);
+  EXPECT_EQ(fit.references(), 1);
+}
+
 }  // namespace
 }  // namespace sgs::alignment
