@@ -12,9 +12,9 @@
 #include <deque>
 #include <limits>
 
-#include "sgs/bag/av_library.h"
 #include "sgs/bag/chunked_bag.h"
 #include "sgs/bag/kinect_calibration.h"
+#include "sgs/bag/matroska_input.h"
 #include "sgs/bag/message_writer.h"
 
 namespace sgs::bag {
@@ -22,8 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kNoTime = std::numeric_limits<std::int64_t>::min();  // AV_NOPTS_VALUE
-constexpr std::int64_t kLatest_ns = 1'000'000'000'000'000'000;  // 30 years: a stamp beyond is none
 constexpr std::string_view kMatroskaMagic = "\x1A\x45\xDF\xA3";
 constexpr const char* kAttach =
     "give the file that was recorded, or attach the calibration of another recording of the "
@@ -47,84 +45,6 @@ std::string text_of_fourcc(std::uint32_t code) {
   return printable(text);
 }
 
-/// A file that is open for reading from its beginning.
-class Input {
- public:
-  static Result<Input> open(const fs::path& path) {
-    SGS_ASSIGN_OR_RETURN(const AvLibrary* av, av_library());
-    Input input(av);
-    // With the protocol's name a colon in the file's means nothing.
-    const std::string url = "file:" + path.string();
-    const int status = av->avformat_open_input(&input.context_, url.c_str(),
-                                               av->av_find_input_format("matroska"), nullptr);
-    if (status < 0) {
-      std::array<char, AV_ERROR_MAX_STRING_SIZE> reason{};
-      av->av_strerror(status, reason.data(), reason.size());
-      return fail(ErrorCode::kInvalidFormat,
-                  fmt::format("{}: its tracks cannot be read: {}", path.string(), reason.data()),
-                  "the file is damaged or was cut off at its beginning; copy or record it again");
-    }
-    input.context_->flags |= AVFMT_FLAG_NOPARSE | AVFMT_FLAG_NOFILLIN;
-    input.packet_ = av->av_packet_alloc();
-    if (input.packet_ == nullptr) throw std::bad_alloc();
-    return input;
-  }
-  ~Input() {
-    if (packet_ != nullptr) av_->av_packet_free(&packet_);
-    if (context_ != nullptr) av_->avformat_close_input(&context_);
-  }
-  Input(Input&& other) noexcept
-      : av_(other.av_),
-        context_(std::exchange(other.context_, nullptr)),
-        packet_(std::exchange(other.packet_, nullptr)) {}
-  Input& operator=(Input&&) = delete;
-
-  std::span<AVStream* const> streams() const { return {context_->streams, context_->nb_streams}; }
-  const AVFormatContext& file() const { return *context_; }
-
-  /// A tag of the file or of one of its tracks; empty: none.
-  std::string tag(const char* name) const {
-    if (const auto value = entry(context_->metadata, name); !value.empty()) return value;
-    for (const AVStream* stream : streams()) {
-      if (const auto value = entry(stream->metadata, name); !value.empty()) return value;
-    }
-    return {};
-  }
-  std::string entry(const AVDictionary* of, const char* name) const {
-    const AVDictionaryEntry* found = av_->av_dict_get(of, name, nullptr, 0);
-    return found != nullptr && found->value != nullptr ? found->value : "";
-  }
-
-  /// Nothing is read of tracks that are not among these.
-  void keep_only(std::span<const int> tracks) {
-    for (AVStream* stream : streams()) {
-      const bool kept = std::find(tracks.begin(), tracks.end(), stream->index) != tracks.end();
-      stream->discard = kept ? AVDISCARD_DEFAULT : AVDISCARD_ALL;
-    }
-  }
-  /// The next part of a track; null at the end, which damage is, too. Valid until the next call.
-  const AVPacket* next() {
-    av_->av_packet_unref(packet_);
-    return av_->av_read_frame(context_, packet_) < 0 ? nullptr : packet_;
-  }
-  /// Since the file's beginning; kNoTime: not said.
-  std::int64_t time_ns(const AVPacket& packet) const {
-    const std::int64_t time = packet.pts != kNoTime ? packet.pts : packet.dts;
-    if (time == kNoTime || time < 0) return kNoTime;
-    constexpr AVRational kNanosecond{1, 1'000'000'000};
-    const auto ns =
-        av_->av_rescale_q(time, context_->streams[packet.stream_index]->time_base, kNanosecond);
-    return ns < 0 || ns > kLatest_ns ? kNoTime : ns;
-  }
-
- private:
-  explicit Input(const AvLibrary* av) : av_(av) {}
-
-  const AvLibrary* av_;
-  AVFormatContext* context_ = nullptr;
-  AVPacket* packet_ = nullptr;
-};
-
 /// How the pictures of a track are packed, as messages of images say it.
 struct Picture {
   std::string encoding;
@@ -144,7 +64,7 @@ std::string place(const fs::path& path, const char* track) {
 }
 
 /// By the tag that the recorder writes for each track, else by the track's name.
-const AVStream* find_track(const Input& input, const std::string& name) {
+const AVStream* find_track(const MatroskaInput& input, const std::string& name) {
   const std::string tag = "K4A_" + name + "_TRACK";
   for (const AVStream* stream : input.streams()) {
     if (!input.entry(stream->metadata, tag.c_str()).empty()) return stream;
@@ -155,8 +75,8 @@ const AVStream* find_track(const Input& input, const std::string& name) {
   return nullptr;
 }
 
-Result<const AVStream*> image_track(const Input& input, const fs::path& path, const char* name,
-                                    const char* remedy) {
+Result<const AVStream*> image_track(const MatroskaInput& input, const fs::path& path,
+                                    const char* name, const char* remedy) {
   const AVStream* track = find_track(input, name);
   if (track == nullptr) {
     const bool other =
@@ -177,7 +97,7 @@ Result<const AVStream*> image_track(const Input& input, const fs::path& path, co
               "the file is damaged; copy or record it again");
 }
 
-Result<ImageTrack> color_track(const Input& input, const fs::path& path) {
+Result<ImageTrack> color_track(const MatroskaInput& input, const fs::path& path) {
   constexpr const char* kName = "COLOR";
   SGS_ASSIGN_OR_RETURN(
       const AVStream* track,
@@ -205,7 +125,7 @@ Result<ImageTrack> color_track(const Input& input, const fs::path& path) {
               "record it as MJPG, NV12, YUY2 or BGRA");
 }
 
-Result<ImageTrack> depth_track(const Input& input, const fs::path& path) {
+Result<ImageTrack> depth_track(const MatroskaInput& input, const fs::path& path) {
   constexpr const char* kName = "DEPTH";
   SGS_ASSIGN_OR_RETURN(
       const AVStream* track,
@@ -290,40 +210,6 @@ std::string transforms(const KinectCalibration& calibration) {
   return write_transforms(all, Encoding::kRos1);
 }
 
-/// Of the segment that is all of a Matroska file behind its head: where it ends; empty: not said.
-std::optional<std::uint64_t> announced_end(ByteFile& file) {
-  constexpr std::uint32_t kSegment = 0x18538067;
-  constexpr std::uint64_t kHead_bytes = 256;
-  const auto head = file.view(0, std::min(file.size(), kHead_bytes));
-  if (!head) return std::nullopt;
-  std::size_t at = 0;
-  // A number says in its first byte, by zeros before the first one, how many bytes follow.
-  const auto number = [&](bool with_mark) -> std::optional<std::uint64_t> {
-    if (at >= head->size()) return std::nullopt;
-    const auto first = static_cast<std::uint8_t>((*head)[at]);
-    const auto more = static_cast<std::size_t>(std::countl_zero(first));
-    if (more > 7 || at + more >= head->size()) return std::nullopt;
-    std::uint64_t value = with_mark ? first : first & (0x7Fu >> more);
-    bool all_ones = (first | (0xFFu << (7 - more) & 0xFFu)) == 0xFF;
-    for (std::size_t i = 1; i <= more; ++i) {
-      const auto byte = static_cast<std::uint8_t>((*head)[at + i]);
-      all_ones = all_ones && byte == 0xFF;
-      value = value << 8 | byte;
-    }
-    at += more + 1;
-    if (!with_mark && all_ones) return std::nullopt;  // not known when it was written
-    return value;
-  };
-  while (true) {
-    const auto id = number(true);
-    const auto size = id ? number(false) : std::nullopt;
-    if (!size) return std::nullopt;
-    if (*id == kSegment) return at + *size;
-    if (*size > head->size() - at) return std::nullopt;
-    at += *size;
-  }
-}
-
 class KinectFile : public Bag {
  public:
   explicit KinectFile(fs::path path) : path_(std::move(path)) {
@@ -331,7 +217,7 @@ class KinectFile : public Bag {
   }
 
   Status open(ByteFile& file) {
-    SGS_ASSIGN_OR_RETURN(Input input, Input::open(path_));
+    SGS_ASSIGN_OR_RETURN(MatroskaInput input, MatroskaInput::open(path_));
     SGS_ASSIGN_OR_RETURN(color_, color_track(input, path_));
     SGS_ASSIGN_OR_RETURN(depth_, depth_track(input, path_));
     const AVStream* imu = find_track(input, "IMU");
@@ -352,7 +238,7 @@ class KinectFile : public Bag {
 
   /// Whether there is any; from the file's beginning.
   Status check_images() const {
-    SGS_ASSIGN_OR_RETURN(Input input, Input::open(path_));
+    SGS_ASSIGN_OR_RETURN(MatroskaInput input, MatroskaInput::open(path_));
     input.keep_only(std::array{color_.index, depth_.index});
     if (input.next() != nullptr) return {};
     return fail(ErrorCode::kInvalidFormat,
@@ -361,7 +247,7 @@ class KinectFile : public Bag {
   }
 
   /// Of the attachment that a tag names, else of that with the usual name.
-  Result<KinectCalibration> calibration_of(const Input& input) const {
+  Result<KinectCalibration> calibration_of(const MatroskaInput& input) const {
     constexpr const char* kUsual = "calibration.json";
     const AVStream* found = nullptr;
     for (const AVStream* stream : input.streams()) {
@@ -411,7 +297,7 @@ class KinectFile : public Bag {
 
   /// Times in the file count from its first image or sample, whose device time a tag tells; samples
   /// have that of the device themselves.
-  void find_times(Input& input, ByteFile& file) {
+  void find_times(MatroskaInput& input, ByteFile& file) {
     const std::string tag = input.tag("K4A_START_OFFSET_NS");
     std::int64_t offset_ns = 0;
     const auto read = std::from_chars(tag.data(), tag.data() + tag.size(), offset_ns);
@@ -440,7 +326,7 @@ class KinectFile : public Bag {
   }
 
   /// The tag is written when the recorder finishes: before that, a sample tells what it would say.
-  std::int64_t start_by_imu(Input& input) const {
+  std::int64_t start_by_imu(MatroskaInput& input) const {
     input.keep_only(std::array{*imu_});
     const AVPacket* first = input.next();
     const std::int64_t in_file_ns = first == nullptr ? kNoTime : input.time_ns(*first);
@@ -488,7 +374,7 @@ class KinectCursor : public Cursor {
     while (samples_.empty()) {
       if (tracks_.empty()) return std::nullopt;
       if (!input_) {
-        auto input = Input::open(bag_.path_);
+        auto input = MatroskaInput::open(bag_.path_);
         if (!input) return ended(std::move(input.error()));
         input_.emplace(std::move(*input));
         input_->keep_only(tracks_);
@@ -553,7 +439,7 @@ class KinectCursor : public Cursor {
   const KinectFile& bag_;
   std::deque<const KinectFile::Fixed*> fixed_;
   std::vector<int> tracks_;
-  std::optional<Input> input_;
+  std::optional<MatroskaInput> input_;
   std::deque<Message> samples_;
 };
 
