@@ -20,27 +20,74 @@ constexpr std::size_t kFigures = 5;
 constexpr float kNearest_m = 0.6f;
 constexpr float kHalfView = 0.6f;  // of the picture's width at 1 m
 
+// The way of somebody who walks, stop by stop.
+class WanderersWay {
+ public:
+  WanderersWay(const Stage& stage, float speed, double start_s, const Vector2f& first)
+      : stage_(stage), speed_(speed), stops_{{start_s, stage.in_world(first, start_s)}} {}
+  double time_s() const { return stops_.back().time_s; }
+  const std::vector<Stop>& stops() const { return stops_; }
+
+  /// To where that will be in view on arrival, not over the camera's toes.
+  void walk_to(const Vector2f& right_ahead, bool then_sits) {
+    const Vector2f here = stops_.back().place;
+    const double about_s = time_s() + seconds_to(stage_.in_world(right_ahead, time_s()));
+    const Vector2f there = stage_.in_world(right_ahead, about_s);
+    const Vector2f eye = stage_.in_world(Vector2f::Zero(), 0.5 * (time_s() + about_s));
+    const Vector2f a = here - eye, b = there - eye;
+    const float along = std::clamp(a.dot(a - b) / std::max((a - b).squaredNorm(), 1e-6f), 0.f, 1.f);
+    if ((a + along * (b - a)).norm() < kNearest_m) {
+      Vector2f between = a.stableNormalized() + b.stableNormalized();
+      if (between.norm() < 1e-3f) between = Vector2f(-a.y(), a.x());
+      go(eye + 0.5f * (a.norm() + b.norm()) * between.normalized(), false);
+    }
+    go(there, then_sits);
+  }
+  /// Where they are, whatever the camera does.
+  void stay(double seconds) { stops_.push_back({time_s() + seconds, stops_.back().place}); }
+
+ private:
+  double seconds_to(const Vector2f& place) const {
+    constexpr double kLeast_s = 0.3;
+    return std::max(kLeast_s, double{(place - stops_.back().place).norm() / speed_});
+  }
+  void go(const Vector2f& place, bool sits) {
+    stops_.push_back({time_s() + seconds_to(place), place, sits});
+  }
+
+  const Stage& stage_;
+  float speed_;
+  std::vector<Stop> stops_;
+};
+
 // Somebody who crosses the view at about `distance`, up to 1.3 times as far as it reaches.
-std::vector<Stop> wander(Random& random, double start_s, double end_s, float distance, float speed,
+std::vector<Stop> wander(Random& random, const Stage& stage, float distance, float speed,
                          bool from_within) {
   const auto ahead = [&] { return std::max(kNearest_m, distance * random.uniform(0.85f, 1.2f)); };
   float side = random.chance(0.5f) ? 1.f : -1.f;
-  const float first = from_within ? 0.2f : 1.2f;
-  Vector2f here(-side * first * kHalfView * distance, ahead());
-  double t = start_s;
-  std::vector<Stop> stops = {{t, here}};
-  while (t < end_s) {
-    const Vector2f there(side * random.uniform(0.3f, 1.3f) * kHalfView * distance, ahead());
-    t += std::max(0.3, double{(there - here).norm() / speed});
+  const float first = (from_within ? 0.2f : 1.2f) * kHalfView * distance;
+  WanderersWay walk(stage, speed, stage.start_s(), {-side * first, ahead()});
+  while (walk.time_s() < stage.end_s()) {
+    const float depth = ahead();
+    const Vector2f there(side * random.uniform(0.3f, 1.3f) * kHalfView * distance, depth);
     const float luck = random.uniform();
     const bool sits = luck < 0.15f, stands = luck < 0.5f;
-    stops.push_back({t, there, sits});
-    if (stands) {
-      t += double{sits ? random.uniform(2.5f, 4.f) : random.uniform(0.5f, 2.f)};
-      stops.push_back({t, there});
-    }
-    here = there;
+    walk.walk_to(there, sits);
+    if (stands) walk.stay(double{sits ? random.uniform(2.5f, 4.f) : random.uniform(0.5f, 2.f)});
     side = -side;
+  }
+  return walk.stops();
+}
+
+// Somebody who goes where the camera goes, from side to side before it.
+std::vector<Stop> follow(const Stage& stage) {
+  constexpr float kAhead_m = 1.3f, kAside_m = 0.1f;
+  constexpr double kSways_s = 8, kInterval_s = 0.1;
+  std::vector<Stop> stops;
+  for (double t = stage.start_s(); t < stage.end_s() + kInterval_s; t += kInterval_s) {
+    const double turns = (t - stage.start_s()) / kSways_s;
+    const double aside = 4 * std::abs(turns - std::round(turns)) - 1;  // -1 .. 1
+    stops.push_back({t, stage.in_world({-kAside_m * static_cast<float>(aside), kAhead_m}, t)});
   }
   return stops;
 }
@@ -143,8 +190,7 @@ void Crowd::dress(bool plain, std::uint64_t seed) {
 void Crowd::enter(const CrowdOptions& options, const Stage& stage, float distance,
                   std::uint64_t seed) {
   constexpr std::array<float, 2> kSpeeds = {1.1f, 0.5f};  // m/s
-  constexpr float kPercentOfOne = 20, kFollows_m = 1.3f;
-  constexpr double kSways_s = 4;
+  constexpr float kPercentOfOne = 20;
   people_.clear();
   const double start_s = stage.start_s(), end_s = stage.end_s();
   const int walkers =
@@ -154,37 +200,30 @@ void Crowd::enter(const CrowdOptions& options, const Stage& stage, float distanc
     Random random(hash64(seed, 10 + k));
     const float speed = kSpeeds[k % kSpeeds.size()] * random.uniform(0.9f, 1.1f);
     const float from = std::max(kNearest_m, distance * (1 + 0.15f * static_cast<float>(i)));
-    people_.push_back(
-        {figure(k), {stage, wander(random, start_s, end_s, from, speed, i == 0), false}});
+    people_.push_back({figure(k), {stage, wander(random, stage, from, speed, i == 0), false}});
   }
-  if (options.follower) {
-    std::vector<Stop> stops;
-    float side = 0.1f;
-    for (double t = start_s; t < end_s + kSways_s; t += kSways_s, side = -side)
-      stops.push_back({t, Vector2f(side, kFollows_m)});
-    people_.push_back({figure(3), {stage, stops, true}});
-  }
+  if (options.follower) people_.push_back({figure(3), {stage, follow(stage), true}});
   if (!options.box) return;
   // Somebody waits beside the box, pushes it across the view and walks off.
-  constexpr float kHand_m = 0.62f, kAway_m = 2.2f, kTo_m = 0.9f, kFrom_m = -0.5f;
+  constexpr float kHand_m = 0.62f, kAway_m = 2.2f, kTo_m = 0.9f, kFrom_m = -0.5f, kOff_m = -2.5f;
   constexpr double kPush_s = 3.5, kOff_s = 3;
   const double begin_s = start_s + 0.25 * (end_s - start_s), left_s = begin_s + kPush_s;
   const float yaw = stage.towards_camera(begin_s) + 1.5708f;
   // The floor's axes of that moment: the box does not turn with the camera.
-  const auto fixed = [&](float right, double) { return stage.in_world({right, kAway_m}, begin_s); };
+  const auto fixed = [&](float right) { return stage.in_world({right, kAway_m}, begin_s); };
   if (textures_.empty() || !box_) {
     Canvas canvas(300, 300, 0.003f);
     paint(canvas, Pattern::kPoster, hash64(seed, 5), Rgb(0.7f, 0.55f, 0.35f));
     textures_.emplace_back(std::move(canvas));
     box_.emplace(PushedBox{{}, {}, begin_s, left_s, &textures_.back()});
   }
-  box_->from.place = fixed(kFrom_m, begin_s);
-  box_->to.place = fixed(kTo_m, left_s);
+  box_->from.place = fixed(kFrom_m);
+  box_->to.place = fixed(kTo_m);
   box_->from.yaw = box_->to.yaw = yaw;
-  const std::vector<Stop> stops = {{start_s, {kFrom_m - kHand_m, kAway_m}},
-                                   {begin_s, {kFrom_m - kHand_m, kAway_m}},
-                                   {left_s, {kTo_m - kHand_m, kAway_m}},
-                                   {left_s + kOff_s, {-2.5f, kAway_m}}};
+  const std::vector<Stop> stops = {{start_s, fixed(kFrom_m - kHand_m)},
+                                   {begin_s, fixed(kFrom_m - kHand_m)},
+                                   {left_s, fixed(kTo_m - kHand_m)},
+                                   {left_s + kOff_s, fixed(kOff_m)}};
   people_.push_back({figure(4), {stage, stops, false}});
 }
 

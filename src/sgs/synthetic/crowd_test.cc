@@ -142,6 +142,31 @@ TEST(Crowd, PeopleWalkStopAndComeBack) {
   EXPECT_GT(walking, 80);
 }
 
+TEST(Crowd, WhoStandsStandsWhateverTheCameraDoes) {
+  for (const char* spec : {"room_desk+walkers40:clean", "room+walkers40+turning:clean"}) {
+    const SynthOptions options = small(spec, 0);
+    ThreadPool pool(1);
+    const auto scene = make_scene(options);
+    const auto motion = whole_motion_of(options);
+    ASSERT_TRUE(scene && motion);
+    const Crowd crowd(options, **scene, *motion, pool);
+    int standing = 0;
+    double nearest_m = 10;
+    for (double t = 1; t < 15; t += 0.1) {
+      const std::vector<float> steps = crowd.steps(t);
+      for (const std::size_t trunk : {std::size_t{0}, std::size_t{kBodyParts}})
+        standing += steps[trunk] < 1e-5f ? 1 : 0;
+      const SE3 T = *motion->at(t, 1);
+      const Eigen::Vector3f eye = T.t.cast<float>();
+      for (const Primitive& part : crowd.at(t)) {
+        nearest_m = std::min(nearest_m, double{part.distance(eye)});
+      }
+    }
+    EXPECT_GT(standing, 10) << spec;
+    EXPECT_GT(nearest_m, 0.15) << spec;
+  }
+}
+
 TEST(Crowd, AStandingCameraStandsAndATurningOneTurns) {
   const auto still = frames_of(small("room+still:clean", 4));
   EXPECT_EQ((still[3].truth_T_world_camera->t - still[0].truth_T_world_camera->t).norm(), 0);

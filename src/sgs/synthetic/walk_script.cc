@@ -43,11 +43,11 @@ struct Between {
 Vector2f on_way(const std::vector<Stop>& stops, double time_s) {
   const auto next = std::find_if(stops.begin(), stops.end(),
                                  [&](const Stop& stop) { return stop.time_s > time_s; });
-  if (next == stops.begin()) return stops.front().right_ahead;
-  if (next == stops.end()) return stops.back().right_ahead;
+  if (next == stops.begin()) return stops.front().place;
+  if (next == stops.end()) return stops.back().place;
   const Stop& last = *std::prev(next);
   const float share = static_cast<float>((time_s - last.time_s) / (next->time_s - last.time_s));
-  return last.right_ahead + share * (next->right_ahead - last.right_ahead);
+  return last.place + share * (next->place - last.place);
 }
 
 // Corners cut: nobody stops dead.
@@ -112,9 +112,9 @@ WalkScript::WalkScript(const Stage& stage, const std::vector<Stop>& stops, bool 
   constexpr float kTurning = 5, kSittingDown = 1.2f, kChanging = 3;  // a second
   Posture now;
   now.yaw = stage.towards_camera(start_s_);
-  now.place = stage.in_world(evened_way(stops, start_s_), start_s_);
+  now.place = evened_way(stops, start_s_);
   for (double t = start_s_; t <= stage.end_s(); t += 1 / kPostureRate_hz) {
-    const Vector2f place = stage.in_world(evened_way(stops, t), t);
+    const Vector2f place = evened_way(stops, t);
     const Vector2f velocity = (place - now.place) / kStep_s;
     const float speed = velocity.norm();
     const bool sits = sits_at(stops, t);

@@ -28,17 +28,17 @@ class Stage {
   std::vector<Eigen::Vector4f> views_;  // eye and heading, ten a second
 };
 
-/// Where somebody is to be, and when, on a stage.
+/// Where on the floor somebody is to be, and when.
 struct Stop {
   double time_s = 0;
-  Eigen::Vector2f right_ahead;  ///< metres; straight on between two stops
-  bool sits = false;            ///< until the next stop
+  Eigen::Vector2f place;  ///< in the world, metres; straight on between two stops
+  bool sits = false;      ///< until the next stop
 };
 
 /// Somebody's way from stop to stop.
 class WalkScript {
  public:
-  /// `faces_camera`: whichever way they walk.
+  /// Over the times of the stage. `faces_camera`: whichever way they walk.
   WalkScript(const Stage& stage, const std::vector<Stop>& stops, bool faces_camera);
   /// Before and after the stage's times as at its ends.
   Posture at(double time_s) const;
