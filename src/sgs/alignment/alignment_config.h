@@ -46,6 +46,7 @@ struct KeyframeConfig {
 /// What moves by itself: somebody who walks through, or what was put there.
 struct MoversConfig {
   bool clusters = true;
+  bool second_look = true;
   bool ignore = false;
   double margin_m = 0.1;
   double margin_ratio = 0.03;
@@ -56,6 +57,9 @@ struct MoversConfig {
     p.add("clusters", clusters,
           "Leave out what stands where the last half second's frames saw nothing, once that is a "
           "quarter of what is measured and no one motion of the camera explains it.");
+    p.add("second_look", second_look,
+          "Where something moves, track the last second once more, backwards in time, and believe "
+          "the smoother of the two paths.");
     p.add("ignore", ignore,
           "Leave out what stands before known surface until it has stood there for trial_s.");
     p.add("margin_m", margin_m, "It stands so far before it at least.", "m", {0.01, 10});
@@ -66,7 +70,7 @@ struct MoversConfig {
           "Targets that a tracking keyframe looks through by more are removed, however new; 0: "
           "only those of a long way ago.",
           "m", {0, 10});
-    p.for_users({"clusters", "ignore"});
+    p.for_users({"clusters", "second_look", "ignore"});
   }
   /// Whether anything is left out ever.
   bool any() const { return clusters || ignore; }

@@ -340,6 +340,17 @@ registration::InverseDepthPlane JointAligner::still_surface(int u, int v,
   return geometry_.moves(point, a.T_local_camera) ? registration::InverseDepthPlane{} : plane;
 }
 
+void JointAligner::begin(const SE3& T_local_camera, const registration::FrameMotion& motion) {
+  Alignment a;
+  a.T_local_camera = T_local_camera;
+  a.points_motion = motion;
+  a.geometry.emplace();
+  a.geometry->movers = told_share_;
+  a.moving = parts_.told(told_);
+  extend(a, motion.readout);
+  remember(a);
+}
+
 void JointAligner::take_drawing(const SE3& T_local_camera) {
   vision_.insert_drawing(T_local_camera, [&](int u, int v) { return still_surface(u, v, {}); });
 }

@@ -110,6 +110,9 @@ class JointAligner {
   /// its picture.
   Extension extend(const Alignment& alignment, const Vector6d& readout);
 
+  /// Takes in the frame looked at, the first one, as lying there. What RgbdFrame::still says moves
+  /// is taken for what moved lately, too.
+  void begin(const SE3& T_local_camera, const registration::FrameMotion& motion);
   /// Takes in the frame looked at, which is a drawing of the map seen from there: as a visual
   /// keyframe alone (VisualTerm::insert_drawing).
   void take_drawing(const SE3& T_local_camera);

@@ -10,6 +10,8 @@ Revision revised(const Revision& before, const Update& update) {
   if (update.calibration) {
     out.calibration = update.calibration;
     ++out.calibrations;
+  } else if (update.tracked_anew) {
+    ++out.second_looks;
   } else {
     ++out.loops;
   }

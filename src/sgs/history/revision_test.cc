@@ -34,6 +34,12 @@ TEST(Revision, CountsWhatItCameFrom) {
   EXPECT_EQ(calibrated.path.at(0).t.x(), 2);
   const Revision again = revised(calibrated, {PoseCorrection({{0, beside(2), beside(3)}})});
   EXPECT_EQ(again.calibration, calibrated.calibration);
+  const Revision seen =
+      revised(again, {.poses = PoseCorrection({{0, beside(3), beside(4)}}), .tracked_anew = true});
+  EXPECT_EQ(seen.second_looks, 1);
+  EXPECT_EQ(seen.loops, again.loops);
+  EXPECT_EQ(seen.number(), again.number() + 1);
+  EXPECT_EQ(seen.path.at(0).t.x(), 4);
 }
 
 TEST(Revision, DepthChangesFromOneCalibrationToTheNext) {

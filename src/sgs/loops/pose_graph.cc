@@ -202,14 +202,14 @@ graph::GraphSolution PoseGraph::solve() const { return graph::optimise(poses(), 
 
 void PoseGraph::follow(const history::Revision& revision) {
   const auto change = history::depth_change(revision_.calibration, revision.calibration);
-  const std::vector<SE3> T_before = change ? poses() : std::vector<SE3>();
+  const bool tracked_anew = revision.second_looks != revision_.second_looks;
+  const std::vector<SE3> T_before = change || tracked_anew ? poses() : std::vector<SE3>();
   revision_ = revision;
-  if (change) change_depth(*change, T_before, poses());
-}
-
-void PoseGraph::change_depth(const DepthChange& change, const std::vector<SE3>& T_before,
-                             const std::vector<SE3>& T_now) {
-  for (Node& n : nodes_) n.motion.recalibrate(change.delay_s());
+  if (change) {
+    for (Node& n : nodes_) n.motion.recalibrate(change->delay_s());
+  }
+  if (!change && !tracked_anew) return;
+  const std::vector<SE3> T_now = poses();
   const auto measured_anew = [&](const SE3& T_from_to, int from, int to) {
     const auto a = static_cast<std::size_t>(from), b = static_cast<std::size_t>(to);
     const SE3 deviation = (T_before[a].inverse() * T_before[b]).inverse() * T_from_to;
@@ -219,6 +219,7 @@ void PoseGraph::change_depth(const DepthChange& change, const std::vector<SE3>& 
     SE3& T = motions_[static_cast<std::size_t>(k)].T_from_to;
     T = measured_anew(T, k, k + 1);
   }
+  if (!change) return;
   for (graph::Edge& loop : loops_) {
     loop.T_from_to = measured_anew(loop.T_from_to, loop.from, loop.to);
   }

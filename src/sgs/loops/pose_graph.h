@@ -32,7 +32,8 @@ class PoseGraph {
  public:
   /// What is believed of the past now, the frames of all nodes in its path; comes before the
   /// first node and with each frame. Where depth has changed, what was measured with the old one
-  /// is held to deviate from the new poses as it did from the old ones.
+  /// is held to deviate from the new poses as it did from the old ones; where frames were tracked
+  /// anew, the odometry edges alone.
   void follow(const history::Revision& revision);
   const history::Revision& revision() const { return revision_; }
 
@@ -92,8 +93,6 @@ class PoseGraph {
   };
   static Motion joined(const Motion& first, const Motion& then);
   std::vector<SE3> poses() const;
-  void change_depth(const DepthChange& change, const std::vector<SE3>& T_before,
-                    const std::vector<SE3>& T_now);
 
   history::Revision revision_;
   std::vector<Node> nodes_;

@@ -221,5 +221,19 @@ TEST(PoseGraph, WhatWasMeasuredFollowsAnotherDepth) {
   EXPECT_NEAR(s.pose(2).t.x(), 0.4, 1e-12);
 }
 
+// Frames that were tracked anew: the camera moved otherwise, and what views say stays.
+TEST(PoseGraph, OdometryFollowsFramesThatWereTrackedAnew) {
+  Walk s;
+  for (int k = 0; k < 3; ++k) s.add(node(k), at(0.1 * k), Matrix6d::Identity() * 1e-4);
+  s.add_loop({0, 2, at(0.25), Matrix6d::Identity() * 1e6, true});
+  s.follow(history::revised(
+      s.now,
+      {.poses = PoseCorrection({{0, at(0), at(0)}, {1, at(0.1), at(0.12)}, {2, at(0.2), at(0.2)}}),
+       .tracked_anew = true}));
+  EXPECT_NEAR(s.tracked(0, 1).T.t.x(), 0.12, 1e-12);
+  EXPECT_NEAR(s.tracked(1, 2).T.t.x(), 0.08, 1e-12);
+  EXPECT_NEAR(s.loops()[0].T_from_to.t.x(), 0.25, 1e-12);
+}
+
 }  // namespace
 }  // namespace sgs::loops

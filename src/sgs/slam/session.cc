@@ -13,6 +13,7 @@
 #include "sgs/core/log.h"
 #include "sgs/slam/calibration_back_end.h"
 #include "sgs/slam/loop_back_end.h"
+#include "sgs/slam/second_look_back_end.h"
 #include "sgs/slam/track_stopwatch.h"
 #include "sgs/slam/video_gap.h"
 
@@ -82,6 +83,12 @@ Session::Session(const SessionConfig& config, const PinholeCamera& camera,
     auto back_end = std::make_unique<LoopBackEnd>(config_, views_);
     loop_back_end_ = back_end.get();
     loops_ = std::make_unique<BackEndWorker>(std::move(back_end), config_.loops.lag, mode);
+  }
+  const alignment::MoversConfig& movers = config_.tracker.movers;
+  if (movers.clusters && movers.second_look) {
+    constexpr int kLag = 10;  // frames: before the next look
+    second_look_ = std::make_unique<BackEndWorker>(
+        std::make_unique<SecondLookBackEnd>(config_.tracker), kLag, mode);
   }
   if (config_.backend.calibration.online) {
     calibrator_ = std::make_unique<BackEndWorker>(std::make_unique<CalibrationBackEnd>(config_),
@@ -180,6 +187,7 @@ Status Session::go_on_with(const KnownMap& map) {
 Status Session::localise_in(const KnownMap& map) {
   SGS_CHECK(map.gaussians != nullptr, "a map");
   SGS_CHECK(!loops_ && !calibrator_, "what is known stays where it is");
+  second_look_.reset();
   SGS_RETURN_IF_ERROR(check_can_be_given_a_map());
   if (map.calibration) {
     revision_.calibration = std::make_shared<const DepthCalibration>(*map.calibration);
@@ -227,7 +235,7 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& raw) {
   const auto still = in_both(raw->still, result.still);
   if (still) record.movers = mover_blocks(*still);
   const auto scene = without_movers(frame, result.still);
-  ask_back_ends(frame == raw ? scene : without_movers(raw, still), scene, result, record);
+  ask_back_ends({frame == raw ? scene : without_movers(raw, still), frame, scene}, result, record);
   if (comes_as_before(record, depth_fingerprint(*raw))) hand_to_mapper(scene, result, record);
   report_loss(record);
   compare_metres(*scene, record);
@@ -241,7 +249,7 @@ const FrameRecord& Session::feed(const std::shared_ptr<const RgbdFrame>& raw) {
 // frame. Returns by how much the camera moves where it moves most.
 double Session::revise_past() {
   std::optional<history::Update> update;
-  for (BackEndWorker* worker : {loops_.get(), calibrator_.get()}) {
+  for (BackEndWorker* worker : {second_look_.get(), loops_.get(), calibrator_.get()}) {
     if (worker == nullptr) continue;
     worker->wait_before(frames_fed_);
     if (!update) update = worker->take_before(frames_fed_);
@@ -274,17 +282,17 @@ Vector6d Session::last_velocity() const {
   return (path.at(before.index).inverse() * path.at(last.index)).log() / dt;
 }
 
-void Session::ask_back_ends(const std::shared_ptr<const RgbdFrame>& raw,
-                            const std::shared_ptr<const RgbdFrame>& frame,
-                            const tracker::TrackResult& result, FrameRecord& record) {
+void Session::ask_back_ends(const Forms& frame, const tracker::TrackResult& result,
+                            FrameRecord& record) {
   if (loops_) {
     record.loops = loops_->found_before(frames_fed_);
-    loops_->submit(frame, result, revision_);
+    loops_->submit(frame.scene, result, revision_);
   }
   if (calibrator_) {
     record.calibrations = calibrator_->found_before(frames_fed_);
-    calibrator_->submit(raw, result, revision_);
+    calibrator_->submit(frame.raw, result, revision_);
   }
+  if (second_look_) second_look_->submit(frame.tracked, result, revision_);
 }
 
 void Session::revise(const history::Update& update) {
@@ -432,7 +440,7 @@ void Session::finish() {
   // What fails here must not cost the map.
   std::exception_ptr failure;
   try {
-    for (BackEndWorker* back_end : {loops_.get(), calibrator_.get()}) {
+    for (BackEndWorker* back_end : {second_look_.get(), loops_.get(), calibrator_.get()}) {
       if (back_end == nullptr) continue;
       if (const auto update = back_end->finish(revision_)) revise(*update);
     }

@@ -183,9 +183,11 @@ class Session {
   void revise(const history::Update& update);
   std::shared_ptr<const RgbdFrame> calibrated(const std::shared_ptr<const RgbdFrame>& raw) const;
   Vector6d last_velocity() const;
-  void ask_back_ends(const std::shared_ptr<const RgbdFrame>& raw,
-                     const std::shared_ptr<const RgbdFrame>& frame,
-                     const tracker::TrackResult& result, FrameRecord& record);
+  /// A frame as it was delivered but for what moves, as it was tracked, and without what moves.
+  struct Forms {
+    std::shared_ptr<const RgbdFrame> raw, tracked, scene;
+  };
+  void ask_back_ends(const Forms& frame, const tracker::TrackResult& result, FrameRecord& record);
   MapView wait_for_map();
   tracker::TrackResult track(const RgbdFrame& frame, const map::SnapshotPtr& snapshot,
                              double& cpu_ms);
@@ -214,7 +216,7 @@ class Session {
   std::unique_ptr<tracker::Tracker> tracker_;
   std::unique_ptr<MapWorker> worker_;
   // Null where the tracker cannot be corrected, or shall not:
-  std::unique_ptr<BackEndWorker> loops_, calibrator_;
+  std::unique_ptr<BackEndWorker> loops_, calibrator_, second_look_;
   LoopBackEnd* loop_back_end_ = nullptr;  // that of loops_
   history::Revision revision_;            // views of a map that is known come first
   map::SnapshotPtr known_;  // the map that stays as it is; null: it makes its own, or goes on

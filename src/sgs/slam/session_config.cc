@@ -39,6 +39,7 @@ SessionConfig effective(SessionConfig config, const tracker::Tracker& tracker) {
   if (tracker.follows_map() || !tracker.needs_video()) {
     config.loops.enabled = false;
     config.backend.calibration.online = false;
+    config.tracker.movers.second_look = false;
   }
   return config;
 }

@@ -142,6 +142,27 @@ MovingParts::Judgement MovingParts::judge(const SE3& T_local_camera,
   return out;
 }
 
+// Masks are drawn a cell wider than what moves.
+MovingParts::Judgement MovingParts::told(const registration::CellMask& moving) const {
+  Judgement out;
+  if (!moving.any()) return out;
+  out.mask = moving;
+  const int rim = moving.cell_px();
+  const auto moves = [&](int u, int v) {
+    return moving.at(u, v) && moving.at(std::max(0, u - rim), v) && moving.at(u + rim, v) &&
+           moving.at(u, std::max(0, v - rim)) && moving.at(u, v + rim);
+  };
+  const int rows = depth_.depth.height() / SurfaceCheck::kCell;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns(); ++column) {
+      const int u = (column * SurfaceCheck::kCell + 1) * depth_.step_px;
+      const int v = (row * SurfaceCheck::kCell + 1) * depth_.step_px;
+      out.still.push_back(moves(u, v) ? 0.0f : 1.0f);
+    }
+  }
+  return out;
+}
+
 // Parts that are too small are let go, and all where nothing moved and too little does now.
 registration::CellMask MovingParts::coherent(const std::vector<float>& still,
                                              const std::vector<float>& depths) const {

@@ -31,6 +31,8 @@ class MovingParts {
   /// that were remembered.
   Judgement judge(const SE3& T_local_camera, const registration::FrameMotion& motion,
                   const LocalPast& past);
+  /// What somebody else has found to move in the frame.
+  Judgement told(const registration::CellMask& moving) const;
   /// The judgement is believed: later frames are compared with this one.
   void remember(const Judgement& judgement, const registration::FrameMotion& motion);
   /// Whether something moved in the last frame that was remembered.

@@ -52,6 +52,28 @@ TEST(CoarseDepth, KeepsPixelsWithTheirCamera) {
   EXPECT_EQ(depth.depth(5, 7), frame.depth(11, 15));
 }
 
+TEST(MovingParts, BelievesWhatItIsTold) {
+  MovingParts parts;
+  parts.look_at(see_wall({}, 0));
+  EXPECT_FALSE(parts.told({}).mask.any());
+  EXPECT_TRUE(parts.told({}).still.empty());
+  std::vector<std::uint8_t> cells(40 * 30, 0);
+  for (int row = 10; row < 20; ++row) {
+    for (int column = 5; column < 15; ++column)
+      cells[static_cast<std::size_t>(row * 40 + column)] = 1;
+  }
+  const registration::CellMask moving(8, 40, std::move(cells));
+  const MovingParts::Judgement told = parts.told(moving);
+  ASSERT_EQ(told.still.size(), 80u * 60u);
+  EXPECT_EQ(told.mask.cells(), moving.cells());
+  EXPECT_EQ(told.still[30 * 80 + 20], 0);  // in the middle
+  EXPECT_EQ(told.still[30 * 80 + 11], 1);  // at its edge
+  EXPECT_EQ(told.still[30 * 80 + 50], 1);
+  EXPECT_FALSE(parts.moved());
+  parts.remember(told, {});
+  EXPECT_TRUE(parts.moved());
+}
+
 TEST(SurfaceCheck, SurfaceIsOffWhereNothingStoodAndUnknownWhereItWasHidden) {
   const Board nobody{10, 0.1, 0.8};
   const CoarseDepth empty = coarse(0, nobody), with = coarse(1, {-0.1, 0.2, 0.8});
