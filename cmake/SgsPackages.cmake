@@ -39,6 +39,7 @@ set(CPACK_COMPONENT_SGS-VIDEO_DESCRIPTION
 set(CPACK_DEBIAN_SGS-CAMERAS_PACKAGE_NAME sgs-cameras)
 set(CPACK_DEBIAN_SGS-CAMERAS_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_SGS-CAMERAS_PACKAGE_DEPENDS "sgs (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_SGS-CAMERAS_PACKAGE_SUGGESTS "python3-numpy")  # of the scripts in share/sgs/cameras
 set(CPACK_COMPONENT_SGS-CAMERAS_DESCRIPTION
     "RGB-D SLAM on CPUs: cameras\n What `sgs run camera:` starts, and who may open cameras (udev rules).")
 set(CPACK_DEBIAN_LIBSGS0_PACKAGE_NAME libsgs0)
