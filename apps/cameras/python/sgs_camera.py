@@ -7,7 +7,9 @@ stream)` opens a camera and sends its frames. What such a program is started wit
 says is described in docs/cameras.md ("A family of your own"), the bytes in docs/stream.md.
 """
 import argparse
+import collections
 import json
+import math
 import os
 import queue
 import struct
@@ -125,6 +127,51 @@ class Inbox:
             return self.waiting.get(timeout=seconds)
         except queue.Empty:
             return None
+
+
+class Pairs:
+    """Each depth image with the nearest colour image, at most 0.6 of a period away: what is nearer
+    cannot be missing."""
+
+    MOST_APART, MOST_WAITING = 0.6, 8
+
+    def __init__(self, fps):
+        self.period_s = 1 / fps
+        self.waiting = {"color": collections.deque(), "depth": collections.deque()}
+        self.last = dict.fromkeys(self.waiting, -math.inf)
+
+    def behind(self):
+        """Of which kind an image has to come next: "color" or "depth"."""
+        return min(self.last, key=self.last.get)
+
+    def add(self, kind, t, image):
+        back_s = self.last[kind] - t
+        if 0 <= back_s < 1:
+            return  # it comes twice
+        if back_s >= 1:  # the clock was set back; whoever reads the stream moves the times
+            for images in self.waiting.values():
+                images.clear()
+            self.last = dict.fromkeys(self.last, -math.inf)
+        self.last[kind] = t
+        self.waiting[kind].append((t, image))
+        if len(self.waiting[kind]) > self.MOST_WAITING:
+            self.waiting[kind].popleft()
+
+    def next(self):
+        """((time, colour), (time, depth)), or None as long as it is not certain."""
+        colors, depths = self.waiting.values()
+        while colors and depths:
+            t = depths[0][0]
+            nearest = min(colors, key=lambda color: abs(color[0] - t))
+            apart = abs(nearest[0] - t)
+            if colors[-1][0] < t and apart >= self.period_s / 2:
+                return None
+            depth = depths.popleft()
+            if apart <= self.MOST_APART * self.period_s:
+                while colors.popleft() is not nearest:
+                    pass
+                return nearest, depth
+        return None
 
 
 class _Parser(argparse.ArgumentParser):
