@@ -13,7 +13,6 @@
 #include "log_setup.h"
 #include "sgs/core/print.h"
 #include "sgs/core/stopwatch.h"
-#include "sgs/run/recorded_run.h"
 #include "viewer/replay.h"
 #include "viewer/shown_refinement.h"
 #include "viewer/start.h"
@@ -106,12 +105,8 @@ Status view(const ViewCommand& command) {
         [&] { return interrupted() || server->control().refinement_asked(); });
     if (interrupted()) break;
     if (server->control().take_refinement()) {
-      SGS_ASSIGN_OR_RETURN(auto loaded, run::load_run(folder, run::kAllParts));
-      const auto run = run::with_its_recording(std::move(loaded), folder);
-      if (!run) server->set_refinement({false, 0, run.error().text()});
-      const Result<std::filesystem::path> refined =
-          run ? refine_shown(*run, folder, replay.updates.back(), map_version, *server)
-              : tl::unexpected(run.error());
+      SGS_ASSIGN_OR_RETURN(const auto run, run::load_run(folder, run::kAllParts));
+      const auto refined = refine_shown(run, folder, replay.updates.back(), map_version, *server);
       if (refined) {
         folder = *refined;
         SGS_ASSIGN_OR_RETURN(auto better, load_replay(folder, ++map_version));
