@@ -11,7 +11,7 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_GROUPING IGNORE)
-set(CPACK_COMPONENTS_ALL sgs sgs-video sgs-cameras libsgs0 libsgs-dev)
+set(CPACK_COMPONENTS_ALL sgs sgs-video sgs-cameras sgs-ros1 libsgs0 libsgs-dev)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
@@ -39,8 +39,16 @@ set(CPACK_COMPONENT_SGS-VIDEO_DESCRIPTION
 set(CPACK_DEBIAN_SGS-CAMERAS_PACKAGE_NAME sgs-cameras)
 set(CPACK_DEBIAN_SGS-CAMERAS_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_SGS-CAMERAS_PACKAGE_DEPENDS "sgs (= ${PROJECT_VERSION})")
+set(CPACK_DEBIAN_SGS-CAMERAS_PACKAGE_SUGGESTS "python3-numpy")  # of the scripts in share/sgs/cameras
 set(CPACK_COMPONENT_SGS-CAMERAS_DESCRIPTION
     "RGB-D SLAM on CPUs: cameras\n What `sgs run camera:` starts, and who may open cameras (udev rules).")
+# Scripts, for whoever has ROS 1.
+set(CPACK_DEBIAN_SGS-ROS1_PACKAGE_NAME sgs-ros1)
+set(CPACK_DEBIAN_SGS-ROS1_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_SGS-ROS1_PACKAGE_DEPENDS
+    "sgs (= ${PROJECT_VERSION}), python3, python3-numpy, python3-rospy, python3-geometry-msgs, python3-nav-msgs, python3-sensor-msgs, python3-tf2-msgs")
+set(CPACK_COMPONENT_SGS-ROS1_DESCRIPTION
+    "RGB-D SLAM on CPUs: ROS 1\n What `sgs run camera:ros1` and `--ros1` start.")
 set(CPACK_DEBIAN_LIBSGS0_PACKAGE_NAME libsgs0)
 set(CPACK_DEBIAN_LIBSGS0_PACKAGE_SECTION libs)
 set(CPACK_COMPONENT_LIBSGS0_DESCRIPTION

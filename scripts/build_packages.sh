@@ -2,7 +2,7 @@
 # SPDX-FileCopyrightText: The Spectral GS-SLAM authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# Builds the Debian packages: sgs, sgs-mesh, sgs-video, sgs-cameras, sgs-ros2, libsgs0, libsgs-dev, python3-sgs.
+# Builds the Debian packages: sgs, sgs-mesh, sgs-video, sgs-cameras, sgs-ros1, sgs-ros2, libsgs0, libsgs-dev, python3-sgs.
 #   scripts/build_packages.sh [FOLDER]   into FOLDER (default build/packages/debs)
 # What a build needs, scripts/install_packages.sh installs.
 set -euo pipefail

@@ -39,6 +39,8 @@ for folder in web build/*/web/page; do
 done
 
 kSkipped=77
+# Programs of cameras and robots have no ending: `sgs` finds them by their names.
+kPython=('*.py' 'sgs-camera-*' 'sgs-ros1')
 skip() {
   echo "skipped: $*"
   return $kSkipped
@@ -80,7 +82,7 @@ check_black() {
   command -v black >/dev/null || { skip "no black (Debian package black)"; return; }
   local what=--check
   [[ $fix -eq 0 ]] || what=--quiet
-  sources '*.py' | xargs black --quiet --line-length 100 $what ||
+  sources "${kPython[@]}" | xargs black --quiet --line-length 100 $what ||
     { echo "black would change files: scripts/check.sh --fix black"; return 1; }
 }
 
@@ -89,7 +91,7 @@ check_types() {
 }
 
 check_spdx() {
-  sources '*.h' '*.cc' '*.inl' '*.ts' '*.mjs' '*.js' '*.css' '*.html' '*.py' '*.sh' '*.cmake' CMakeLists.txt |
+  sources '*.h' '*.cc' '*.inl' '*.ts' '*.mjs' '*.js' '*.css' '*.html' "${kPython[@]}" '*.sh' '*.cmake' CMakeLists.txt |
     xargs awk '
       FNR == 1 { if (file != "" && !named) print file ": no SPDX head"; file = FILENAME; named = 0 }
       FNR <= 5 && /SPDX-License-Identifier: Apache-2.0/ { named = 1 }

@@ -36,7 +36,7 @@ session.save("fed")
 print(sgs.evaluate(room.ground_truth, trajectory)["ate_rmse_m"], len(trajectory.times))
 PYTHON
 echo "== the program"
-install "$folder"/{sgs,sgs-mesh,sgs-video,sgs-cameras,sgs-ros2}_*.deb
+install "$folder"/{sgs,sgs-mesh,sgs-video,sgs-cameras,sgs-ros1,sgs-ros2}_*.deb
 sgs --version
 sgs run synth:room_desk --frames 0:20 -o run --quiet
 same fed run
@@ -47,6 +47,22 @@ test -s walk.mp4
 test -s /usr/share/man/man1/sgs-run.1
 bash -c 'source /usr/share/bash-completion/completions/sgs; COMP_WORDS=(sgs ru) COMP_CWORD=1; _sgs
          [[ ${COMPREPLY[*]} == run ]]'
+echo "== cameras and robots"
+families=$(sgs info --cameras)
+for family in realsense orbbec k4a freenect openni2 ros1 ros2; do
+  grep -q "^$family" <<<"$families" || { echo "no family $family in: $families"; exit 1; }
+done
+SGS_CAMERA_PROGRAMS=/usr/share/sgs/cameras sgs info --cameras | grep "pip install depthai"
+! sgs run camera: 2>refused.txt
+grep "no camera was found" refused.txt
+/usr/libexec/sgs/sgs-ros2 --help >/dev/null
+sgs run synth:room_desk --frames 0:20 -o published --quiet --ros2
+same published run
+/usr/libexec/sgs/sgs-ros1 --help >/dev/null
+# Without a master the run goes on unpublished.
+sgs run synth:room_desk --frames 0:20 -o unpublished --quiet --ros1
+grep "no ROS master answers" unpublished/log.txt
+same unpublished run
 echo "== a program of one's own"
 install "$folder"/libsgs-dev_*.deb cmake g++ make pkg-config
 cmake -S "$examples/consumer" -B by-cmake
@@ -62,7 +78,7 @@ for built in by-cmake by-pkg-config; do
 done
 
 echo "== removal"
-names=(sgs sgs-mesh sgs-video sgs-cameras sgs-ros2 libsgs0 libsgs-dev python3-sgs)
+names=(sgs sgs-mesh sgs-video sgs-cameras sgs-ros1 sgs-ros2 libsgs0 libsgs-dev python3-sgs)
 dpkg -L "${names[@]}" | sort -u >installed.txt
 apt-get purge -q -y "${names[@]}"
 left=0

@@ -18,6 +18,7 @@
 #include "sgs/io/trajectory_io.h"
 #include "sgs/report/save_scores.h"
 #include "sgs/run/process_memory.h"
+#include "sgs/run/recorded_run.h"
 #include "sgs/runfolder/run_config.h"
 #include "sgs/runfolder/run_files.h"
 
@@ -54,7 +55,7 @@ Result<run::Run> load(const RefineCommand& command) {
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("the run in {} is still going on", folder.string()), "wait for it");
   }
-  return run;
+  return run::with_its_recording(std::move(run), folder);
 }
 
 Status check_output(const fs::path& output, const RefineCommand& command) {

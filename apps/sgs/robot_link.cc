@@ -95,7 +95,7 @@ class Teller {
   }
 
   void tell_cloud(const Told& told) {
-    // limit: points of the cloud that `sgs run --ros2` publishes; of more, every so many
+    // limit: points of the cloud that --ros1 and --ros2 publish; of more, every so many
     constexpr std::size_t kMostPublished = 300'000;
     const auto all = run::to_points(told.map->gaussians);
     const std::size_t step = 1 + all.size() / kMostPublished;
@@ -175,9 +175,11 @@ class Telling final : public RobotLink {
       up_in_camera = *asked_up_;
       up.known = true;
     } else {
-      const dataset::ImuRecording imu = run::read_imu(input_);
-      const auto felt = run::felt_up(imu, told.timestamp_s);
-      if (!felt && imu.R_camera_imu && ++tries_ < kPatience) return false;
+      // Of a recording all is there at once, and reading it takes long.
+      if (!imu_ || input_.source->live()) imu_ = run::read_imu(input_);
+      const auto felt = run::felt_up(*imu_, told.timestamp_s);
+      if (!felt && imu_->R_camera_imu && ++tries_ < kPatience) return false;
+      imu_.reset();
       constexpr double kUpsideDown = 0.5;
       up.known = felt && felt->y() < kUpsideDown;
       if (up.known) up_in_camera = *felt;
@@ -185,7 +187,7 @@ class Telling final : public RobotLink {
     if (!up.known) {
       log().warn(
           "which way is up is not known: the first picture is taken for a level one, and no "
-          "free floor is published; say it by --ros2-up X,Y,Z");
+          "free floor is published; say it by --ros1-up or --ros2-up X,Y,Z");
     }
     up.T_upright_world = run::upright_turn(pose.R * up_in_camera, pose.R);
     teller_.set_up(up);  // before the thread is told anything
@@ -204,6 +206,7 @@ class Telling final : public RobotLink {
 
   const run::Input& input_;
   std::optional<Eigen::Vector3d> asked_up_;
+  std::optional<dataset::ImuRecording> imu_;
   Teller teller_;
   BoundedQueue<Told> told_;
   std::thread thread_;
@@ -220,48 +223,62 @@ Result<std::optional<Eigen::Vector3d>> direction_of(const std::string& text) {
   if (read != 3 || static_cast<std::size_t>(end) != text.size() || !up.allFinite() ||
       !(up.norm() > 0)) {
     return fail(
-        ErrorCode::kInvalidArgument, fmt::format("--ros2-up {}: no direction", text),
+        ErrorCode::kInvalidArgument, fmt::format("--ros1-up or --ros2-up {}: no direction", text),
         "three numbers that are not all zero, in the axes of the camera (x right, y down, z "
-        "forward), for example --ros2-up 0,-1,0 if the first picture is level");
+        "forward), for example 0,-1,0 if the first picture is level");
   }
   return std::optional(up.normalized().eval());
+}
+
+HelperProgram::Kind program_of(const RobotRequest& request) {
+  if (request.ros1) {
+    return {"sgs-ros1", "messages of ROS 1", "install the package sgs-ros1 (docs/ros.md)",
+            "please report it"};
+  }
+  return {"sgs-ros2", "messages of ROS 2",
+          "install the package sgs-ros2, or build it: it needs cyclonedds-dev and "
+          "cyclonedds-tools (docs/ros.md)",
+          "please report it"};
 }
 
 }  // namespace
 
 void RobotRequest::add_run_options(CLI::App& sub) {
-  auto* ros2 = sub.add_flag("--ros2", wanted,
-                            "Publish odometry, tf, path, points and free floor to ROS 2 while the "
-                            "run goes on (docs/ros.md)");
-  sub.add_option("--ros2-domain", domain, "As ROS_DOMAIN_ID, which is the default")
-      ->check(CLI::Range(0, 232))
-      ->needs(ros2);
-  sub.add_option("--ros2-camera-frame", camera_frame,
-                 "Frame of the camera in tf (default sgs_camera_optical_frame)")
-      ->needs(ros2);
-  sub.add_option(
-         "--ros2-up", up,
-         "Where up is when the run begins, X,Y,Z in the axes of the camera (x right, y down, "
-         "z forward), instead of what an accelerometer feels")
-      ->needs(ros2);
+  CLI::Option* first = nullptr;
+  for (const std::string version : {"1", "2"}) {
+    const std::string name = "--ros" + version;
+    auto* flag = sub.add_flag(name, version == "1" ? ros1 : ros2,
+                              "Publish odometry, tf, path, points and free floor to ROS " +
+                                  version + " while the run goes on (docs/ros.md)");
+    if (first == nullptr) {
+      first = flag;
+    } else {
+      flag->excludes(first);
+    }
+    sub.add_option(name + "-camera-frame", camera_frame,
+                   "Frame of the camera in tf (default sgs_camera_optical_frame)")
+        ->needs(flag);
+    sub.add_option(name + "-up", up,
+                   "Where up is when the run begins, X,Y,Z in the axes of the camera (x right, y "
+                   "down, z forward), instead of what an accelerometer feels")
+        ->needs(flag);
+    if (version == "1") continue;
+    sub.add_option(name + "-domain", domain, "As ROS_DOMAIN_ID, which is the default")
+        ->check(CLI::Range(0, 232))
+        ->needs(flag);
+  }
 }
 
 Result<std::unique_ptr<RobotLink>> RobotLink::open(const RobotRequest& request,
                                                    const run::Input& input, bool at_camera_rate) {
-  if (!request.wanted) return nullptr;
+  if (!request.ros1 && !request.ros2) return nullptr;
   SGS_ASSIGN_OR_RETURN(auto up, direction_of(request.up));
   std::vector<std::string> arguments;
   if (request.domain) arguments.push_back(fmt::format("--domain={}", *request.domain));
   if (!request.camera_frame.empty()) {
     arguments.push_back("--camera-frame=" + request.camera_frame);
   }
-  SGS_ASSIGN_OR_RETURN(
-      auto program, HelperProgram::start(
-                        {"sgs-ros2", "messages of ROS 2",
-                         "install the package sgs-ros2, or build it: it needs cyclonedds-dev and "
-                         "cyclonedds-tools (docs/ros.md)",
-                         "please report it"},
-                        arguments));
+  SGS_ASSIGN_OR_RETURN(auto program, HelperProgram::start(program_of(request), arguments));
   return std::make_unique<Telling>(std::move(program), input, up, at_camera_rate);
 }
 

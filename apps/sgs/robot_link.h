@@ -14,9 +14,9 @@
 
 namespace sgs::app {
 
-/// --ros2 and its companions.
+/// --ros1 or --ros2, and their companions.
 struct RobotRequest {
-  bool wanted = false;
+  bool ros1 = false, ros2 = false;  ///< one of them at most
   std::optional<int> domain;
   std::string camera_frame, up;
 

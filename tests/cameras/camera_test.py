@@ -86,6 +86,20 @@ class Frames(CameraTest):
         mine = json.loads((self.run_folder / "metrics.json").read_text())
         self.assertEqual(mine["upright"], again["upright"])
 
+    def test_what_was_recorded_is_refined_later(self):
+        self.run_camera("--no-eval", "--quiet", "--record", "kept")
+        refine = (SGS, "refine", self.run_folder, "--steps", "20", "--quiet")
+        self.done(*refine, "-o", self.folder / "refined", "--no-eval")
+        self.assertTrue((self.folder / "refined/map.ply").exists())
+        (self.folder / "kept").rename(self.folder / "elsewhere")
+        said = self.done(*refine, "-o", self.folder / "none", code=1).stderr
+        self.assertIn(f"were kept in {self.folder}/kept, which is not there", said)
+
+    def test_what_was_not_recorded_cannot_be_refined(self):
+        self.run_camera(*TRACK, "--quiet")
+        said = self.done(SGS, "refine", self.run_folder, "--quiet", code=1).stderr
+        self.assertIn("--record", said)
+
     def test_depth_at_half_the_rate(self):
         self.fake(depth_every=2)
         frames = self.sent(f"--frames={FRAMES // 2}")[1]

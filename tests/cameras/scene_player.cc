@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene_player.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -51,11 +52,40 @@ bool happens(const char* name, const char* done, int frame) {
   return true;
 }
 
-void wait_for_next() {
-  if (const long rate = number_of("RATE", 0); rate > 0) {
-    std::this_thread::sleep_for(std::chrono::duration<double>(1.0 / static_cast<double>(rate)));
-  }
+/// LOOP=1: to and fro without end, so that the camera never jumps.
+bool loops() { return number_of("LOOP", 0) != 0; }
+
+std::size_t index_of(int frame) {
+  const int last = scene().frames - 1, way = frame % std::max(1, 2 * last);
+  return static_cast<std::size_t>(way <= last ? way : 2 * last - way);
 }
+
+/// UNPLUG_EVERY=N: at every N-th frame of a scene that loops, UNPLUGS times.
+bool unplugs_again(int frame) {
+  const long every = number_of("UNPLUG_EVERY", 0);
+  if (every <= 0 || frame == 0 || frame > every * number_of("UNPLUGS", 10) || frame % every != 0 ||
+      kept("pulled_at") == frame)
+    return false;
+  keep("pulled_at", frame);
+  return true;
+}
+
+/// RATE frames a second. Who is kept from delivering in time does not hurry afterwards.
+class Pace {
+ public:
+  void wait() {
+    const long rate = number_of("RATE", 0);
+    if (rate <= 0) return;
+    const auto period = std::chrono::duration_cast<Clock::duration>(
+        std::chrono::duration<double>(1.0 / static_cast<double>(rate)));
+    due_ = std::max(due_ + period, Clock::now());
+    std::this_thread::sleep_until(due_);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point due_ = Clock::now();
+};
 
 }  // namespace
 
@@ -155,30 +185,34 @@ void Player::play() {
   const Scene& s = scene();
   const auto first = static_cast<int>(kept("next"));
   const double period_ms = s.frames > 1 ? s.times_ms[1] - s.times_ms[0] : 33;
-  if (first >= s.frames) return;
+  if (first >= s.frames && !loops()) return;
+  const auto time_of = [&](int i) {
+    return loops() ? s.times_ms[0] + period_ms * i : s.times_ms[static_cast<std::size_t>(i)];
+  };
   const long every = number_of("DEPTH_EVERY", 1);
   const std::string dark(s.colors[0].size(), '\x05'), nothing(s.depths[0].size(), '\0');
   const long warm = number_of("WARM", 15);
+  Pace pace;
   for (long i = warm; i > 0 && !stopped_; --i) {
-    const double time_ms = s.times_ms[static_cast<std::size_t>(first)];
+    const double time_ms = time_of(first);
     const double before_ms = period_ms * static_cast<double>(i);
     listener_.images(stamp_of(time_ms - before_ms, first), dark, &nothing);
-    wait_for_next();
+    pace.wait();
   }
-  for (int i = first; i < s.frames && !stopped_; ++i) {
-    const auto at = static_cast<std::size_t>(i);
+  for (int i = first; (i < s.frames || loops()) && !stopped_; ++i) {
+    const std::size_t at = index_of(i);
     keep("next", i);
     if (happens("CRASH", "crashed", i)) std::raise(SIGSEGV);
     if (happens("STALL", "stalled", i)) return;
-    if (happens("UNPLUG", "pulled", i)) {
+    if (happens("UNPLUG", "pulled", i) || unplugs_again(i)) {
       std::ofstream(state("unplugged")) << std::fixed << seconds();
       return listener_.unplugged();
     }
-    const double before_ms = i > 0 ? s.times_ms[at - 1] : s.times_ms[at] - period_ms;
-    if (imu_) send_motion(stamp_of(before_ms, i - 1), stamp_of(s.times_ms[at], i));
-    listener_.images(stamp_of(s.times_ms[at], i), s.colors[at],
+    const double before_ms = i > 0 ? time_of(i - 1) : time_of(i) - period_ms;
+    if (imu_) send_motion(stamp_of(before_ms, i - 1), stamp_of(time_of(i), i));
+    listener_.images(stamp_of(time_of(i), i), s.colors[at],
                      i % every == 0 ? &s.depths[at] : nullptr);
-    wait_for_next();
+    pace.wait();
   }
   if (!stopped_) keep("next", s.frames);
 }

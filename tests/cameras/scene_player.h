@@ -25,6 +25,8 @@
 //   SHIFT_US  from the middle of the exposure to the stamp
 //   IMU       rates of accelerometer and gyroscope, "200,400"
 //   UNPLUG, CRASH, STALL  after so many frames of the scene, once
+//   LOOP      1: to and fro without end, the clock going on
+//   UNPLUG_EVERY, UNPLUGS  of a scene that loops: at every so manieth frame, so many times (10)
 //   AWAY_S    seconds until an unplugged camera is plugged in again, 2
 namespace fake {
 

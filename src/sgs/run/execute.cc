@@ -262,6 +262,7 @@ Result<RunResult> run_in(Input& input, const InputSpec& spec, const RunConfig& a
     for (const NamedWriter& file : opening) folder.save(file.name, file.write);
   }
   const bool live = options.realtime || stream::is_stream(spec.input);  // frames come only once
+  if (!options.record.empty()) folder.note_recording(options.record);
   if (live) SGS_RETURN_IF_ERROR(folder.mark_live());
   opening.push_back({files::kState, [text = state_text(folder.beginning())](const auto& path) {
                        return io::write_file(path, text);
@@ -285,6 +286,7 @@ Result<RunResult> run_in(Input& input, const InputSpec& spec, const RunConfig& a
   }
   RunResult result;
   result.recording = desk->recording();
+  if (!result.recording.empty()) folder.note_recording(result.recording);
   desk.reset();
   if (!clock) result.input = tl::unexpected(clock.error());
   result.stopped = stop.stop_requested();

@@ -197,6 +197,15 @@ TEST_F(LiveSessionTest, ARecordingBeginsAndEndsOnTheWay) {
   const auto second = run_of_recording(result.run, result.recording);
   ASSERT_TRUE(second);
   EXPECT_EQ(second->frames.back().timestamp_s, result.run.frames.back().timestamp_s);
+  // The folder knows the newest one, also when it has been moved.
+  fs::rename(scratch / "recorded", scratch / "moved");
+  auto loaded = load_run(scratch / "moved", kAllParts);
+  ASSERT_TRUE(loaded) << loaded.error().text();
+  EXPECT_EQ(loaded->state.recording, "recording-2");
+  loaded->input.input = "camera:realsense";  // which cannot be had once more
+  const auto found = with_its_recording(std::move(*loaded), scratch / "moved");
+  ASSERT_TRUE(found) << found.error().text();
+  EXPECT_EQ(found->frames.size(), second->frames.size());
 }
 
 TEST_F(LiveSessionTest, FramesOfAPauseAreLeftOutAndNotDropped) {

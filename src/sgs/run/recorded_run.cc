@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sgs/dataset/feed_item.h"
+#include "sgs/stream/address.h"
 
 namespace sgs::run {
 Result<Run> run_of_recording(Run run, const std::filesystem::path& recording) {
@@ -39,6 +40,19 @@ Result<Run> run_of_recording(Run run, const std::filesystem::path& recording) {
   if (!run.input.calibration.empty()) run.calibration.reset();
   run.input = std::move(spec);
   return run;
+}
+
+Result<Run> with_its_recording(Run run, const std::filesystem::path& folder) {
+  if (!stream::is_stream(run.input.input) || run.state.recording.empty()) return run;
+  const std::filesystem::path recording = folder / run.state.recording;  // which may be absolute
+  std::error_code unreadable;
+  if (!std::filesystem::exists(recording, unreadable)) {
+    return fail(ErrorCode::kNotFound,
+                fmt::format("the frames of the run in {} were kept in {}, which is not there",
+                            folder.string(), recording.string()),
+                "bring it back to that place; a map cannot be refined without its pictures");
+  }
+  return run_of_recording(std::move(run), recording);
 }
 
 }  // namespace sgs::run

@@ -13,4 +13,8 @@ namespace sgs::run {
 /// Fails where the recording cannot be opened, and where it has none of the run's frames.
 Result<Run> run_of_recording(Run run, const std::filesystem::path& recording);
 
+/// The same with the recording that the run's folder names; the run itself where its frames can be
+/// had from its input, or nothing is named.
+Result<Run> with_its_recording(Run run, const std::filesystem::path& folder);
+
 }  // namespace sgs::run

@@ -148,6 +148,16 @@ Status RunFolder::mark_live() {
   return io::write_file(path_ / files::kState, state_text(beginning()));
 }
 
+void RunFolder::note_recording(const fs::path& folder) {
+  std::error_code none;
+  const fs::path here = fs::absolute(path_, none).lexically_normal();
+  const fs::path there = fs::absolute(folder, none).lexically_normal();
+  // What lies inside moves with the folder.
+  const fs::path inside = there.lexically_relative(here);
+  const bool outside = inside.empty() || *inside.begin() == "..";
+  recording_ = (outside ? there : inside).string();
+}
+
 Result<RunFolder> RunFolder::open(const fs::path& path) {
   std::error_code error;
   if (!fs::is_directory(path, error)) {
@@ -172,6 +182,7 @@ RunState RunFolder::beginning() const {
   state.stage = Stage::kRunning;
   if (lock_) state.owner = lock_->owner();
   state.live = live_;
+  state.recording = recording_;
   return state;
 }
 

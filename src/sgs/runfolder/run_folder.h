@@ -80,6 +80,8 @@ class RunFolder {
   bool resumed() const { return resumed_; }
   /// The run goes on at the camera's rate: state.toml says so from now on.
   Status mark_live();
+  /// Frames are kept in this folder: state.toml says so from when it is next written.
+  void note_recording(const std::filesystem::path& folder);
 
   /// The state with which the folder began.
   RunState beginning() const;
@@ -98,6 +100,7 @@ class RunFolder {
 
   std::shared_ptr<FolderLock> lock_;
   bool resumed_ = false, live_ = false;
+  std::string recording_;
   std::filesystem::path path_;
   std::filesystem::path rescue_;      // empty until it is needed
   std::filesystem::path rescued_to_;  // the same, once something went there

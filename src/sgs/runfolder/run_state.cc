@@ -22,6 +22,8 @@ void declare_state(RunState& state, ParameterList& list) {
   list.add("reason", state.reason, "Why it was interrupted.", {});
   list.add("live", state.live, "Frames came at the camera's rate, or from a stream: not again.");
   list.add("input", state.input, "While it runs: what a live input suffers from.", {});
+  list.add("recording", state.recording, "Folder that frames were kept in, seen from this one.",
+           {});
 }
 
 }  // namespace

@@ -31,6 +31,7 @@ struct RunState {
   bool held = false;       ///< a process has the folder's lock; not in the file
   bool live = false;       ///< frames came at the camera's rate or from a stream: not again
   std::string input = {};  ///< while it runs: what the input suffers from, or nothing
+  std::string recording = {};  ///< folder that its frames were kept in, from the run's; or empty
 
   /// The run was killed, or is still going on: its files are journals and checkpoints.
   bool unfinished() const { return stage == Stage::kRunning; }

@@ -23,9 +23,12 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::string_view kPrefix = "sgs-camera-", kOfNetwork = "ros2";
+constexpr std::string_view kPrefix = "sgs-camera-";
 constexpr const char* kToInstall =
     "install the package sgs-cameras, or send frames yourself (docs/stream.md)";
+
+/// What others publish, by a package of its own.
+bool of_network(const std::string& family) { return family == "ros1" || family == "ros2"; }
 
 std::vector<fs::path> program_folders() {
   std::vector<fs::path> folders;
@@ -78,7 +81,7 @@ Result<ChosenCamera> only_one(const std::vector<CameraProgram>& programs) {
   std::optional<ChosenCamera> chosen;
   for (const CameraProgram& program : programs) {
     // Whoever publishes in the network has not plugged in a camera here: `camera:ros2` says so.
-    if (program.family == kOfNetwork) continue;
+    if (of_network(program.family)) continue;
     const CameraFamily family = ask_camera_program(program);
     if (family.problem) {
       problems.push_back(fmt::format("{}: {}", program.family, family.problem->text()));
@@ -145,11 +148,11 @@ Result<ChosenCamera> choose_camera(const Address::Camera& camera) {
   if (found != programs.end()) return ChosenCamera{*found, camera.serial};
   std::vector<std::string> names;
   for (const CameraProgram& program : programs) names.push_back("camera:" + program.family);
-  return fail(
-      ErrorCode::kInvalidArgument,
-      fmt::format("no program for cameras of the family '{}' is installed", camera.family),
-      fmt::format("there is {}; {}", lines_of(names),
-                  camera.family == kOfNetwork ? "install the package sgs-ros2" : kToInstall));
+  return fail(ErrorCode::kInvalidArgument,
+              fmt::format("no program for cameras of the family '{}' is installed", camera.family),
+              fmt::format("there is {}; {}", lines_of(names),
+                          of_network(camera.family) ? "install the package sgs-" + camera.family
+                                                    : kToInstall));
 }
 
 }  // namespace sgs::stream
