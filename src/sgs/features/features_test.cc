@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <opencv2/features2d.hpp>
+#include <utility>
 
 #include "sgs/features/visual_map.h"
 
@@ -67,6 +69,37 @@ TEST(Orb, FindsFeaturesWithDepthAndRepeats) {
   EXPECT_EQ(cv::norm(x.descriptors, y.descriptors, cv::NORM_HAMMING), 0);
   EXPECT_GT(x.keypoints[0].depth_m, 1);
   for (const Match& m : match_cross_check(x, y)) EXPECT_EQ(m.distance, 0);
+}
+
+// Few bits are set, so that many distances are the same.
+cv::Mat descriptors(int rows, int step) {
+  cv::Mat out(rows, 32, CV_8U, cv::Scalar(0));
+  for (int i = 0; i < rows; ++i) {
+    for (int k = 0; k < 6; ++k) {
+      const int bit = (step * i * i + 7 * k * i + 13 * k) % 24;
+      out.at<std::uint8_t>(i, (11 * bit) % 32) |= static_cast<std::uint8_t>(1 << bit % 8);
+    }
+  }
+  return out;
+}
+
+TEST(Orb, MatchesAsOpenCvDoes) {
+  for (const auto& [rows, columns] : {std::pair(60, 45), std::pair(45, 60), std::pair(1, 3)}) {
+    OrbFrame a, b;
+    a.descriptors = descriptors(rows, 3);
+    b.descriptors = descriptors(columns, 5);
+    std::vector<cv::DMatch> expected;
+    cv::BFMatcher(cv::NORM_HAMMING, true).match(a.descriptors, b.descriptors, expected);
+    const auto matches = match_cross_check(a, b);
+    ASSERT_EQ(matches.size(), expected.size());
+    for (std::size_t i = 0; i < matches.size(); ++i) {
+      EXPECT_EQ(matches[i].a, expected[i].queryIdx);
+      EXPECT_EQ(matches[i].b, expected[i].trainIdx);
+      EXPECT_EQ(matches[i].distance, static_cast<int>(expected[i].distance));
+      EXPECT_EQ(matches[i].distance, hamming(a.descriptors.ptr<std::uint8_t>(matches[i].a),
+                                             b.descriptors.ptr<std::uint8_t>(matches[i].b)));
+    }
+  }
 }
 
 TEST(Orb, EqualisesAfterAPoorFrame) {

@@ -9,6 +9,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "sgs/camera/opencv_threads.h"
+#include "sgs/core/error.h"
+#include "sgs/features/hamming_row.h"
 
 namespace sgs::features {
 
@@ -77,15 +79,26 @@ int hamming(const std::uint8_t* a, const std::uint8_t* b) {
 }
 
 std::vector<Match> match_cross_check(const OrbFrame& a, const OrbFrame& b, int max_hamming) {
+  const int rows = a.descriptors.rows, columns = b.descriptors.rows;
   std::vector<Match> out;
-  if (a.descriptors.empty() || b.descriptors.empty()) return out;
-  std::vector<cv::DMatch> matches;
-  cv::BFMatcher(cv::NORM_HAMMING, true).match(a.descriptors, b.descriptors, matches);
-  for (const auto& m : matches) {
-    const int distance = static_cast<int>(m.distance);
-    if (distance <= max_hamming) out.push_back({m.queryIdx, m.trainIdx, distance});
+  if (rows == 0 || columns == 0) return out;
+  SGS_CHECK(b.descriptors.isContinuous(), "descriptors lie row after row");
+  std::vector<int> distances(static_cast<std::size_t>(columns));
+  std::vector<Match> nearest_of_b(static_cast<std::size_t>(columns));
+  for (int i = 0; i < rows; ++i) {
+    hamming_row(a.descriptors.ptr<std::uint8_t>(i), b.descriptors.ptr<std::uint8_t>(0), columns,
+                distances.data());
+    Match nearest;
+    for (int j = 0; j < columns; ++j) {
+      const int d = distances[static_cast<std::size_t>(j)];
+      if (d < nearest.distance) nearest = {i, j, d};
+      Match& other = nearest_of_b[static_cast<std::size_t>(j)];
+      if (d < other.distance) other = {i, j, d};
+    }
+    if (nearest.b >= 0 && nearest.distance <= max_hamming) out.push_back(nearest);
   }
-  std::sort(out.begin(), out.end(), [](const Match& x, const Match& y) { return x.a < y.a; });
+  std::erase_if(
+      out, [&](const Match& m) { return nearest_of_b[static_cast<std::size_t>(m.b)].a != m.a; });
   return out;
 }
 

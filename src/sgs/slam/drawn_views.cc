@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr std::size_t kMostSources = 100;  // of a map's views; their neighbours show the same
-constexpr std::size_t kSources = 6;        // of one drawing
+constexpr std::size_t kSources = 12;       // of one drawing
 constexpr double kFarthest_m = 6;          // depth is used to there
 // A camera this near to a surface sees little else.
 constexpr double kClearance_m = 0.4, kVoxel_m = 0.2;
@@ -32,9 +32,11 @@ constexpr double kFound = 0.45;
 constexpr double kLeastShown = 0.4;  // of a picture
 constexpr int kLargeWidth_px = 480;
 constexpr int kColumns = 20, kRows = 15;  // cells of a glance
+constexpr float kWorthDrawing = 4;        // cells: less is not worth another source
 // Depths that differ by less are of one surface; a surface that is seen at a smaller angle is not
 // seen.
 constexpr float kSameDepth = 0.05f, kGrazingCosine = 0.1f;
+constexpr float kFacing = 127;  // length of a normal in Source::facing
 
 /// Where there is something, in cubes.
 class Occupied {
@@ -112,24 +114,31 @@ bool is_seen(const Vector3f& point, const Vector3f& normal) {
   return -normal.dot(point) > kGrazingCosine * normal.norm() * point.norm();
 }
 
-/// A picture that grows: of each pixel the nearest surface, from the view that saw it best.
+/// A picture that grows: of each pixel the nearest surface, as it is seen best.
 struct Drawing {
   explicit Drawing(const PinholeCamera& c)
       : camera(c),
         gray(c.width, c.height, std::uint8_t{0}),
         depth(c.width, c.height, 0.f),
-        seen_from(c.width, c.height, 0.f) {}
-  /// A square of 2 `reach` + 1 pixels around (u, v).
-  void put(int u, int v, int reach, float z, float source_z, std::uint8_t g) {
-    for (int y = std::max(0, v - reach); y <= std::min(camera.height - 1, v + reach); ++y) {
-      for (int x = std::max(0, u - reach); x <= std::min(camera.width - 1, u + reach); ++x) {
-        float& now = depth(x, y);
+        off_px(c.width, c.height, 0.f) {}
+  /// A patch of surface at (x, y), seen in pixels of `wide` of these. Of the patches of one surface
+  /// a pixel shows the one that tells best what is in its middle. (Simply the one that was seen
+  /// from nearest is, of those that reach a pixel, always the one towards the view it comes from:
+  /// seen from opposite, pictures would be a pixel too large.)
+  void put(float x, float y, float wide, float z, std::uint8_t g) {
+    constexpr float kWidest = 2;
+    const auto reach = static_cast<int>(std::min(kWidest, 0.5f * wide));
+    const auto u = static_cast<int>(std::lround(x)), v = static_cast<int>(std::lround(y));
+    for (int j = std::max(0, v - reach); j <= std::min(camera.height - 1, v + reach); ++j) {
+      for (int i = std::max(0, u - reach); i <= std::min(camera.width - 1, u + reach); ++i) {
+        float& now = depth(i, j);
+        const float off = wide + std::hypot(x - static_cast<float>(i), y - static_cast<float>(j));
         const bool covers = !(now > 0) || z < (1 - kSameDepth) * now;
-        const bool finer = z < (1 + kSameDepth) * now && source_z < seen_from(x, y);
-        if (!covers && !finer) continue;
+        const bool nearer = z < (1 + kSameDepth) * now && off < off_px(i, j);
+        if (!covers && !nearer) continue;
         now = z;
-        seen_from(x, y) = source_z;
-        gray(x, y) = g;
+        off_px(i, j) = off;
+        gray(i, j) = g;
       }
     }
   }
@@ -137,8 +146,42 @@ struct Drawing {
   PinholeCamera camera;
   Image<std::uint8_t> gray;
   DepthImage depth;
-  Image<float> seen_from;
+  Image<float> off_px;
 };
+
+/// What a view shows (DrawnViews::Source), as from elsewhere.
+template <class Source>
+void draw_from(const Source& source, const SE3& T_world_camera, Drawing& drawing) {
+  const SE3 T = T_world_camera.inverse() * source.T_world_camera;
+  const Eigen::Matrix3f R = T.R.cast<float>();
+  const Vector3f t = T.t.cast<float>(), eye = T.inverse().t.cast<float>();  // of who draws
+  const PinholeCamera& to = drawing.camera;
+  const float zoom = static_cast<float>(to.fx / source.camera.fx);
+  const auto fx = static_cast<float>(to.fx), fy = static_cast<float>(to.fy);
+  const auto cx = static_cast<float>(to.cx), cy = static_cast<float>(to.cy);
+  const auto width = static_cast<float>(to.width), height = static_cast<float>(to.height);
+  std::vector<float> across;  // of each column's rays
+  for (int u = 0; u < source.camera.width; ++u) across.push_back(ray(source.camera, u, 0).x());
+  for (int v = 0; v < source.camera.height; ++v) {
+    const float down = ray(source.camera, 0, v).y();
+    const Vector3f row = down * R.col(1) + R.col(2);
+    for (int u = 0; u < source.camera.width; ++u) {
+      const auto& facing = source.facing(u, v);
+      if (facing.isZero()) continue;
+      const float z = source.depth(u, v), x_ray = across[static_cast<std::size_t>(u)];
+      const Vector3f p = z * (x_ray * R.col(0) + row) + t;
+      if (!(p.z() > 0.1f)) continue;
+      const float one = 1 / p.z();
+      const float x = fx * p.x() * one + cx, y = fy * p.y() * one + cy;
+      if (!(x > -1 && y > -1 && x < width && y < height)) continue;
+      const Vector3f sight = Vector3f(z * x_ray, z * down, z) - eye;
+      const float towards = -facing.template cast<float>().dot(sight);
+      constexpr float kLeast = kGrazingCosine * kFacing;
+      if (!(towards > 0 && towards * towards > kLeast * kLeast * sight.squaredNorm())) continue;
+      drawing.put(x, y, zoom * z * one, p.z(), source.gray(u, v));
+    }
+  }
+}
 
 /// Single pixels that no patch has reached, in the middle of others.
 void fill_gaps(Drawing& drawing) {
@@ -212,26 +255,39 @@ void DrawnViews::know(const alignment::KnownView& view) {
   taken_.push_back({T, depth_m});
   fern_seed_ = view.fern_seed;
   if (known_++ % every_ != 0) return;
-  const RgbdFrame& frame = view.frame;
-  Source source{T, frame.camera, Image<std::uint8_t>(frame.camera.width, frame.camera.height),
-                frame.depth};
-  for (std::size_t i = 0; i < frame.color.size(); ++i) {
-    const Rgb8& c = frame.color.data()[i];
-    source.gray.data()[i] = static_cast<std::uint8_t>((2 * c.r + 5 * c.g + c.b + 4) / 8);
-    if (frame.seen && frame.seen->data()[i] == 0) source.depth.data()[i] = 0;
-  }
+  Source source = source_of(view);
   for (int k = 0; k < kColumns * kRows; ++k) {
-    const int u = (2 * (k % kColumns) + 1) * frame.camera.width / (2 * kColumns);
-    const int v = (2 * (k / kColumns) + 1) * frame.camera.height / (2 * kRows);
-    const auto p = patch(frame.camera, source.depth, u, v);
+    const int u = (2 * (k % kColumns) + 1) * source.camera.width / (2 * kColumns);
+    const int v = (2 * (k / kColumns) + 1) * source.camera.height / (2 * kRows);
+    const auto p = patch(source.camera, source.depth, u, v);
     if (!p) continue;
     const Vector3d world = T * p->point.cast<double>();
     patches_.push_back({world.cast<float>(), (T.R * p->normal.cast<double>()).cast<float>(),
-                        static_cast<std::uint32_t>(sources_.size())});
+                        p->point.z(), static_cast<std::uint32_t>(sources_.size())});
     if (k % 7 != 0) continue;
     for (const double share : {0.3, 0.6}) seen_through_.push_back(T.t + share * (world - T.t));
   }
   sources_.push_back(std::move(source));
+}
+
+DrawnViews::Source DrawnViews::source_of(const alignment::KnownView& view) {
+  const RgbdFrame& frame = view.frame;
+  const int width = frame.camera.width, height = frame.camera.height;
+  Source out{view.T_world_camera, frame.camera, Image<std::uint8_t>(width, height), frame.depth,
+             Image<Facing>(width, height, Facing::Zero())};
+  for (std::size_t i = 0; i < frame.color.size(); ++i) {
+    const Rgb8& c = frame.color.data()[i];
+    out.gray.data()[i] = static_cast<std::uint8_t>((2 * c.r + 5 * c.g + c.b + 4) / 8);
+    if (frame.seen && frame.seen->data()[i] == 0) out.depth.data()[i] = 0;
+  }
+  for (int v = 0; v < height; ++v) {
+    for (int u = 0; u < width; ++u) {
+      const auto p = patch(out.camera, out.depth, u, v);
+      if (!p) continue;
+      out.facing(u, v) = (kFacing * p->normal.normalized()).array().round().cast<std::int8_t>();
+    }
+  }
+  return out;
 }
 
 // As the cameras were held in the mean.
@@ -296,15 +352,17 @@ bool DrawnViews::is_taken(const SE3& T_world_camera) const {
 }
 
 // How much of a picture from there the sources show, by a few hundred patches of each, and which of
-// them: one after the other that which shows most of what those before do not.
+// them: one after the other that which shows most of what those before do not, or do not show as
+// well. Errors of depth grow with its square: a wall that was seen from afar along itself is drawn
+// centimetres off along itself.
 DrawnViews::Candidate DrawnViews::glance(const SE3& T_world_camera) const {
   Candidate out{T_world_camera, 0, {}};
   const SE3 T = T_world_camera.inverse();
   const Eigen::Matrix3f R = T.R.cast<float>();
   const Vector3f t = T.t.cast<float>();
   struct Hit {
-    int cell;
-    float z;
+    std::size_t cell;
+    float z, seen_from_m;
     std::uint32_t source;
   };
   std::vector<Hit> hits;
@@ -315,75 +373,51 @@ DrawnViews::Candidate DrawnViews::glance(const SE3& T_world_camera) const {
     const Eigen::Vector2d uv = camera_.project(p.cast<double>());
     if (!(uv.x() >= 0 && uv.y() >= 0 && uv.x() < camera_.width && uv.y() < camera_.height))
       continue;
-    const int cell = static_cast<int>(uv.y() * kRows / camera_.height) * kColumns +
-                     static_cast<int>(uv.x() * kColumns / camera_.width);
-    hits.push_back({cell, p.z(), patch.source});
-    float& z = nearest[static_cast<std::size_t>(cell)];
-    z = std::min(z, p.z());
+    const auto cell =
+        static_cast<std::size_t>(static_cast<int>(uv.y() * kRows / camera_.height) * kColumns +
+                                 static_cast<int>(uv.x() * kColumns / camera_.width));
+    hits.push_back({cell, p.z(), patch.seen_from_m, patch.source});
+    nearest[cell] = std::min(nearest[cell], p.z());
   }
   // A cell is wide: what lies behind its nearest patch by a quarter may be seen beside it.
   constexpr float kBehind = 1.25f;
-  std::erase_if(hits, [&](const Hit& h) {
-    return h.z > kBehind * nearest[static_cast<std::size_t>(h.cell)];
-  });
-  std::vector<bool> covered(kColumns * kRows, false);
-  std::size_t cells = 0;
-  while (out.sources.size() < kSources) {
-    std::vector<std::vector<bool>> shows(sources_.size());
-    std::vector<int> gain(sources_.size(), 0);
-    for (const Hit& h : hits) {
-      const auto cell = static_cast<std::size_t>(h.cell);
-      auto& mine = shows[h.source];
-      if (mine.empty()) mine.assign(covered.size(), false);
-      if (covered[cell] || mine[cell]) continue;
-      mine[cell] = true;
-      ++gain[h.source];
-    }
-    const auto best = std::max_element(gain.begin(), gain.end());
-    if (best == gain.end() || *best == 0) break;
-    const auto source = static_cast<std::size_t>(best - gain.begin());
-    for (std::size_t c = 0; c < covered.size(); ++c) {
-      if (shows[source][c]) covered[c] = true;
-    }
-    cells += static_cast<std::size_t>(*best);
-    out.sources.push_back(static_cast<std::uint32_t>(source));
+  std::erase_if(hits, [&](const Hit& h) { return h.z > kBehind * nearest[h.cell]; });
+  std::vector<float> from_m(nearest.size(), std::numeric_limits<float>::infinity());
+  for (const Hit& h : hits) from_m[h.cell] = std::min(from_m[h.cell], h.seen_from_m);
+  const std::size_t cells = nearest.size();
+  std::vector<float> shows(sources_.size() * cells, 0);  // how well: 1 as the best does
+  for (const Hit& h : hits) {
+    float& best = shows[h.source * cells + h.cell];
+    best = std::max(best, from_m[h.cell] * from_m[h.cell] / (h.seen_from_m * h.seen_from_m));
   }
-  out.shown = static_cast<double>(cells) / static_cast<double>(covered.size());
+  std::vector<float> shown(cells, 0);
+  while (out.sources.size() < kSources) {
+    float most = 0;
+    std::size_t best = 0;
+    for (std::size_t s = 0; s < sources_.size(); ++s) {
+      float gain = 0;
+      for (std::size_t c = 0; c < cells; ++c) {
+        gain += std::max(0.f, shows[s * cells + c] - shown[c]);
+      }
+      if (gain <= most) continue;
+      most = gain;
+      best = s;
+    }
+    if (most < kWorthDrawing) break;
+    for (std::size_t c = 0; c < cells; ++c) shown[c] = std::max(shown[c], shows[best * cells + c]);
+    out.sources.push_back(static_cast<std::uint32_t>(best));
+  }
+  out.shown = static_cast<double>(std::count_if(shown.begin(), shown.end(),
+                                                [](float how_well) { return how_well > 0; })) /
+              static_cast<double>(cells);
   return out;
 }
 
 alignment::KnownView DrawnViews::compose(const Candidate& candidate) const {
   // Smaller: surfaces that were seen at a small angle have few pixels, and these are far apart.
   Drawing drawing(camera_.width >= kLargeWidth_px ? camera_.halved(1) : camera_);
-  for (const std::uint32_t index : candidate.sources) {
-    const Source& source = sources_[index];
-    const SE3 T = candidate.T_world_camera.inverse() * source.T_world_camera;
-    const Eigen::Matrix3f R = T.R.cast<float>();
-    const Vector3f t = T.t.cast<float>();
-    const float zoom = static_cast<float>(drawing.camera.fx / source.camera.fx);
-    const auto fx = static_cast<float>(drawing.camera.fx),
-               fy = static_cast<float>(drawing.camera.fy);
-    const auto cx = static_cast<float>(drawing.camera.cx),
-               cy = static_cast<float>(drawing.camera.cy);
-    const auto width = static_cast<float>(drawing.camera.width);
-    const auto height = static_cast<float>(drawing.camera.height);
-    for (int v = 0; v < source.camera.height; ++v) {
-      for (int u = 0; u < source.camera.width; ++u) {
-        const float z = source.depth(u, v);
-        if (!(z > 0 && z < kFarthest_m)) continue;
-        const Vector3f p = R * (z * ray(source.camera, u, v)) + t;
-        if (!(p.z() > 0.1f)) continue;
-        const float x = fx * p.x() / p.z() + cx, y = fy * p.y() / p.z() + cy;
-        if (!(x > -1 && y > -1 && x < width && y < height)) continue;
-        const auto from = patch(source.camera, source.depth, u, v);
-        if (!from || !is_seen(p, R * from->normal)) continue;
-        constexpr float kWidest = 2;
-        const float wide = zoom * z / p.z();  // pixels of the drawing to one of it
-        const int reach = static_cast<int>(std::min(kWidest, 0.5f * wide));
-        drawing.put(static_cast<int>(std::lround(x)), static_cast<int>(std::lround(y)), reach,
-                    p.z(), z, source.gray(u, v));
-      }
-    }
+  for (const std::uint32_t source : candidate.sources) {
+    draw_from(sources_[source], candidate.T_world_camera, drawing);
   }
   fill_gaps(drawing);
   alignment::KnownView view;
@@ -396,22 +430,36 @@ alignment::KnownView DrawnViews::compose(const Candidate& candidate) const {
   return view;
 }
 
-void DrawnViews::draw(const std::function<void(const alignment::KnownView&)>& visit) const {
+void DrawnViews::draw(ThreadPool& pool,
+                      const std::function<void(const alignment::KnownView&)>& visit) const {
   if (taken_.empty()) return;
-  std::vector<Candidate> candidates;
+  std::vector<SE3> asked;
   const auto ways = ways_to_look();
   for (const Vector3d& place : places()) {
     for (const Eigen::Matrix3d& R : ways) {
       const SE3 T(R, place);
-      if (is_taken(T)) continue;
-      Candidate c = glance(T);
-      if (c.shown >= kLeastShown) candidates.push_back(std::move(c));
+      if (!is_taken(T)) asked.push_back(T);
     }
   }
+  std::vector<Candidate> candidates(asked.size());
+  pool.run(static_cast<int>(asked.size()), [&](int i, int) {
+    candidates[static_cast<std::size_t>(i)] = glance(asked[static_cast<std::size_t>(i)]);
+  });
+  std::erase_if(candidates, [](const Candidate& c) { return c.shown < kLeastShown; });
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.shown > b.shown; });
   if (candidates.size() > most_) candidates.resize(most_);
-  for (const Candidate& c : candidates) visit(compose(c));
+  // As many at a time as threads can draw: all of them together would fill the memory.
+  const std::size_t batch = 4 * static_cast<std::size_t>(pool.threads());
+  std::vector<alignment::KnownView> views;
+  for (std::size_t first = 0; first < candidates.size(); first += batch) {
+    views.assign(std::min(batch, candidates.size() - first), {});
+    pool.run(static_cast<int>(views.size()), [&](int i, int) {
+      const auto k = static_cast<std::size_t>(i);
+      views[k] = compose(candidates[first + k]);
+    });
+    for (const alignment::KnownView& view : views) visit(view);
+  }
 }
 
 }  // namespace sgs::slam

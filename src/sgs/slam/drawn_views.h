@@ -9,6 +9,7 @@
 
 #include "sgs/alignment/known_view.h"
 #include "sgs/core/image.h"
+#include "sgs/core/thread_pool.h"
 
 namespace sgs::slam {
 
@@ -28,8 +29,9 @@ class DrawnViews {
 
   /// Draws the views, those first that show most. Pictures (grey) and depths are of
   /// the camera that comes; where nothing is shown nothing is seen. Their ferns answer the
-  /// questions of the last view; their times are not numbers.
-  void draw(const std::function<void(const alignment::KnownView&)>& visit) const;
+  /// questions of the last view; their times are not numbers. They are drawn in `pool` and visited
+  /// here, in order; they are the same for any number of threads.
+  void draw(ThreadPool& pool, const std::function<void(const alignment::KnownView&)>& visit) const;
 
  private:
   struct Taken {
@@ -39,20 +41,25 @@ class DrawnViews {
   /// A pixel of a source, as a patch of surface; world.
   struct Patch {
     Eigen::Vector3f point, normal;
+    float seen_from_m;  // depth in the source
     std::uint32_t source;
   };
-  /// A view that others are drawn from.
+  /// Where a surface faces, in 1/127; zero: there is none.
+  using Facing = Eigen::Matrix<std::int8_t, 3, 1>;
+  /// A view that others are drawn from, in grey; without depth where nothing was seen.
   struct Source {
     SE3 T_world_camera;
     PinholeCamera camera;
     Image<std::uint8_t> gray;
     DepthImage depth;
+    Image<Facing> facing;  // towards the camera
   };
   struct Candidate {
     SE3 T_world_camera;
     double shown = 0;                    // share of the picture
     std::vector<std::uint32_t> sources;  // that show it, the best first
   };
+  static Source source_of(const alignment::KnownView& view);
   std::vector<Eigen::Vector3d> places() const;
   std::vector<Eigen::Matrix3d> ways_to_look() const;
   bool is_taken(const SE3& T_world_camera) const;

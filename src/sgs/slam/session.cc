@@ -11,6 +11,7 @@
 #include "sgs/camera/movers.h"
 #include "sgs/camera/resample.h"
 #include "sgs/core/log.h"
+#include "sgs/core/thread_pool.h"
 #include "sgs/slam/calibration_back_end.h"
 #include "sgs/slam/loop_back_end.h"
 #include "sgs/slam/second_look_back_end.h"
@@ -72,7 +73,8 @@ Session::Session(const SessionConfig& config, const PinholeCamera& camera,
       live_(options.live),
       views_(std::make_shared<history::ViewStore>(config_.history,
                                                   config_.mapper.insertion.max_depth_m)),
-      tracker_(std::move(tracker)) {
+      tracker_(std::move(tracker)),
+      threads_(options.threads) {
   const auto mode = options.live           ? WorkerMode::kLive
                     : options.threads == 1 ? WorkerMode::kInline
                                            : WorkerMode::kThread;
@@ -117,7 +119,9 @@ void Session::know(std::size_t number, double time_s, const alignment::KnownView
 void Session::know_drawn(const DrawnViews& drawn) {
   const std::size_t views = revision_.path.size();
   const double time_s = revision_.path.back().timestamp_s;
-  drawn.draw([&](const alignment::KnownView& view) { know(revision_.path.size(), time_s, view); });
+  ThreadPool pool(threads_);
+  drawn.draw(pool,
+             [&](const alignment::KnownView& view) { know(revision_.path.size(), time_s, view); });
   log().debug("{} views of the map are drawn from where none was taken",
               revision_.path.size() - views);
 }

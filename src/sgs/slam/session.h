@@ -233,6 +233,7 @@ class Session {
   std::optional<std::size_t> differs_at_;
   StageTimes track_times_{"tracking"};
   FrameEvent on_frame_;
+  int threads_;
 };
 
 }  // namespace sgs::slam
