@@ -14,7 +14,10 @@ std::optional<history::Update> SecondLookBackEnd::add(const std::shared_ptr<cons
   const bool lost = result.status == tracker::TrackingStatus::kLost || !result.information;
   if (other_depth || lost) look_.forget();
   if (lost) return std::nullopt;
-  auto poses = look_.add(frame, result, revision.path);
+  look_.see(frame, result);
+  const bool in_flight = revision.second_looks < found_;
+  if (in_flight) return std::nullopt;
+  auto poses = look_.look_back(revision.path);
   if (!poses) return std::nullopt;
   ++found_;
   return history::Update{.poses = std::move(*poses), .tracked_anew = true};

@@ -35,6 +35,17 @@ alignment::ReadoutModel readout_model(const MotionModel& motion, double t,
 
 double cost_of(const alignment::Alignment& a) { return a.picture ? a.picture->mean_cost : 0; }
 
+// From the prediction; from the last pose, too, where the picture fits much worse than usual.
+alignment::Alignment follow(const MotionModel& motion, const alignment::ReadoutModel& readout,
+                            double t, double usual_cost, alignment::JointAligner& aligner) {
+  constexpr double kBadly = 1.4;
+  alignment::Alignment a = aligner.align(motion.predict(t), readout);
+  if (a.trusted() && !(usual_cost > 0 && cost_of(a) > kBadly * usual_cost)) return a;
+  alignment::Alignment again = aligner.align(motion.pose(), readout);
+  const bool better = again.trusted() && cost_of(again) < cost_of(a);
+  return !a.trusted() || better ? again : a;
+}
+
 // A turn counts at an arm's length.
 double length_of(const SE3& motion) { return motion.log().norm(); }
 
@@ -62,9 +73,7 @@ bool is_believed(const std::vector<SE3>& before, const std::vector<SE3>& after) 
 
 }  // namespace
 
-std::optional<PoseCorrection> SecondLook::add(const std::shared_ptr<const RgbdFrame>& frame,
-                                              const TrackResult& result,
-                                              const history::Path& path) {
+void SecondLook::see(const std::shared_ptr<const RgbdFrame>& frame, const TrackResult& result) {
   const double now = frame->timestamp_s;
   if (film_.empty() || now <= film_.back().frame->timestamp_s) {
     film_.clear();
@@ -74,11 +83,17 @@ std::optional<PoseCorrection> SecondLook::add(const std::shared_ptr<const RgbdFr
   film_.push_back({frame, result.motion, result.still});
   while (now - film_.front().frame->timestamp_s > kFilm_s) film_.pop_front();
   moves_ = moves_ || result.still;
+  const double readout_s = result.diagnostics.readout_s;
+  if (std::isfinite(readout_s)) readout_s_ = readout_s;
+}
+
+std::optional<PoseCorrection> SecondLook::look_back(const history::Path& path) {
+  if (film_.empty()) return {};
+  const double now = film_.back().frame->timestamp_s;
   if (!moves_ || film_.size() < kFewest || now - looked_s_ < kEvery_s) return {};
   looked_s_ = now;
   moves_ = false;
-  const double readout_s = result.diagnostics.readout_s;
-  const auto seen = play_backwards(std::isfinite(readout_s) ? readout_s : 0);
+  const auto seen = play_backwards();
   if (!seen) return {};
   // The first of them stays where it is.
   const SE3 T_world_last = path.at(film_.front().frame->index) * seen->front().inverse();
@@ -96,13 +111,13 @@ std::optional<PoseCorrection> SecondLook::add(const std::shared_ptr<const RgbdFr
 }
 
 // Each frame's camera to the last one's; empty where they cannot be told.
-std::optional<std::vector<SE3>> SecondLook::play_backwards(double readout_s) const {
+std::optional<std::vector<SE3>> SecondLook::play_backwards() const {
   alignment::JointAligner aligner(config_.aligner, film_.back().frame->camera, SE3{});
   MotionModel motion(config_.motion, SE3{});
   history::Revision revision;
   std::vector<SE3> poses(film_.size());
-  constexpr double kBadly = 1.4, kShare = 0.2;
-  double usual_cost = 0.5;
+  constexpr double kShare = 0.2;
+  double usual_cost = 0;
   for (std::size_t k = film_.size(); k-- > 0;) {
     const Seen& seen = film_[k];
     RgbdFrame frame = *seen.frame;
@@ -115,14 +130,10 @@ std::optional<std::vector<SE3>> SecondLook::play_backwards(double readout_s) con
       aligner.begin(SE3{}, seen.motion);
     } else {
       aligner.look_at(frame, revision, nullptr);
-      const auto model = readout_model(motion, t, seen.motion, readout_s);
-      alignment::Alignment a = aligner.align(motion.predict(t), model);
-      if (!a.trusted() || cost_of(a) > kBadly * usual_cost) {
-        alignment::Alignment again = aligner.align(motion.pose(), model);
-        if (!a.trusted() || (again.trusted() && cost_of(again) < cost_of(a))) a = std::move(again);
-      }
+      const alignment::Alignment a =
+          follow(motion, readout_model(motion, t, seen.motion, readout_s_), t, usual_cost, aligner);
       if (!a.trusted() || motion.judge(a.T_local_camera) != alignment::LostReason::kNone) return {};
-      usual_cost += kShare * (cost_of(a) - usual_cost);
+      usual_cost = usual_cost > 0 ? usual_cost + kShare * (cost_of(a) - usual_cost) : cost_of(a);
       if (a.picture_holds()) aligner.learn_noise(a);
       aligner.remember(a);
       aligner.extend(a, a.points_motion.readout);

@@ -33,11 +33,12 @@ class SecondLook {
  public:
   explicit SecondLook(const SecondLookConfig& config) : config_(config) {}
 
-  /// The next frame, which was tracked and is the last one in `path`. Returns how the camera moved
-  /// in the last second, and what follows from it; empty where nothing has moved lately, where it
-  /// is not time to look again, and where what was said is the smoother path.
-  std::optional<PoseCorrection> add(const std::shared_ptr<const RgbdFrame>& frame,
-                                    const TrackResult& result, const history::Path& path);
+  /// The next frame, which was tracked.
+  void see(const std::shared_ptr<const RgbdFrame>& frame, const TrackResult& result);
+  /// How the camera moved in the last second, and what follows from it for `path`, which has the
+  /// frames that were seen; empty where nothing has moved lately, where it is not time to look
+  /// again, and where what was said is the smoother path.
+  std::optional<PoseCorrection> look_back(const history::Path& path);
   /// What was seen so far is of another place, or the camera is lost.
   void forget() { film_.clear(); }
 
@@ -47,10 +48,11 @@ class SecondLook {
     registration::FrameMotion motion;
     std::shared_ptr<const PixelMask> still;
   };
-  std::optional<std::vector<SE3>> play_backwards(double readout_s) const;
+  std::optional<std::vector<SE3>> play_backwards() const;
 
   SecondLookConfig config_;
   std::deque<Seen> film_;  // oldest first
+  double readout_s_ = 0;   // of the camera, as learned so far
   double looked_s_ = 0;    // when it last looked back
   bool moves_ = false;     // something has moved since
 };

@@ -36,7 +36,8 @@ std::optional<PoseCorrection> look(const std::function<SE3(int)>& tracked, bool 
     TrackResult result;
     if (moves) result.still = walker(i);
     if (forgets_at == i) look.forget();
-    if (auto correction = look.add(frame, result, path)) found = std::move(correction);
+    look.see(frame, result);
+    if (auto correction = look.look_back(path)) found = std::move(correction);
   }
   return found;
 }
