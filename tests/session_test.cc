@@ -72,11 +72,13 @@ void expect_same_bits(const SessionRun& a, const SessionRun& b) {
 }
 
 /// Frames of a camera that stands: of an empty room, then of two people in it.
-std::vector<std::shared_ptr<const RgbdFrame>> walked_through(int empty, int crowded) {
+std::vector<std::shared_ptr<const RgbdFrame>> walked_through(int empty, int crowded,
+                                                             std::uint64_t seed = 1) {
   std::vector<std::shared_ptr<const RgbdFrame>> frames;
   const auto add = [&](const char* input, int count) {
     auto options = *synthetic::parse_synth_spec(input);
     options.frames = count;
+    options.seed = seed;
     options.camera = {320, 240, 267.7, 269.6, 159.8, 123.55};
     auto source = synthetic::make_synthetic_source(options);
     EXPECT_TRUE(source) << source.error().text();
@@ -103,7 +105,8 @@ double largest_way_m(const SessionRun& done) {
 }
 
 TEST(Session, WhoWalksThroughAKnownRoomHardlyMovesTheCamera) {
-  const auto frames = walked_through(20, 20);
+  constexpr std::uint64_t kDrags = 2;  // with seed 1 nobody takes the camera along by a centimetre
+  const auto frames = walked_through(20, 20, kDrags);
   auto config = session_config();
   config.mapper.iterations_per_frame = 0;
   config.tracker.movers.clusters = false;
