@@ -104,15 +104,19 @@ double largest_way_m(const SessionRun& done) {
   return largest_m;
 }
 
+// Not every crowd takes the camera along: the farthest of three.
 TEST(Session, WhoWalksThroughAKnownRoomHardlyMovesTheCamera) {
-  constexpr std::uint64_t kDrags = 2;  // with seed 1 nobody takes the camera along by a centimetre
-  const auto frames = walked_through(20, 20, kDrags);
   auto config = session_config();
   config.mapper.iterations_per_frame = 0;
   config.tracker.movers.clusters = false;
-  const double followed_m = largest_way_m(run(frames, config, 1));
-  config.tracker.movers.ignore = config.tracker.visual_keyframes.patient = true;
-  const double ignored_m = largest_way_m(run(frames, config, 1));
+  auto ignoring = config;
+  ignoring.tracker.movers.ignore = ignoring.tracker.visual_keyframes.patient = true;
+  double followed_m = 0, ignored_m = 0;
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const auto frames = walked_through(20, 20, seed);
+    followed_m = std::max(followed_m, largest_way_m(run(frames, config, 1)));
+    ignored_m = std::max(ignored_m, largest_way_m(run(frames, ignoring, 1)));
+  }
   EXPECT_LT(ignored_m, followed_m / 5);
 }
 

@@ -151,6 +151,19 @@ class CameraTest(unittest.TestCase):
         self.assertEqual(done.returncode, code, done.stderr + done.stdout)
         return done
 
+    def sent_by(self, program, *options, code=0):
+        """What a camera's program writes to its standard output, in bytes, and what it says."""
+        done = subprocess.run(
+            [program, "--every=on", *options],
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            timeout=TIMEOUT,
+            env=self.environment,
+        )
+        said = done.stderr.decode()
+        self.assertEqual(done.returncode, code, said)
+        return done.stdout, said
+
     def run_camera(self, *options, source=None, code=0):
         command = (SGS, "run", source or self.camera(), "-o", self.run_folder, *options)
         return self.done(*command, code=code).stderr

@@ -39,19 +39,9 @@ class PythonTest(CameraTest):
 
     def sent(self, *options, code=0):
         """What the program sends by itself, and says."""
-        done = subprocess.run(
-            [PROGRAMS / f"sgs-camera-{self.family}", "--every=on", "--skip=0", *options],
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            timeout=TIMEOUT,
-            env=self.environment,
-        )
-        said = done.stderr.decode()
-        self.assertEqual(done.returncode, code, said)
-        if code:
-            return said
-        self.stream = done.stdout
-        return (*parts_of(b"SGS2" + done.stdout[4:]), said)
+        program = PROGRAMS / f"sgs-camera-{self.family}"
+        self.stream, said = self.sent_by(program, "--skip=0", *options, code=code)
+        return said if code else (*parts_of(b"SGS2" + self.stream[4:]), said)
 
     def without_the_package(self):
         """The fakes' folder with a package in place of it that cannot be imported."""

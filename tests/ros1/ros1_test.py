@@ -164,16 +164,9 @@ class Ros1Test(CameraTest):
     def sent_while(self, play, *options, code=0):
         """What the program sends by itself while somebody plays, and says."""
         threading.Thread(target=play, daemon=True).start()
-        done = subprocess.run(
-            [SGS.parent / "sgs-camera-ros1", "--every=on", f"--serial={self.name}", *options],
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            timeout=TIMEOUT,
-            env=self.environment,
-        )
-        said = done.stderr.decode()
-        self.assertEqual(done.returncode, code, said)
-        return (*parts_of(b"SGS2" + done.stdout[4:]), said) if code == 0 else said
+        program = SGS.parent / "sgs-camera-ros1"
+        stream, said = self.sent_by(program, f"--serial={self.name}", *options, code=code)
+        return said if code else (*parts_of(b"SGS2" + stream[4:]), said)
 
     def publish(self, **messages):
         """A function that publishes messages by their topics, when all of them are read."""

@@ -130,16 +130,8 @@ class Input(Ros2Test):
         """What the program sends by itself while somebody plays, and says."""
         player = threading.Thread(target=play, daemon=True)
         player.start()
-        done = subprocess.run(
-            [SGS.parent / "sgs-camera-ros2", "--every=on", *options],
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            timeout=TIMEOUT,
-            env=self.environment,
-        )
-        said = done.stderr.decode()
-        self.assertEqual(done.returncode, code, said)
-        return (*parts_of(done.stdout), said) if code == 0 else said
+        stream, said = self.sent_by(SGS.parent / "sgs-camera-ros2", *options, code=code)
+        return said if code else (*parts_of(stream), said)
 
     def publish_once(self, node, color, depth, *more, info=None):
         """A function that publishes one pair, and what else there is, to whoever comes first."""

@@ -23,6 +23,22 @@ SynthOptions small(const std::string& spec, int frames) {
   return options;
 }
 
+// The people of a scene and the camera that sees them.
+struct Staged {
+  explicit Staged(const std::string& spec)
+      : options(small(spec, 0)),
+        scene(*make_scene(options)),
+        motion(*whole_motion_of(options)),
+        crowd(options, *scene, motion, pool) {}
+  SE3 camera_at(double time_s) const { return *motion.at(time_s, 1); }
+
+  SynthOptions options;
+  ThreadPool pool{2};
+  std::shared_ptr<const Scene> scene;
+  Trajectory motion;
+  Crowd crowd;
+};
+
 // Nobody within a pixel: silhouettes are softened.
 bool is_still(const GrayImage& mask, int x, int y) {
   for (int v = y - 1; v <= y + 1; ++v)
@@ -95,27 +111,23 @@ TEST(Crowd, WalkersTakeTheShareOfTheViewThatIsAskedFor) {
 }
 
 TEST(Crowd, SurfacesOfBodiesAreHitWhereTheyAre) {
-  const SynthOptions options = small("room+walkers60+box:clean", 0);
-  ThreadPool pool(2);
-  const auto scene = make_scene(options);
-  const auto motion = whole_motion_of(options);
-  ASSERT_TRUE(scene && motion);
-  const Crowd crowd(options, **scene, *motion, pool);
+  Staged staged("room+walkers60+box:clean");
+  const PinholeCamera& camera = staged.options.camera;
   int on_capsules = 0;
   for (const double t : {2.0, 7.0, 12.0}) {
-    const auto movers = crowd.at(t);
-    const SE3 T = *motion->at(t, 1);
-    RayRequest request{options.camera, {T}};
+    const auto movers = staged.crowd.at(t);
+    const SE3 T = staged.camera_at(t);
+    RayRequest request{camera, {T}};
     request.movers = movers;
-    const RayImage seen = cast_rays(**scene, request, pool);
-    const std::size_t still = (*scene)->primitives.size();
+    const RayImage seen = cast_rays(*staged.scene, request, staged.pool);
+    const std::size_t still = staged.scene->primitives.size();
     for (int y = 0; y < 120; ++y)
       for (int x = 0; x < 160; ++x) {
         const auto i = static_cast<std::size_t>(160 * y + x);
         if (seen.surface[i] == 0xffff || seen.surface[i] < still) continue;
         const Primitive& part = movers[seen.surface[i] - still];
         const Eigen::Vector3f p =
-            (T * options.camera.back_project(x, y, double{seen.depth[i]})).cast<float>();
+            (T * camera.back_project(x, y, double{seen.depth[i]})).cast<float>();
         ASSERT_LT(part.distance(p), 5e-4f);
         ASSERT_GE(seen.cosine[i], 0);
         on_capsules += part.kind == Primitive::Kind::kCapsule ? 1 : 0;
@@ -125,15 +137,10 @@ TEST(Crowd, SurfacesOfBodiesAreHitWhereTheyAre) {
 }
 
 TEST(Crowd, PeopleWalkStopAndComeBack) {
-  const SynthOptions options = small("room+walkers40+still:clean", 0);
-  ThreadPool pool(1);
-  const auto scene = make_scene(options);
-  const auto motion = whole_motion_of(options);
-  ASSERT_TRUE(scene && motion);
-  const Crowd crowd(options, **scene, *motion, pool);
+  const Staged staged("room+walkers40+still:clean");
   int resting = 0, walking = 0;
   for (double t = 2; t < 20; t += 0.1) {
-    const std::vector<float> steps = crowd.steps(t);
+    const std::vector<float> steps = staged.crowd.steps(t);
     ASSERT_EQ(steps.size(), 2 * kBodyParts);
     EXPECT_LT(*std::max_element(steps.begin(), steps.end()), 0.2f);
     (steps[0] < 0.003f ? resting : walking) += 1;  // the first one's trunk
@@ -144,21 +151,15 @@ TEST(Crowd, PeopleWalkStopAndComeBack) {
 
 TEST(Crowd, WhoStandsStandsWhateverTheCameraDoes) {
   for (const char* spec : {"room_desk+walkers40:clean", "room+walkers40+turning:clean"}) {
-    const SynthOptions options = small(spec, 0);
-    ThreadPool pool(1);
-    const auto scene = make_scene(options);
-    const auto motion = whole_motion_of(options);
-    ASSERT_TRUE(scene && motion);
-    const Crowd crowd(options, **scene, *motion, pool);
+    const Staged staged(spec);
     int standing = 0;
     double nearest_m = 10;
     for (double t = 1; t < 15; t += 0.1) {
-      const std::vector<float> steps = crowd.steps(t);
+      const std::vector<float> steps = staged.crowd.steps(t);
       for (const std::size_t trunk : {std::size_t{0}, std::size_t{kBodyParts}})
         standing += steps[trunk] < 1e-5f ? 1 : 0;
-      const SE3 T = *motion->at(t, 1);
-      const Eigen::Vector3f eye = T.t.cast<float>();
-      for (const Primitive& part : crowd.at(t)) {
+      const Eigen::Vector3f eye = staged.camera_at(t).t.cast<float>();
+      for (const Primitive& part : staged.crowd.at(t)) {
         nearest_m = std::min(nearest_m, double{part.distance(eye)});
       }
     }

@@ -55,12 +55,13 @@ test("a camera that turns to the floor switches the degeneracy panel", async (t)
   const folder = temporaryFolder();
   const trajectory = join(folder, "turn.txt");
   writeFileSync(trajectory, turningCamera(70));
-  const { url } = await startRun(
-    t,
-    ["synth:room", "--trajectory", trajectory, "--frames", "0:70"],
-    { folder },
-  );
-  const { page, whenever, complaints } = await openPage(t, browser, url);
+  const run = await startRun(t, ["synth:room", "--trajectory", trajectory, "--frames", "0:70"], {
+    folder,
+  });
+  // The run is over before a slow browser has opened the page.
+  const { step, resume } = await hold(t, run);
+  const { page, whenever, complaints } = await openPage(t, browser, run.url);
+  step();
   const arrows = () => page.locator("#camera-icon .axis.unseen").count();
   const sentence = () => page.locator("#status-sentence").textContent();
   await whenever(
@@ -68,6 +69,7 @@ test("a camera that turns to the floor switches the degeneracy panel", async (t)
     (s) => s.status_text === "all six axes are seen by geometry" && s.mask === 0,
   );
   assert.equal(await arrows(), 0);
+  resume();
   const plane = await whenever("the floor shows", (s) => s.mask === 7);
   assert.equal(
     plane.status_text,
