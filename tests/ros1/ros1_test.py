@@ -170,10 +170,15 @@ class Ros1Test(CameraTest):
 
     def publish(self, **messages):
         """A function that publishes messages by their topics, when all of them are read."""
+        topics = dict(zip(("color", "depth", "info"), self.topics()))
+        named = {topics.get(key, key): value for key, value in messages.items()}
+        # Anew: readers that have ended are only noticed when something is sent to them.
+        for topic in named:
+            kind = self.publishers[topic].data_class
+            self.withdraw(topic)
+            self.publisher(topic, kind)
 
         def play():
-            topics = {key: topic for key, topic in zip(("color", "depth", "info"), self.topics())}
-            named = {topics.get(key, key): value for key, value in messages.items()}
             self.wait_for_readers(named)
             for topic, message in named.items():
                 self.publishers[topic].publish(message)
