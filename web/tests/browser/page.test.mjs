@@ -139,7 +139,7 @@ test("images of the frame are shown, and not sent when folded away", async (t) =
 });
 
 test("pause, step, resume", async (t) => {
-  const run = await startRun(t, [...kRoom, "--frames", "0:60"]);
+  const run = await startRun(t, [...kRoom, "--frames", "0:240"]);
   const { resume } = await hold(t, run);
   const { page, whenever } = await openPage(t, browser, run.url);
   // Three pictures: time enough for many a frame, were the run not held.
@@ -167,7 +167,7 @@ test("pause, step, resume", async (t) => {
   );
   await page.locator("#pause").click();
   const end = await whenever("it goes on to the end", (s) => s.finished);
-  assert.equal(end.frame, 59);
+  assert.equal(end.frame, 239);
 });
 
 test("a reload and another viewer at the same address are survived", async (t) => {
