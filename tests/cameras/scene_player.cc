@@ -130,7 +130,12 @@ long kept(const std::string& name) {
   file >> number;
   return number;
 }
-void keep(const std::string& name, long number) { std::ofstream(state(name)) << number; }
+/// Whole at any time: the process ends when it likes, and the test reads meanwhile.
+void keep(const std::string& name, long number) {
+  const fs::path written = state(name + ".written");
+  std::ofstream(written) << number;
+  fs::rename(written, state(name));
+}
 void keep_option(const std::string& line) {
   std::ofstream(state("options"), std::ios::app) << line << '\n';
 }

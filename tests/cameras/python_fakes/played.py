@@ -47,7 +47,10 @@ class Scene:
         k = self.played()
         if k >= self.count:
             return None
-        self.next_file.write_text(str(k + 1))
+        # Whole at any time: the process ends when it likes, and the test reads meanwhile.
+        written = self.next_file.with_name("written")
+        written.write_text(str(k + 1))
+        written.replace(self.next_file)
         return self.frames[k]
 
     def unplugged(self):
