@@ -25,15 +25,10 @@ std::vector<float> somebody_before_a_wall() {
 TEST(DepthSegments, NoneReachesAcrossAnEdge) {
   const std::vector<float> depth = somebody_before_a_wall();
   const DepthSegments segments = segment_depth(depth, kColumns);
-  std::vector<float> of_segment(static_cast<std::size_t>(segments.count), 0);
+  std::vector<float> of_segment(static_cast<std::size_t>(segments.count), -1.0f);
   for (std::size_t i = 0; i < depth.size(); ++i) {
-    if (depth[i] == 0) {
-      EXPECT_EQ(segments.of[i], DepthSegments::kNone);
-      continue;
-    }
-    ASSERT_NE(segments.of[i], DepthSegments::kNone);
     float& z = of_segment[static_cast<std::size_t>(segments.of[i])];
-    if (z == 0) z = depth[i];
+    if (z < 0) z = depth[i];
     EXPECT_EQ(z, depth[i]) << i;
   }
   for (const DepthSegments::Border& b : segments.borders) {
@@ -68,7 +63,7 @@ TEST(StaticScore, RemembersWhereNothingIsKnown) {
   for (std::size_t i = 0; i < depth.size(); ++i) {
     EXPECT_EQ(still[i] < 0.5f, depth[i] == 1.2f) << i;
   }
-  for (const float s : score_still(segments, unknown, {})) EXPECT_EQ(s, 1.0f);
+  for (const float s : score_still(segments, unknown, {})) EXPECT_EQ(s, kUnknownStill);
 }
 
 }  // namespace

@@ -170,7 +170,7 @@ registration::CellMask MovingParts::coherent(const std::vector<float>& still,
       std::count_if(depths.begin(), depths.end(), [](float z) { return z > 0; }));
   std::vector<std::uint8_t> open(still.size()), moves(still.size(), 0);
   std::transform(still.begin(), still.end(), open.begin(),
-                 [](float s) { return s < 0.5f ? std::uint8_t{1} : std::uint8_t{0}; });
+                 [](float s) { return s >= 0 && s < 0.5f ? std::uint8_t{1} : std::uint8_t{0}; });
   double moving = 0;
   for (std::size_t first = 0; first < open.size(); ++first) {
     if (open[first] == 0) continue;

@@ -3,6 +3,7 @@
 #include "sgs/alignment/movers/static_score.h"
 
 #include <cmath>
+#include <optional>
 
 namespace sgs::alignment {
 namespace {
@@ -19,7 +20,9 @@ struct Sum {
     value += w * v;
     weight += w;
   }
-  double mean_or(double fallback) const { return weight > 0 ? value / weight : fallback; }
+  std::optional<double> mean() const {
+    return weight > 0 ? std::optional(value / weight) : std::nullopt;
+  }
 };
 
 }  // namespace
@@ -27,33 +30,33 @@ struct Sum {
 std::vector<float> score_still(const DepthSegments& segments, const std::vector<float>& off,
                                const std::vector<float>& before) {
   const auto count = static_cast<std::size_t>(segments.count);
+  const auto of = [&](std::size_t cell) { return static_cast<std::size_t>(segments.of[cell]); };
   std::vector<Sum> evidence(count), past(count);
   for (std::size_t cell = 0; cell < off.size(); ++cell) {
-    if (segments.of[cell] == DepthSegments::kNone) continue;
-    const auto s = static_cast<std::size_t>(segments.of[cell]);
-    if (!before.empty()) past[s].add(double{before[cell]}, 1);
-    if (off[cell] >= 0) evidence[s].add(double{off[cell]}, 1);
+    if (!before.empty() && before[cell] >= 0) past[of(cell)].add(double{before[cell]}, 1);
+    if (off[cell] >= 0) evidence[of(cell)].add(double{off[cell]}, 1);
   }
   std::vector<Sum> own(count);
-  std::vector<double> still(count);
+  std::vector<std::optional<double>> still(count);
   for (std::size_t s = 0; s < count; ++s) {
-    const double odds = kSteepness * (evidence[s].mean_or(0) - kUndecided);
-    own[s].add(1 / (1 + std::exp(odds)), evidence[s].weight);
-    if (past[s].weight > 0) own[s].add(past[s].mean_or(1), kPast);
-    still[s] = own[s].mean_or(1);
+    if (const auto mean = evidence[s].mean()) {
+      own[s].add(1 / (1 + std::exp(kSteepness * (*mean - kUndecided))), evidence[s].weight);
+    }
+    if (const auto mean = past[s].mean()) own[s].add(*mean, kPast);
+    still[s] = own[s].mean();
   }
   for (int i = 0; i < kSteps; ++i) {
     std::vector<Sum> sums = own;
     for (const DepthSegments::Border& b : segments.borders) {
-      sums[b.a].add(still[b.b], kBorder * double{b.length});
-      sums[b.b].add(still[b.a], kBorder * double{b.length});
+      const double weight = kBorder * double{b.length};
+      if (still[b.b]) sums[b.a].add(*still[b.b], weight);
+      if (still[b.a]) sums[b.b].add(*still[b.a], weight);
     }
-    for (std::size_t s = 0; s < count; ++s) still[s] = sums[s].mean_or(1);
+    for (std::size_t s = 0; s < count; ++s) still[s] = sums[s].mean();
   }
-  std::vector<float> out(off.size(), 1.0f);
+  std::vector<float> out(off.size());
   for (std::size_t cell = 0; cell < off.size(); ++cell) {
-    if (segments.of[cell] == DepthSegments::kNone) continue;
-    out[cell] = static_cast<float>(still[static_cast<std::size_t>(segments.of[cell])]);
+    out[cell] = static_cast<float>(still[of(cell)].value_or(kUnknownStill));
   }
   return out;
 }
