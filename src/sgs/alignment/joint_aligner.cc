@@ -105,13 +105,30 @@ void JointAligner::look_at(const RgbdFrame& frame, const history::Revision& revi
     std::tie(told_, told_share_) = moving_cells(frame.still.get());
     geometry_.set_frame(frame, past_, snapshot);
     geometry_.set_moving(told_);
-    surfaces_ = geometry_.surface_information(config_.degeneracy.noise_stride);
-    observability_ = degeneracy::observe(surfaces_, config_.degeneracy, hysteresis_);
+    hysteresis_before_ = hysteresis_;
+    observe_surfaces();
     planarity_ = planarity_of(geometry_.source());
   }
   const CpuTimer timer(times_.visual);
   vision_.set_frame(frame, past_);
   if (config_.geometry.movers.clusters) parts_.look_at(frame);
+}
+
+// Surfaces of what moves pin down no axis.
+void JointAligner::observe_surfaces() {
+  surfaces_ = geometry_.surface_information(config_.degeneracy.noise_stride);
+  hysteresis_ = hysteresis_before_;
+  observability_ = degeneracy::observe(surfaces_, config_.degeneracy, hysteresis_);
+}
+
+// Nothing of what is found to move is aligned, nor tells which axes are seen.
+void JointAligner::leave_out(const registration::CellMask& found, VisualTerm::Fit& fit) {
+  const registration::CellMask moving = told_.united(found);
+  fit.set_moving(moving);
+  if (geometry_.moving().cells() == moving.cells()) return;
+  const CpuTimer timer(times_.points);
+  geometry_.set_moving(moving);
+  observe_surfaces();
 }
 
 LostReason JointAligner::check_frame() const { return check_points(source_points(), config_.loss); }
@@ -123,6 +140,7 @@ Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout, c
                               From from) {
   const bool looks = config_.geometry.movers.clusters && from == From::kNear && parts_.has_past() &&
                      T_start.all_finite();
+  expected_.expect(from == From::kNear ? std::optional(T_start) : std::nullopt);
   std::optional<Alignment> whole;
   if (!looks || !parts_.moved()) {
     whole = align_without({}, T_start, readout, to, from);
@@ -136,18 +154,18 @@ Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout, c
   Alignment a;
   constexpr int kTurns = 2;
   for (int i = 0; i < kTurns; ++i) {
-    a = align_without(expected.mask, T_start, readout, to, from);
-    a.moving = judge_parts(a.T_local_camera, readout);
-    if (a.moving.mask.cells() == expected.mask.cells()) break;
+    Alignment next = align_without(expected.mask, T_start, readout, to, from);
+    next.moving = judge_parts(next.T_local_camera, readout);
+    const bool settled = next.moving.mask.cells() == expected.mask.cells();
+    if (i == 0 || next.moving.support >= a.moving.support) a = std::move(next);
+    if (settled) break;
     expected = a.moving;
   }
   if (whole && whole->moving.support > a.moving.support) {
     a = align_without(whole->moving.mask, whole->T_local_camera, readout, to, from);
     a.moving = judge_parts(a.T_local_camera, readout);
   }
-  const registration::CellMask moving = told_.united(a.moving.mask);
-  geometry_.set_moving(moving);
-  a.fit.set_moving(moving);
+  leave_out(a.moving.mask, a.fit);
   finish(to.surfaces, a);
   return a;
 }
@@ -158,6 +176,7 @@ MovingParts::Judgement JointAligner::judge_parts(const SE3& T, const ReadoutMode
 }
 
 void JointAligner::remember(const Alignment& a) {
+  expected_.learn(a.T_local_camera);
   if (config_.geometry.movers.clusters) parts_.remember(a.moving, a.points_motion);
 }
 
@@ -167,9 +186,7 @@ Alignment JointAligner::align_without(const registration::CellMask& found, const
                                       From from) {
   Alignment a = start(T_start, readout, to);
   if (!T_start.all_finite()) return a;
-  const registration::CellMask moving = told_.united(found);
-  geometry_.set_moving(moving);
-  a.fit.set_moving(moving);
+  leave_out(found, a.fit);
   const int coarsest = a.fit.has_references() ? vision_.levels() - 1 : 0;
   for (int level = coarsest; level >= a.fit.finest_level(); --level) {
     if (level < coarsest) a.fit.update_belief(readout.belief(a.T_local_camera));
@@ -229,6 +246,11 @@ void JointAligner::align_level(int level, bool with_geometry, From from, Alignme
       vision = a.fit.linearize(level, a.T_local_camera);
       // A handful of pixels at a coarse level would only pull the pose somewhere.
       if (a.fit.used() < config_.alignment.min_pixels) vision = {};
+    }
+    if (geometry_.moving().any()) {
+      if (const auto prior = expected_.prior(a.T_local_camera)) {
+        degeneracy::add_prior(*prior, a.T_local_camera, vision);
+      }
     }
     const auto joint = config_.fusion == Fusion::kRemove
                            ? degeneracy::fuse_removed(geometry, observability_.K, vision, weights)
@@ -323,9 +345,10 @@ std::shared_ptr<const PixelMask> JointAligner::still_pixels(const RgbdFrame& fra
       const int u = std::min(column * kBlock_px + kBlock_px / 2, camera_.width - 1);
       const int v = std::min(row * kBlock_px + kBlock_px / 2, camera_.height - 1);
       const float z = frame.depth(u, v);
-      if (!(z > 0)) continue;
       const Eigen::Vector3f point = camera_.back_project(u, v, double{z}).cast<float>();
-      if (geometry_.moves(point, a.T_local_camera)) blank(column, row);
+      if (z > 0 ? geometry_.moves(point, a.T_local_camera) : geometry_.moves(u, v)) {
+        blank(column, row);
+      }
     }
   }
   return std::make_shared<const PixelMask>(std::move(still));

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "sgs/alignment/expected_motion.h"
 #include "sgs/alignment/lost_reason.h"
 #include "sgs/alignment/movers/moving_parts.h"
 #include "sgs/alignment/step_times.h"
@@ -150,6 +151,8 @@ class JointAligner {
   Alignment align(const SE3& T_start, const ReadoutModel& readout, const References& to, From from);
   Alignment align_without(const registration::CellMask& found, const SE3& T_start,
                           const ReadoutModel& readout, const References& to, From from);
+  void observe_surfaces();
+  void leave_out(const registration::CellMask& found, VisualTerm::Fit& fit);
   MovingParts::Judgement judge_parts(const SE3& T, const ReadoutModel& readout);
   Alignment start(const SE3& T_start, const ReadoutModel& readout, const References& to);
   void finish(bool with_geometry, Alignment& a);
@@ -173,9 +176,11 @@ class JointAligner {
   GeometricTerm geometry_;
   VisualTerm vision_;
   MovingParts parts_;
+  ExpectedMotion expected_;
 
   // Of the current frame, before anything is matched:
-  degeneracy::HysteresisState hysteresis_;
+  degeneracy::HysteresisState hysteresis_before_,
+      hysteresis_;  // as the last frame left it, and this
   degeneracy::SurfaceInformation surfaces_;
   degeneracy::Observability observability_;
   double planarity_ = std::numeric_limits<double>::quiet_NaN();

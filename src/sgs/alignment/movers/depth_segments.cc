@@ -15,7 +15,6 @@ constexpr int kSegmentCells = 5;  // between the first centres
 constexpr int kSweeps = 3;
 constexpr float kApart = 0.05f;     // ratio of depths that counts as much as kSegmentCells
 constexpr float kTouching = 0.03f;  // largest ratio of depths across a border on one surface
-constexpr float kNowhere = -20;     // logarithm of a depth that no surface has
 
 struct Centre {
   float x = 0, y = 0, log_z = 0;
@@ -32,22 +31,25 @@ class Clusters {
         across_((columns_ + kSegmentCells - 1) / kSegmentCells),
         down_((rows_ + kSegmentCells - 1) / kSegmentCells),
         log_z_(depth.size()),
-        of_(depth.size()) {
+        of_(depth.size(), DepthSegments::kNone) {
     for (std::size_t i = 0; i < depth.size(); ++i) {
-      log_z_[i] = depth[i] > 0 ? std::log(depth[i]) : kNowhere;
+      log_z_[i] = depth[i] > 0 ? std::log(depth[i]) : std::numeric_limits<float>::quiet_NaN();
     }
     for (int j = 0; j < down_; ++j) {
       for (int i = 0; i < across_; ++i) {
         const int x = std::min(i * kSegmentCells + kSegmentCells / 2, columns_ - 1);
         const int y = std::min(j * kSegmentCells + kSegmentCells / 2, rows_ - 1);
-        centres_.push_back({as_float(x), as_float(y), log_z_[cell(x, y)]});
+        const float log_z = log_z_[cell(x, y)];
+        centres_.push_back({as_float(x), as_float(y), std::isnan(log_z) ? 0 : log_z});
       }
     }
   }
 
   void assign() {
     for (int y = 0; y < rows_; ++y) {
-      for (int x = 0; x < columns_; ++x) of_[cell(x, y)] = nearest(x, y);
+      for (int x = 0; x < columns_; ++x) {
+        if (!std::isnan(log_z_[cell(x, y)])) of_[cell(x, y)] = nearest(x, y);
+      }
     }
   }
 
@@ -55,6 +57,7 @@ class Clusters {
     std::vector<Centre> sums(centres_.size());
     std::vector<int> counts(centres_.size(), 0);
     for (std::size_t i = 0; i < of_.size(); ++i) {
+      if (of_[i] == DepthSegments::kNone) continue;
       const auto s = static_cast<std::size_t>(of_[i]);
       sums[s].x += as_float(static_cast<int>(i) % columns_);
       sums[s].y += as_float(static_cast<int>(i) / columns_);
@@ -72,7 +75,7 @@ class Clusters {
     std::map<std::pair<int, int>, float> borders;
     const auto touch = [&](std::size_t a, std::size_t b) {
       const int s = of_[a], t = of_[b];
-      if (s == t || std::abs(log_z_[a] - log_z_[b]) > kTouching) return;
+      if (s == t || s < 0 || t < 0 || std::abs(log_z_[a] - log_z_[b]) > kTouching) return;
       borders[{std::min(s, t), std::max(s, t)}] += 1;
     };
     for (int y = 0; y < rows_; ++y) {
@@ -97,7 +100,7 @@ class Clusters {
   // Of the centres that began around a cell.
   std::int16_t nearest(int x, int y) const {
     float best = std::numeric_limits<float>::infinity();
-    int out = 0;
+    int out = DepthSegments::kNone;
     const int column = x / kSegmentCells, row = y / kSegmentCells;
     for (int j = std::max(0, row - 1); j <= std::min(down_ - 1, row + 1); ++j) {
       for (int i = std::max(0, column - 1); i <= std::min(across_ - 1, column + 1); ++i) {

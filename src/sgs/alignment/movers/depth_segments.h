@@ -10,12 +10,13 @@ namespace sgs::alignment {
 
 /// Parts of a depth picture that hang together.
 struct DepthSegments {
+  static constexpr std::int16_t kNone = -1;
   struct Border {
     std::size_t a, b;  ///< segments, a < b
     float length;      ///< pairs of cells across it that lie on one surface
   };
   int count = 0;
-  std::vector<std::int16_t> of;  ///< of each cell; where nothing is measured are others
+  std::vector<std::int16_t> of;  ///< of each cell; kNone where nothing is measured
   std::vector<Border> borders;   ///< where two touch in space
 };
 

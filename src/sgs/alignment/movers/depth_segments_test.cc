@@ -25,10 +25,15 @@ std::vector<float> somebody_before_a_wall() {
 TEST(DepthSegments, NoneReachesAcrossAnEdge) {
   const std::vector<float> depth = somebody_before_a_wall();
   const DepthSegments segments = segment_depth(depth, kColumns);
-  std::vector<float> of_segment(static_cast<std::size_t>(segments.count), -1.0f);
+  std::vector<float> of_segment(static_cast<std::size_t>(segments.count), 0);
   for (std::size_t i = 0; i < depth.size(); ++i) {
+    if (depth[i] == 0) {
+      EXPECT_EQ(segments.of[i], DepthSegments::kNone);
+      continue;
+    }
+    ASSERT_NE(segments.of[i], DepthSegments::kNone);
     float& z = of_segment[static_cast<std::size_t>(segments.of[i])];
-    if (z < 0) z = depth[i];
+    if (z == 0) z = depth[i];
     EXPECT_EQ(z, depth[i]) << i;
   }
   for (const DepthSegments::Border& b : segments.borders) {
@@ -64,6 +69,19 @@ TEST(StaticScore, RemembersWhereNothingIsKnown) {
     EXPECT_EQ(still[i] < 0.5f, depth[i] == 1.2f) << i;
   }
   for (const float s : score_still(segments, unknown, {})) EXPECT_EQ(s, kUnknownStill);
+}
+
+TEST(StaticScore, OfWhatIsNotMeasuredNothingIsKnownButWhatWas) {
+  const std::vector<float> depth = somebody_before_a_wall();
+  const DepthSegments segments = segment_depth(depth, kColumns);
+  std::vector<float> off(depth.size(), -1.0f), before(depth.size(), kUnknownStill);
+  off[10] = 1;        // something is before what stood there
+  before[11] = 0.1f;  // it moved when it was measured last
+  const std::vector<float> still = score_still(segments, off, before);
+  EXPECT_EQ(still[10], 0);
+  EXPECT_EQ(still[11], 0.1f);
+  EXPECT_EQ(still[12], kUnknownStill);
+  for (std::size_t i = 13; i < depth.size(); ++i) ASSERT_EQ(still[i], kUnknownStill) << i;
 }
 
 }  // namespace

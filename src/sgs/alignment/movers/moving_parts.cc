@@ -18,6 +18,9 @@ constexpr double kAges_s[] = {0.1, 0.3, 0.6};
 constexpr double kKept_s = 0.7;
 // By how much depth and colour may differ in time.
 constexpr double kClock_s = 0.01;
+// How noisy depth is beside its model: so that of what stands still no more than a twentieth is
+// off. Learned within some frames, forgotten within a second or two.
+constexpr double kUsuallyOff = 0.05, kNoisier = 1.1, kCalmer = 0.98, kNoisiest = 4;
 // By what a pose may be wrong, metres and radians together: no more is corrected by depth alone.
 constexpr double kFarthest = 0.02;
 // One cell of so many across and down is asked, as long as that shows nothing.
@@ -41,6 +44,18 @@ bool hardly_any_off(const std::vector<float>& off) {
   const auto known = std::count_if(off.begin(), off.end(), [](float o) { return o >= 0; });
   const auto far = std::count_if(off.begin(), off.end(), [](float o) { return o > kOff; });
   return static_cast<double>(far) <= kLeastOff * static_cast<double>(known);
+}
+
+// Of what stands still, the share that is off all the same.
+double off_of_what_stands(const std::vector<float>& off, const std::vector<float>& still) {
+  constexpr float kOff = 0.25f;
+  double known = 0, far = 0;
+  for (std::size_t i = 0; i < off.size(); ++i) {
+    if (off[i] < 0 || still[i] < 0.5f) continue;
+    known += 1;
+    far += off[i] > kOff ? 1 : 0;
+  }
+  return known > 0 ? far / known : 0;
 }
 
 // The cells that hang together with `first` among those that are `open`, which are closed.
@@ -88,11 +103,13 @@ MovingParts::Off MovingParts::check(const std::vector<Compared>& with, double cl
   Off out;
   for (const Compared& older : with) {
     const SurfaceCheck check =
-        check_surface(depth_, *older.then, older.T_then_now, {clock_s, stride});
+        check_surface(depth_, *older.then, older.T_then_now, {clock_s, noise_ratio_, stride});
     out.support += check.support;
     out.cells.resize(check.off.size(), SurfaceCheck::kUnknown);
     std::transform(check.off.begin(), check.off.end(), out.cells.begin(), out.cells.begin(),
                    [](float a, float b) { return std::max(a, b); });
+    // Alone it is no reason to say that anything moves: who comes near a wall sees no depth either.
+    if (moved()) check_covered(depth_, *older.then, older.T_then_now, out.cells);
   }
   return out;
 }
@@ -136,9 +153,12 @@ MovingParts::Judgement MovingParts::judge(const SE3& T_local_camera,
   const DepthSegments segments = segment_depth(depths, columns());
   out.mask = coherent(score_still(segments, off.cells, still_), depths);
   if (!out.mask.any()) return out;
-  std::vector<float> still = score_still(segments, check(fitted(with, out.mask), 0).cells, still_);
+  const std::vector<float> cells = check(fitted(with, out.mask), 0).cells;
+  std::vector<float> still = score_still(segments, cells, still_);
   out.mask = coherent(still, depths);
-  if (out.mask.any()) out.still = std::move(still);
+  if (!out.mask.any()) return out;
+  out.off_share = off_of_what_stands(cells, still);
+  out.still = std::move(still);
   return out;
 }
 
@@ -186,6 +206,10 @@ registration::CellMask MovingParts::coherent(const std::vector<float>& still,
 void MovingParts::remember(const Judgement& judgement, const registration::FrameMotion& motion) {
   depth_.motion = motion;
   still_ = judgement.still;
+  if (moved()) {
+    const double ratio = noise_ratio_ * (judgement.off_share > kUsuallyOff ? kNoisier : kCalmer);
+    noise_ratio_ = std::clamp(ratio, 1.0, kNoisiest);
+  }
   past_depths_.push_back(depth_);
   while (depth_.timestamp_s - past_depths_.front().timestamp_s > kKept_s) {
     past_depths_.pop_front();

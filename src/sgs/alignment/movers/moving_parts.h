@@ -22,6 +22,7 @@ class MovingParts {
   struct Judgement {
     registration::CellMask mask;  ///< what moves
     std::vector<float> still;     ///< score_still() of each cell; empty where nothing moves
+    double off_share = 0;         ///< of what stands still, the share that is off all the same
     double support = 0;           ///< how much of the older frames the pose explains
   };
 
@@ -61,6 +62,7 @@ class MovingParts {
 
   CoarseDepth depth_;                    // of the frame that is looked at
   std::deque<CoarseDepth> past_depths_;  // oldest first
+  double noise_ratio_ = 1;               // of depth, to its model
   std::vector<float> still_;             // of the last of them; empty: nothing moved
 };
 

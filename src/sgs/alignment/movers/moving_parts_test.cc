@@ -4,9 +4,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
 #include "sgs/alignment/movers/rigid_fit.h"
 #include "sgs/alignment/movers/surface_check.h"
 #include "sgs/alignment/test_textured_wall.h"
+#include "sgs/camera/depth_noise.h"
 
 namespace sgs::alignment {
 namespace {
@@ -96,6 +102,49 @@ TEST(SurfaceCheck, FollowsTheCamera) {
   EXPECT_LT(wrong.support, 0.2 * check.support);
 }
 
+TEST(SurfaceCheck, FollowsACameraThatMovesWhileItIsReadOut) {
+  const Board nobody{10, 0.1, 0.8};
+  Vector6d delta = Vector6d::Zero();
+  delta << 0.04, 0.02, 0, 0, 0, 0.03;
+  RgbdFrame frame = see({}, 1, nobody);
+  for (int v = 0; v < kWallCamera.height; ++v) {
+    const float o = registration::ReadoutMotion::offset(static_cast<float>(v), kWallCamera.height);
+    const RgbdFrame there = see(SE3::exp(double{o} * delta), 1, nobody);
+    std::copy_n(there.depth.row(v), kWallCamera.width, frame.depth.row(v));
+  }
+  CoarseDepth now(frame);
+  const CoarseDepth then = coarse(0, nobody);
+  const double unaware = check_surface(now, then, {}).support;
+  now.motion.readout = delta;
+  const SurfaceCheck aware = check_surface(now, then, {}), back = check_surface(then, now, {});
+  for (const float off : aware.off) EXPECT_LT(off, 0.1f);
+  for (const float off : back.off) EXPECT_LT(off, 0.1f);
+  EXPECT_LT(unaware, 0.9 * aware.support);
+  EXPECT_LT((fit_rigid(now, then, {}).log()).norm(), 2e-3);
+}
+
+TEST(SurfaceCheck, SomethingStandsBeforeAWallThatIsNoLongerMeasured) {
+  const auto without = [](int left_px, int width_px, int index) {
+    RgbdFrame frame = see({}, index, {10, 0.1, 0.8});
+    for (int v = 0; v < kWallCamera.height; ++v) {
+      std::fill_n(frame.depth.row(v) + left_px, width_px, 0.0f);
+    }
+    return CoarseDepth(frame);
+  };
+  const CoarseDepth whole = without(0, 0, 0), hole = without(100, 80, 1), rim = without(100, 80, 2);
+  const auto covered = [](const CoarseDepth& now, const CoarseDepth& then) {
+    std::vector<float> off = check_surface(now, then, {}).off;
+    check_covered(now, then, {}, off);
+    return off;
+  };
+  const std::vector<float> came = covered(hole, whole);
+  const int columns = hole.depth.width() / SurfaceCheck::kCell;
+  const auto cell = [&](int u) { return static_cast<std::size_t>(30 * columns + u / 4); };
+  EXPECT_EQ(came[cell(140)], 1);
+  EXPECT_LT(came[cell(40)], 0.1f);
+  EXPECT_EQ(covered(rim, hole)[cell(140)], SurfaceCheck::kUnknown);  // it never is
+}
+
 TEST(RigidFit, FollowsTheRoomAndNotWhoMovesInIt) {
   const SE3 truth(so3_exp({0.01, 0.01, 0.05}), {0.03, 0.02, -0.02});
   const CoarseDepth then = coarse(0, {-0.3, 0.5, 0.8}), now = coarse(1, {-0.25, 0.5, 0.75}, truth);
@@ -103,15 +152,30 @@ TEST(RigidFit, FollowsTheRoomAndNotWhoMovesInIt) {
   EXPECT_NEAR(fitted.t.z(), truth.t.z(), 1e-3);  // all else is free in front of a wall
 }
 
+// Depth that errs by so many widths of what its model says, by pixel and frame.
+void disturb(RgbdFrame& frame, double widths) {
+  std::mt19937 random(static_cast<unsigned>(frame.index));
+  for (int v = 0; v < frame.depth.height(); ++v) {
+    for (int u = 0; u < frame.depth.width(); ++u) {
+      float& z = frame.depth(u, v);
+      const double unit = static_cast<double>(random()) / 4294967296.0;
+      z += static_cast<float>((unit - 0.5) * std::sqrt(12.0) * widths) * depth_sigma_m(z);
+    }
+  }
+}
+
 // Looks at frames up to the last, of which it gives the judgement; all from one place. The last
 // pose is told wrong by so much.
-MovingParts::Judgement judge_last(int last, double width_m, double wrong_m = 0) {
+MovingParts::Judgement judge_last(int last, double width_m, double wrong_m = 0,
+                                  double noise_widths = 0) {
   MovingParts parts;
   history::Revision revision;
   LocalPast past;
   MovingParts::Judgement judgement;
   for (int i = 0; i <= last; ++i) {
-    parts.look_at(see({}, i, carried(i, width_m)));
+    RgbdFrame frame = see({}, i, carried(i, width_m));
+    disturb(frame, noise_widths);
+    parts.look_at(frame);
     const SE3 told(so3_exp({0, 0, 0}), {0, 0, i == last ? wrong_m : 0});
     judgement = parts.judge(told, {}, past);
     revision.path.append({i, i / 30.0, SE3{}});
@@ -134,6 +198,20 @@ TEST(MovingParts, SaysWhatIsCarriedThroughTheView) {
     }
   }
   EXPECT_GT(both, 0.8 * either);
+}
+
+TEST(MovingParts, LearnsThatDepthIsNoisierThanItsModel) {
+  const MovingParts::Judgement judgement = judge_last(25, 0.5, 0, 4);
+  const RgbdFrame frame = see({}, 25, carried(25, 0.5));
+  int still = 0, said = 0;
+  for (int v = 4; v < kWallCamera.height; v += 8) {
+    for (int u = 4; u < kWallCamera.width; u += 8) {
+      if (frame.depth(u, v) < 1) continue;
+      ++still;
+      said += judgement.mask.at(u, v) ? 1 : 0;
+    }
+  }
+  EXPECT_LT(said, 0.15 * still);
 }
 
 TEST(MovingParts, SaysNothingOfSomethingSmall) { EXPECT_FALSE(judge_last(15, 0.1).mask.any()); }

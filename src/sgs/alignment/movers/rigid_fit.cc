@@ -38,6 +38,10 @@ Eigen::Vector3f point_at(const CoarseDepth& d, int u, int v) {
           (static_cast<float>(v) - static_cast<float>(c.cy)) / static_cast<float>(c.fy) * z, z};
 }
 
+float offset_of(const CoarseDepth& d, float row) {
+  return std::clamp(registration::ReadoutMotion::offset(row, d.depth.height()), -0.5f, 0.5f);
+}
+
 // Of a pixel with four neighbours on one surface.
 std::optional<Plane> plane_at(const CoarseDepth& d, int u, int v) {
   if (u < 1 || v < 1 || u + 1 >= d.depth.width() || v + 1 >= d.depth.height()) return {};
@@ -53,11 +57,12 @@ std::optional<Plane> plane_at(const CoarseDepth& d, int u, int v) {
 
 std::vector<Eigen::Vector3f> points_of(const CoarseDepth& d,
                                        const registration::CellMask& without) {
+  const registration::ReadoutMotion rows(d.motion.readout);
   std::vector<Eigen::Vector3f> out;
   for (int v = Fit::kStride / 2; v < d.depth.height(); v += Fit::kStride) {
     for (int u = Fit::kStride / 2; u < d.depth.width(); u += Fit::kStride) {
       if (d.depth(u, v) > 0 && !without.at(u * d.step_px, v * d.step_px))
-        out.push_back(point_at(d, u, v));
+        out.push_back(rows.to_middle(point_at(d, u, v), offset_of(d, static_cast<float>(v))));
     }
   }
   return out;
@@ -70,11 +75,15 @@ Vector6d step(const std::vector<Eigen::Vector3f>& points, const CoarseDepth& the
   const auto f = [](double x) { return static_cast<float>(x); };
   const float fx = f(then.camera.fx), fy = f(then.camera.fy), cx = f(then.camera.cx),
               cy = f(then.camera.cy);
+  const registration::ReadoutMotion rows(then.motion.readout);
   Matrix6d H = Matrix6d::Zero();
   Vector6d b = Vector6d::Zero();
   int used = 0;
   for (const Eigen::Vector3f& p : points) {
-    const Eigen::Vector3f q = R * p + t;
+    const Eigen::Vector3f middle = R * p + t;
+    if (!(middle.z() > Fit::kNearest_m)) continue;
+    const Eigen::Vector3f q =
+        rows.to_row(middle, offset_of(then, middle.y() / middle.z() * fy + cy));
     if (!(q.z() > Fit::kNearest_m)) continue;
     const float u = q.x() / q.z() * fx + cx, v = q.y() / q.z() * fy + cy;
     if (!(u > 0 && v > 0 && u < f(then.depth.width()) && v < f(then.depth.height()))) continue;

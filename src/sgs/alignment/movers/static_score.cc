@@ -12,6 +12,8 @@ namespace {
 constexpr double kUndecided = 0.3, kSteepness = 12;
 // Weights, where a cell that is known has 1: of a pair of cells across a border, of the past.
 constexpr double kBorder = 1, kPast = 8;
+// Weight of a cell whose surface is where it was: what moves along itself looks so, too.
+constexpr double kSeenStill = 0.3;
 constexpr int kSteps = 20;  // of relaxation: farther than evidence has to reach
 
 struct Sum {
@@ -30,9 +32,13 @@ struct Sum {
 std::vector<float> score_still(const DepthSegments& segments, const std::vector<float>& off,
                                const std::vector<float>& before) {
   const auto count = static_cast<std::size_t>(segments.count);
+  const auto is_measured = [&](std::size_t cell) {
+    return segments.of[cell] != DepthSegments::kNone;
+  };
   const auto of = [&](std::size_t cell) { return static_cast<std::size_t>(segments.of[cell]); };
   std::vector<Sum> evidence(count), past(count);
   for (std::size_t cell = 0; cell < off.size(); ++cell) {
+    if (!is_measured(cell)) continue;
     if (!before.empty() && before[cell] >= 0) past[of(cell)].add(double{before[cell]}, 1);
     if (off[cell] >= 0) evidence[of(cell)].add(double{off[cell]}, 1);
   }
@@ -40,7 +46,9 @@ std::vector<float> score_still(const DepthSegments& segments, const std::vector<
   std::vector<std::optional<double>> still(count);
   for (std::size_t s = 0; s < count; ++s) {
     if (const auto mean = evidence[s].mean()) {
-      own[s].add(1 / (1 + std::exp(kSteepness * (*mean - kUndecided))), evidence[s].weight);
+      const double weight = kSeenStill + (1 - kSeenStill) * *mean;
+      own[s].add(1 / (1 + std::exp(kSteepness * (*mean - kUndecided))),
+                 weight * evidence[s].weight);
     }
     if (const auto mean = past[s].mean()) own[s].add(*mean, kPast);
     still[s] = own[s].mean();
@@ -56,7 +64,13 @@ std::vector<float> score_still(const DepthSegments& segments, const std::vector<
   }
   std::vector<float> out(off.size());
   for (std::size_t cell = 0; cell < off.size(); ++cell) {
-    out[cell] = static_cast<float>(still[of(cell)].value_or(kUnknownStill));
+    if (is_measured(cell)) {
+      out[cell] = static_cast<float>(still[of(cell)].value_or(kUnknownStill));
+    } else if (off[cell] >= 0) {
+      out[cell] = 1 - off[cell];
+    } else {
+      out[cell] = before.empty() ? kUnknownStill : before[cell];
+    }
   }
   return out;
 }

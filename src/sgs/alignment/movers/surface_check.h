@@ -25,6 +25,8 @@ struct SurfaceCheck {
 struct CheckOptions {
   /// Depth may be measured so much sooner or later than is known, while the camera moves.
   double clock_s = 0;
+  /// Depth is so many times as noisy as its model says.
+  double noise_ratio = 1;
   int stride = 1;  ///< one cell is asked of so many, across and down; the others are unknown
 };
 
@@ -32,5 +34,12 @@ struct CheckOptions {
 /// (between_depths()).
 SurfaceCheck check_surface(const CoarseDepth& now, const CoarseDepth& then, const SE3& T_then_now,
                            const CheckOptions& options = {});
+
+/// Sets `off` (SurfaceCheck::off) to 1 where nothing is measured far and wide of now, although
+/// then's surface stands there and no nearer than what else is measured: something that is too
+/// near, or of which the sensor sees nothing, is before it. Where nothing was measured then either
+/// (a rim, a window) is left as it is.
+void check_covered(const CoarseDepth& now, const CoarseDepth& then, const SE3& T_then_now,
+                   std::vector<float>& off);
 
 }  // namespace sgs::alignment

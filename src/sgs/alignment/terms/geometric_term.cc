@@ -162,13 +162,15 @@ bool GeometricTerm::stands_in_free_space(const Eigen::Vector3f& point,
   return search_->stands_before(there, margin_m);
 }
 
+bool GeometricTerm::is_moving(const Eigen::Vector3f& point) const {
+  if (!moving_.any()) return false;
+  const Eigen::Vector2d at = camera_.project(point.cast<double>());
+  const int u = static_cast<int>(std::lround(at.x())), v = static_cast<int>(std::lround(at.y()));
+  return u >= 0 && v >= 0 && u < camera_.width && v < camera_.height && moving_.at(u, v);
+}
+
 bool GeometricTerm::moves(const Eigen::Vector3f& point, const SE3& T_local_camera) const {
-  if (moving_.any()) {
-    const Eigen::Vector2d at = camera_.project(point.cast<double>());
-    const int u = static_cast<int>(std::lround(at.x())), v = static_cast<int>(std::lround(at.y()));
-    if (u >= 0 && v >= 0 && u < camera_.width && v < camera_.height && moving_.at(u, v))
-      return true;
-  }
+  if (is_moving(point)) return true;
   if (!config_.movers.ignore || !prepared_) return false;
   if (!stands_in_free_space(point, in_reference(T_local_camera))) return false;
   return !trial_.stayed((T_local_camera * point.cast<double>()).cast<float>(), time_s_);
@@ -213,6 +215,7 @@ degeneracy::SurfaceInformation GeometricTerm::surface_information(int noise_stri
   sample_weights_.clear();
   sample_noise_.clear();
   for (const registration::SourcePoint& p : source_.points) {
+    if (is_moving(p.point)) continue;
     sample_points_.push_back(p.point);
     sample_normals_.push_back(p.normal);
     sample_weights_.push_back(1 / p.variance_m2);

@@ -34,6 +34,7 @@ class GeometricTerm {
   void set_motion(const registration::FrameMotion& motion);
   /// What moves, of the frame: points there match nothing, until the next frame or set_moving().
   void set_moving(const registration::CellMask& moving);
+  const registration::CellMask& moving() const { return moving_; }
   /// Whether there is anything to register to.
   bool has_targets() const { return !targets_->cloud().points.empty(); }
   /// Prepares the search for a frame expected at `T_local_predicted`; needs targets.
@@ -53,6 +54,8 @@ class GeometricTerm {
   double count_movers(const SE3& T_local_camera);
   /// Whether that is so of a point (camera coordinates, metres); false before prepare().
   bool moves(const Eigen::Vector3f& point, const SE3& T_local_camera) const;
+  /// Whether a pixel of the frame is of what set_moving() said, measured or not.
+  bool moves(int u, int v) const { return moving_.at(u, v); }
   /// Notes where they are, so that what stays there becomes part of the world: once a frame, of an
   /// accepted pose.
   void note_movers(const SE3& T_local_camera);
@@ -63,8 +66,9 @@ class GeometricTerm {
     std::vector<float> opacities;
   };
   MatchedTargets matched_targets() const;
-  /// What the frame's own surfaces could tell about its motion, whatever the map holds. Every
-  /// `noise_stride`-th point enters the expectation of what noise alone would tell.
+  /// What the frame's own surfaces could tell about its motion, whatever the map holds, without
+  /// what set_moving() said. Every `noise_stride`-th point enters the expectation of what noise
+  /// alone would tell.
   degeneracy::SurfaceInformation surface_information(int noise_stride);
   /// Removes targets that the frame last given to set_frame(), which must still exist, looks
   /// through, and extends them by it where the search last prepared finds none. `motion` is what
@@ -78,6 +82,7 @@ class GeometricTerm {
   const TargetMap& targets() const { return *targets_; }
 
  private:
+  bool is_moving(const Eigen::Vector3f& point) const;
   bool stands_in_free_space(const Eigen::Vector3f& point, const SE3& T_reference_camera) const;
   SE3 in_reference(const SE3& T_local_camera) const { return T_reference_local_ * T_local_camera; }
 
