@@ -15,7 +15,7 @@ constexpr double kMedianOfThree = 2.366;
 constexpr double kFreedom = 4;  // degrees, of Student's t
 // Points and pixels count as if each erred by itself, but neighbours err together: their equations
 // are too sure, and a prior beside them has to be as sure.
-constexpr double kWeight = 5;
+constexpr double kWeight = 3;
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
