@@ -170,15 +170,8 @@ class CameraTest(unittest.TestCase):
 
     def sent(self, *options):
         """What the program sends by itself, and says."""
-        done = subprocess.run(
-            [SGS.parent / f"sgs-camera-{self.family}", "--every=on", *options],
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            timeout=TIMEOUT,
-            env=self.environment,
-        )
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return (*parts_of(done.stdout), done.stderr.decode())
+        stream, said = self.sent_by(SGS.parent / f"sgs-camera-{self.family}", *options)
+        return (*parts_of(stream), said)
 
     def refused(self, *words, source=None, code=1):
         said = self.run_camera("--quiet", source=source or self.camera(""), code=code)

@@ -166,6 +166,7 @@ Alignment JointAligner::align(const SE3& T_start, const ReadoutModel& readout, c
     a.moving = judge_parts(a.T_local_camera, readout);
   }
   leave_out(a.moving.mask, a.fit);
+  geometry_.set_motion(a.points_motion);  // a turn that was not kept had another
   finish(to.surfaces, a);
   return a;
 }

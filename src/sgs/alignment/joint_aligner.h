@@ -179,8 +179,8 @@ class JointAligner {
   ExpectedMotion expected_;
 
   // Of the current frame, before anything is matched:
-  degeneracy::HysteresisState hysteresis_before_,
-      hysteresis_;  // as the last frame left it, and this
+  degeneracy::HysteresisState hysteresis_before_;  // as the last frame left it
+  degeneracy::HysteresisState hysteresis_;
   degeneracy::SurfaceInformation surfaces_;
   degeneracy::Observability observability_;
   double planarity_ = std::numeric_limits<double>::quiet_NaN();

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "sgs/camera/rgbd_frame.h"
@@ -22,6 +23,11 @@ struct CoarseDepth {
   DepthImage depth;      ///< metres, 0 = no measurement
   /// How the camera moved while it was measured.
   registration::FrameMotion motion;
+
+  /// Place of a row of `depth` in the readout; rows beyond it count as the first or last.
+  float offset(float row) const {
+    return std::clamp(registration::ReadoutMotion::offset(row, depth.height()), -0.5f, 0.5f);
+  }
 };
 
 /// From the camera of now's depth to that of then's, given the same of their pictures: depth is

@@ -81,6 +81,11 @@ std::vector<std::size_t> take_part(std::size_t first, int columns,
 
 }  // namespace
 
+void MovingParts::look_at(const RgbdFrame& frame) {
+  depth_ = CoarseDepth(frame);
+  if (moved()) nearest_m_ = nearest_measured(depth_);
+}
+
 // The nearest to each age; at first there are fewer.
 std::vector<const CoarseDepth*> MovingParts::compared_with() const {
   std::vector<const CoarseDepth*> out;
@@ -109,7 +114,7 @@ MovingParts::Off MovingParts::check(const std::vector<Compared>& with, double cl
     std::transform(check.off.begin(), check.off.end(), out.cells.begin(), out.cells.begin(),
                    [](float a, float b) { return std::max(a, b); });
     // Alone it is no reason to say that anything moves: who comes near a wall sees no depth either.
-    if (moved()) check_covered(depth_, *older.then, older.T_then_now, out.cells);
+    if (moved()) check_covered(depth_, *older.then, older.T_then_now, nearest_m_, out.cells);
   }
   return out;
 }

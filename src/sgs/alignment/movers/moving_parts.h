@@ -27,7 +27,7 @@ class MovingParts {
   };
 
   /// Looks at a frame.
-  void look_at(const RgbdFrame& frame) { depth_ = CoarseDepth(frame); }
+  void look_at(const RgbdFrame& frame);
   /// What moves if it was taken there, and the camera moved so meanwhile. `past` has the frames
   /// that were remembered.
   Judgement judge(const SE3& T_local_camera, const registration::FrameMotion& motion,
@@ -62,6 +62,7 @@ class MovingParts {
 
   CoarseDepth depth_;                    // of the frame that is looked at
   std::deque<CoarseDepth> past_depths_;  // oldest first
+  float nearest_m_ = 0;                  // of it, where something moved before
   double noise_ratio_ = 1;               // of depth, to its model
   std::vector<float> still_;             // of the last of them; empty: nothing moved
 };

@@ -134,7 +134,7 @@ TEST(SurfaceCheck, SomethingStandsBeforeAWallThatIsNoLongerMeasured) {
   const CoarseDepth whole = without(0, 0, 0), hole = without(100, 80, 1), rim = without(100, 80, 2);
   const auto covered = [](const CoarseDepth& now, const CoarseDepth& then) {
     std::vector<float> off = check_surface(now, then, {}).off;
-    check_covered(now, then, {}, off);
+    check_covered(now, then, {}, nearest_measured(now), off);
     return off;
   };
   const std::vector<float> came = covered(hole, whole);

@@ -38,10 +38,6 @@ Eigen::Vector3f point_at(const CoarseDepth& d, int u, int v) {
           (static_cast<float>(v) - static_cast<float>(c.cy)) / static_cast<float>(c.fy) * z, z};
 }
 
-float offset_of(const CoarseDepth& d, float row) {
-  return std::clamp(registration::ReadoutMotion::offset(row, d.depth.height()), -0.5f, 0.5f);
-}
-
 // Of a pixel with four neighbours on one surface.
 std::optional<Plane> plane_at(const CoarseDepth& d, int u, int v) {
   if (u < 1 || v < 1 || u + 1 >= d.depth.width() || v + 1 >= d.depth.height()) return {};
@@ -62,7 +58,7 @@ std::vector<Eigen::Vector3f> points_of(const CoarseDepth& d,
   for (int v = Fit::kStride / 2; v < d.depth.height(); v += Fit::kStride) {
     for (int u = Fit::kStride / 2; u < d.depth.width(); u += Fit::kStride) {
       if (d.depth(u, v) > 0 && !without.at(u * d.step_px, v * d.step_px))
-        out.push_back(rows.to_middle(point_at(d, u, v), offset_of(d, static_cast<float>(v))));
+        out.push_back(rows.to_middle(point_at(d, u, v), d.offset(static_cast<float>(v))));
     }
   }
   return out;
@@ -82,8 +78,7 @@ Vector6d step(const std::vector<Eigen::Vector3f>& points, const CoarseDepth& the
   for (const Eigen::Vector3f& p : points) {
     const Eigen::Vector3f middle = R * p + t;
     if (!(middle.z() > Fit::kNearest_m)) continue;
-    const Eigen::Vector3f q =
-        rows.to_row(middle, offset_of(then, middle.y() / middle.z() * fy + cy));
+    const Eigen::Vector3f q = rows.to_row(middle, then.offset(middle.y() / middle.z() * fy + cy));
     if (!(q.z() > Fit::kNearest_m)) continue;
     const float u = q.x() / q.z() * fx + cx, v = q.y() / q.z() * fy + cy;
     if (!(u > 0 && v > 0 && u < f(then.depth.width()) && v < f(then.depth.height()))) continue;

@@ -52,8 +52,10 @@ bool is_measured(const DepthImage& depth, int column, int row, int around) {
   return false;
 }
 
-// As near as the sensor measures, going by one frame: nearer is hardly anything of it.
-float nearest_measured(const DepthImage& depth) {
+}  // namespace
+
+float nearest_measured(const CoarseDepth& frame) {
+  const DepthImage& depth = frame.depth;
   constexpr double kNearer = 0.01;  // share
   std::vector<float> z;
   for (int v = 0; v < depth.height(); ++v) {
@@ -66,11 +68,8 @@ float nearest_measured(const DepthImage& depth) {
   return *at;
 }
 
-}  // namespace
-
 void check_covered(const CoarseDepth& now, const CoarseDepth& then, const SE3& T_then_now,
-                   std::vector<float>& off) {
-  const float nearest = nearest_measured(now.depth);
+                   float nearest_m, std::vector<float>& off) {
   const SE3 T_now_then = T_then_now.inverse();
   const int columns = now.depth.width() / SurfaceCheck::kCell;
   const int rows = now.depth.height() / SurfaceCheck::kCell;
@@ -80,7 +79,7 @@ void check_covered(const CoarseDepth& now, const CoarseDepth& then, const SE3& T
       const float z = then.depth(x, y);
       if (!(z > 0)) continue;
       const Eigen::Vector3d p = T_now_then * then.camera.back_project(x, y, double{z});
-      if (!(p.z() >= double{nearest})) continue;
+      if (!(p.z() >= double{nearest_m})) continue;
       const Eigen::Vector2d pixel = now.camera.project(p);
       if (!(pixel.x() >= 0 && pixel.y() >= 0)) continue;
       const int i = static_cast<int>(pixel.x()) / SurfaceCheck::kCell;
@@ -106,21 +105,17 @@ SurfaceCheck check_surface(const CoarseDepth& now, const CoarseDepth& then, cons
   const int stride = options.stride;
   const float noise = std::sqrt(2.0f) * f(options.noise_ratio);
   const registration::ReadoutMotion rows_now(now.motion.readout), rows_then(then.motion.readout);
-  const auto offset = [](float row, const DepthImage& depth) {
-    return registration::ReadoutMotion::offset(row, depth.height());
-  };
   for (int row = stride / 2; row < rows; row += stride) {
     for (int column = stride / 2; column < out.columns; column += stride) {
       const int x = column * SurfaceCheck::kCell + 1, y = row * SurfaceCheck::kCell + 1;
       const float z = now.depth(x, y);
       if (!(z > 0)) continue;
       const Eigen::Vector3f seen_at((f(x) - cx) / fx * z, (f(y) - cy) / fy * z, z);
-      const Eigen::Vector3f p = rows_now.to_middle(seen_at, offset(f(y), now.depth));
+      const Eigen::Vector3f p = rows_now.to_middle(seen_at, now.offset(f(y)));
       const Eigen::Vector3f middle = R * p + t;
       if (!(middle.z() > kNearest_m)) continue;
       const float row_then = middle.y() / middle.z() * fy + cy;
-      const Eigen::Vector3f q =
-          rows_then.to_row(middle, std::clamp(offset(row_then, then.depth), -0.5f, 0.5f));
+      const Eigen::Vector3f q = rows_then.to_row(middle, then.offset(row_then));
       if (!(q.z() > kNearest_m)) continue;
       const Eigen::Vector3f drift =
           f(options.clock_s) * (speed_of(p, now.motion.velocity).cwiseAbs() +

@@ -35,11 +35,15 @@ struct CheckOptions {
 SurfaceCheck check_surface(const CoarseDepth& now, const CoarseDepth& then, const SE3& T_then_now,
                            const CheckOptions& options = {});
 
+/// As near as the sensor measures, going by one frame: hardly anything of it is nearer. Metres;
+/// infinite where nothing is measured.
+float nearest_measured(const CoarseDepth& frame);
+
 /// Sets `off` (SurfaceCheck::off) to 1 where nothing is measured far and wide of now, although
-/// then's surface stands there and no nearer than what else is measured: something that is too
+/// then's surface stands there and no nearer than now's nearest_measured(): something that is too
 /// near, or of which the sensor sees nothing, is before it. Where nothing was measured then either
 /// (a rim, a window) is left as it is.
 void check_covered(const CoarseDepth& now, const CoarseDepth& then, const SE3& T_then_now,
-                   std::vector<float>& off);
+                   float nearest_m, std::vector<float>& off);
 
 }  // namespace sgs::alignment
