@@ -201,7 +201,7 @@ TEST(MovingParts, SaysWhatIsCarriedThroughTheView) {
 }
 
 TEST(MovingParts, LearnsThatDepthIsNoisierThanItsModel) {
-  const MovingParts::Judgement judgement = judge_last(25, 0.5, 0, 4);
+  const MovingParts::Judgement judgement = judge_last(25, 0.5, 0, 8);
   const RgbdFrame frame = see({}, 25, carried(25, 0.5));
   int still = 0, said = 0;
   for (int v = 4; v < kWallCamera.height; v += 8) {
